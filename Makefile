@@ -1,0 +1,36 @@
+# Everything sets itself up: `make demo` and `make test` work on a bare machine with Python 3.11 or newer.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+TRUEPOSE_DATA ?=
+export TRUEPOSE_DATA
+
+.PHONY: setup demo test check accuracy nightly clean
+
+setup: $(VENV)/.installed
+
+$(VENV)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+demo: setup
+	$(BIN)/truepose demo --out out/demo
+
+test: setup
+	$(BIN)/python -m pytest
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+accuracy: setup
+	$(BIN)/python -m service.showcase.accuracy --out out/accuracy
+
+nightly: setup
+	$(BIN)/truepose nightly --out out/nightly
+
+clean:
+	rm -rf $(VENV) out build dist

@@ -1,0 +1,165 @@
+"""What a driver offers: one small Protocol per kind of device, reading types, and the plugin that opens it.
+
+Units: mm, rad, s, °C. Every reading carries the time of the cell's clock at which it was taken.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
+
+Vector: TypeAlias = tuple[float, float, float]
+Options: TypeAlias = Mapping[str, str | int | float | bool]
+DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar"]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceIdentity:
+    """Who the device says it is."""
+
+    manufacturer: str
+    model: str
+    serial: str
+    firmware: str
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerReading:
+    """One stationary measurement, in the tracker's own frame."""
+
+    point_mm: Vector
+    standard_deviation_mm: Vector  # of the mean, as the instrument states it; NaN where it does not
+    rms_mm: float  # total scatter of the samples
+    samples: int
+    duration_s: float
+    face: Literal[1, 2]
+    time_s: float  # cell clock, at the end of the measurement
+
+
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """Air as the instrument's weather station sees it."""
+
+    temperature_c: float
+    pressure_hpa: float
+    humidity_percent: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointReading:
+    """Joint angles as the controller reports them."""
+
+    joints_rad: tuple[float, ...]
+    resolution_rad: float  # of the protocol, not of the encoder
+    time_s: float  # cell clock, when the answer arrived
+
+
+@dataclass(frozen=True, slots=True)
+class MotionLimits:
+    """Upper limits of a motion between configurations."""
+
+    tool_speed_mm_s: float = 500.0
+    orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
+
+
+@runtime_checkable
+class Clock(Protocol):
+    """The clock of the cell: real cells use the monotonic clock, simulated ones offer their own."""
+
+    async def now_s(self) -> float:
+        """Return the present cell time [s]."""
+        ...
+
+    async def sleep(self, duration_s: float) -> None:
+        """Let the cell's time advance by `duration_s`."""
+        ...
+
+
+class Device(Protocol):
+    """What every device can do."""
+
+    async def connect(self) -> None:
+        """Open the link; raises ConnectFailedError."""
+        ...
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        ...
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        ...
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the device who it is."""
+        ...
+
+
+class PointTracker(Device, Protocol):
+    """An instrument that measures the centre of a reflector in its own frame."""
+
+    async def initialise(self) -> None:
+        """Bring the instrument into a state in which it can measure (units, mode, warm-up)."""
+        ...
+
+    async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
+        """Point at `near_mm` (tracker frame) and lock on the reflector there; raises ReflectorNotFoundError."""
+        ...
+
+    async def measure_point(self, *, duration_s: float) -> TrackerReading:
+        """Measure the reflector locked on; raises BeamBrokenError."""
+        ...
+
+    async def change_face(self) -> None:
+        """Turn to the other face of the instrument, which stays locked on the same reflector."""
+        ...
+
+    async def environment(self) -> Environment:
+        """Read the weather station."""
+        ...
+
+
+class RobotController(Device, Protocol):
+    """A robot that moves to joint targets."""
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Whether a motion under way can be interrupted through this protocol."""
+        ...
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed limits of the following motions, and stop exactly at every target."""
+        ...
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; returns when the arm is at rest there. Raises TargetRefusedError."""
+        ...
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are."""
+        ...
+
+
+AnyDevice: TypeAlias = PointTracker | RobotController | Clock
+
+
+@dataclass(frozen=True, slots=True)
+class DriverPlugin:
+    """A registered driver: its configuration name, what it drives, and how to open it.
+
+    `open` takes the options of the cell file (host, port, ...) and the cell's clock; it connects nothing.
+    """
+
+    name: str
+    kind: DeviceKind
+    protocol: str
+    options: Mapping[str, str]  # option -> one sentence, for the cell file's reader
+    open: "OpenDriver"
+
+
+class OpenDriver(Protocol):
+    """Builds a driver from its options; connects nothing."""
+
+    def __call__(self, options: Options, clock: Clock | None) -> AnyDevice:
+        """Return the driver; raises ConfigurationError for an option that is missing or wrong."""
+        ...

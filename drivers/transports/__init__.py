@@ -1,0 +1,1 @@
+"""Bytes in and out with time-outs; no meaning."""

@@ -1,0 +1,1 @@
+"""The truepose service: measures, identifies and validates industrial robots."""

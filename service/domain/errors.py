@@ -1,0 +1,23 @@
+"""Errors of the numerics.
+
+TrueposeError
+├── ConfigurationError        an argument does not fit the robot or the campaign
+├── UnderdeterminedError      fewer observations than parameters
+└── UnknownEffectError        no effect of that name is registered
+"""
+
+
+class TrueposeError(Exception):
+    """Base of every error that the service raises on purpose; its text is one sentence for the user."""
+
+
+class ConfigurationError(TrueposeError):
+    """An argument does not fit the robot or the campaign."""
+
+
+class UnderdeterminedError(TrueposeError):
+    """There are fewer observations than parameters."""
+
+
+class UnknownEffectError(TrueposeError):
+    """No effect of that name is registered."""
