@@ -1,0 +1,29 @@
+"""What a session knows of the cell it runs in: its devices and where things nominally are."""
+
+from dataclasses import dataclass
+
+from drivers.api import Clock, PointTracker, RobotController
+from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
+from service.domain.session import Vector
+
+
+@dataclass(frozen=True, slots=True)
+class SessionCell:
+    """Devices, nominal robot and artefacts of one cell.
+
+    The tracker's frame is unknown at first. Its fixed nests are found either from
+    `fixed_nests_seen_mm` (somebody aimed at each once; good to about 20 mm) or, where only
+    `tracker_position_mm` is known, by a search around the instrument's vertical axis.
+    """
+
+    tracker: PointTracker
+    robot_controller: RobotController
+    clock: Clock
+    robot: Robot
+    base: FramePlacement  # nominal, in the world
+    nests: tuple[Nest, ...]  # tool nests, all with a centre
+    fixed_nests: tuple[FixedNest, ...]
+    tracker_position_mm: Vector | None = None  # nominal, in the world
+    fixed_nests_seen_mm: tuple[Vector, ...] | None = None  # in the tracker's frame, roughly
+    joint_limits: tuple[JointRange, ...] | None = None  # what the controller accepts
+    attachment: int = 1  # how often the tool has been mounted

@@ -1,0 +1,35 @@
+"""Errors of sequencing; the operator reads their text.
+
+SequencingError
+├── NotNowError             the session is in a state in which this cannot be asked
+├── PersonMissingError      a confirmation needs the name of a person
+├── PlanRefusedError        the plan does not fit the cell; found before anything moves
+├── MotionForbiddenError    an interlock forbids a motion
+└── ReadingRejectedError    an instrument answered, and the answer cannot be right
+"""
+
+from service.domain.errors import TrueposeError
+
+
+class SequencingError(TrueposeError):
+    """Base of every error of a session."""
+
+
+class NotNowError(SequencingError):
+    """The session is in a state in which this cannot be asked."""
+
+
+class PersonMissingError(SequencingError):
+    """A confirmation needs the name of a person."""
+
+
+class PlanRefusedError(SequencingError):
+    """The plan does not fit the cell."""
+
+
+class MotionForbiddenError(SequencingError):
+    """An interlock forbids a motion."""
+
+
+class ReadingRejectedError(SequencingError):
+    """An instrument answered, and the answer cannot be right."""

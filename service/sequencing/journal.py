@@ -1,0 +1,60 @@
+"""What a session needs kept: implemented by the storage, and by a list in the tests."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from service.domain.session import (
+    FixedNestTaken,
+    PointTaken,
+    Progress,
+    Registration,
+    SessionState,
+    StopSkipped,
+)
+
+
+class SessionJournal(Protocol):
+    """Keeps what happens in one session, in the order of the calls.
+
+    Every method returns only when its record is on disk; the runner acknowledges nothing earlier and moves
+    nothing while a call is open. A method that raises ends the session as failed.
+    """
+
+    async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
+        """Keep a change of state; `person` is who asked for it or confirmed it, None where the session did."""
+        ...
+
+    async def point_taken(self, point: PointTaken) -> str:
+        """Keep a reading of a tool nest; returns the reading's id."""
+        ...
+
+    async def fixed_nest_taken(self, reading: FixedNestTaken) -> str:
+        """Keep a reading of a fixed nest; returns the reading's id."""
+        ...
+
+    async def stop_skipped(self, skipped: StopSkipped) -> None:
+        """Keep that a configuration was not measured, and why."""
+        ...
+
+    async def registered(self, registration: Registration) -> None:
+        """Keep the tracker's place in the world; a later one supersedes the earlier from then on."""
+        ...
+
+    async def progressed(self, progress: Progress) -> None:
+        """Tell how far the session is."""
+        ...
+
+    async def noted(self, text: str) -> None:
+        """Keep a sentence for the report and the operator."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SessionHistory:
+    """What earlier runs of this session have on disk; the default is a session that never ran."""
+
+    state: SessionState = SessionState.PLANNED
+    points: tuple[PointTaken, ...] = ()
+    skipped: tuple[StopSkipped, ...] = ()
+    registration: Registration | None = None  # the latest
+    elapsed_s: float = 0.0  # as the last Progress said
