@@ -103,7 +103,7 @@ class PointTracker(Device, Protocol):
         ...
 
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
-        """Point at `near_mm` (tracker frame) and lock on the reflector there; raises ReflectorNotFoundError."""
+        """Point at `near_mm` (tracker frame), lock on the reflector there; raises ReflectorNotFoundError."""
         ...
 
     async def measure_point(self, *, duration_s: float) -> TrackerReading:
@@ -132,7 +132,7 @@ class RobotController(Device, Protocol):
         ...
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
-        """Move all joints to `target_rad`; returns when the arm is at rest there. Raises TargetRefusedError."""
+        """Move all joints to `target_rad`; return when the arm rests there. Raises TargetRefusedError."""
         ...
 
     async def read_joints(self) -> JointReading:

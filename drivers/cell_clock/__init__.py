@@ -1,0 +1,1 @@
+"""The clock of a simulated cell, offered as one more endpoint."""
