@@ -1,0 +1,38 @@
+"""Errors of the simulated cell; each text is one sentence for whoever started it.
+
+SimulatorError
+├── ScenarioError            a scenario file cannot be used: file, key, what to do
+├── EndpointUnavailableError an endpoint cannot listen at its address
+├── TruthRequestError        a request to the truth endpoint makes no sense
+└── BeamError                the tracker has nothing to measure
+    ├── NoTargetError          no reflector is locked on
+    └── BeamBrokenError        the beam was lost while measuring
+"""
+
+
+class SimulatorError(Exception):
+    """Base of everything the simulators raise on purpose."""
+
+
+class ScenarioError(SimulatorError):
+    """A scenario cannot be used."""
+
+
+class EndpointUnavailableError(SimulatorError):
+    """An endpoint cannot listen at its address."""
+
+
+class TruthRequestError(SimulatorError):
+    """A request to the truth endpoint makes no sense."""
+
+
+class BeamError(SimulatorError):
+    """The tracker has nothing to measure."""
+
+
+class NoTargetError(BeamError):
+    """No reflector is locked on."""
+
+
+class BeamBrokenError(BeamError):
+    """The beam was lost while measuring."""
