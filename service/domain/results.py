@@ -7,7 +7,7 @@ from typing import Literal
 from service.domain.arrays import FloatArray
 from service.domain.robot import FramePlacement, Robot
 
-Unit = Literal["mm", "rad", "rad/(N*mm)", "1", "rad/mm", "1/K", "mm/h", "kg", "rad*mm"]
+Unit = Literal["mm", "rad", "rad/(N*mm)", "rad*s2/m", "1", "1/K", "mm/h", "kg"]
 
 
 @dataclass(frozen=True, slots=True)

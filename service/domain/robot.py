@@ -46,6 +46,7 @@ class Robot:
     calibration_ranges: tuple[JointRange, ...] | None = None
     rated_payload_kg: float | None = None
     source: str = ""
+    joint_limits: tuple[JointRange, ...] | None = None  # of the controller; None: unknown
 
     @property
     def n_joints(self) -> int:

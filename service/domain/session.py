@@ -42,7 +42,7 @@ class SessionPlan:
 
     role: Role
     stops: tuple[PlannedStop, ...]
-    approach_offset_rad: float | None = -0.0872664626  # -5 deg on all joints against backlash; None: mixed directions
+    approach_offset_rad: float | None = -0.0872664626  # -5 deg on all joints; None: mixed directions
     settle_s: float = 4.0  # thesis section 2.4
     measure_s: float = 1.0
     search_radius_mm: float = 10.0
@@ -52,7 +52,10 @@ class SessionPlan:
     reference_limit_mm: float = 0.1  # a fixed nest that moved further pauses the session
     registration_readings: int = 20  # of each fixed nest at the start
     two_face_check: bool = True
+    two_face_limit_mm: float = 0.1  # half the difference of the faces; beyond it the session pauses
     joint_tolerance_rad: float = 0.00035  # reported against commanded; the protocol rounds to 0.01 deg
+    rms_limit_mm: float = 0.1  # scatter within a reading; the table moves 0.01, the tracker scatters 0.03
+    failures_in_a_row: int = 3  # so many configurations without a reading pause the session
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +107,10 @@ class Registration:
     rotation: FloatArray  # (3, 3)
     translation_mm: FloatArray  # (3,)
     covariance: FloatArray  # (6, 6) of a small motion about the world origin: [mm, rad]
-    rms_mm: float  # residual of the certified distances
-    two_face_mm: float | None  # half the largest difference between the faces
+    rms_mm: float  # of the fixed nests' residuals after the rigid motion
+    two_face_mm: float | None  # half the difference between the faces
+    scale: float | None = None  # certified over measured lengths; None: scale not verified
+    scale_standard_uncertainty: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

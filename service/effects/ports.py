@@ -1,0 +1,85 @@
+"""Ports: the places at which an effect acts on the kinematic chain."""
+
+from enum import Enum
+from typing import NamedTuple, Protocol
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.campaign import Stops
+from service.domain.results import Unit
+from service.domain.robot import Robot
+from service.kinematics.chain import Chain
+
+
+class PortKind(Enum):
+    """What a port moves; its index says which one."""
+
+    BASE = "base"  # 0..2 translation [mm] in the world, 3..5 RotX RotY RotZ [rad] before the start rotation
+    ALPHA = "alpha"  # joint, 0-based
+    A = "a"
+    BETA = "beta"
+    THETA = "theta"
+    D = "d"
+    NEST = "nest"  # 3 * (nest - 1) + component [mm, last frame]
+    TOOL_ROTATION = "tool_rotation"  # 0..2: RotX RotY RotZ [rad] of the tool before its start rotation
+    SCALE = "scale"  # lengths as the instrument sees them, about its own place [1]
+
+
+class Port(NamedTuple):
+    """One scalar place of action."""
+
+    kind: PortKind
+    index: int
+
+
+class Term(NamedTuple):
+    """Parameter -> port: the port moves by `weight` per unit of the parameter."""
+
+    parameter: int  # index within the names given to the effect
+    port: Port
+    weight: float | FloatArray  # scalar, or (n,) for n rows
+
+
+class ParameterSpec(NamedTuple):
+    """A parameter as an effect proposes it."""
+
+    name: str
+    unit: Unit
+    prior_mean: float
+    prior_width: float  # standard deviation of what is believed before any reading
+
+
+class Setting(NamedTuple):
+    """What is known before any identification; effects choose their parameters from it."""
+
+    robot: Robot
+    unknown_nests: tuple[int, ...]  # 1-based
+    has_orientations: bool
+    torque_source: str  # "measured", "masses" or "unknown"
+    largest_torque_n_mm: FloatArray  # (J,) over the configurations; zeros where unknown
+
+
+class Rows(NamedTuple):
+    """The n evaluation rows with what effects may depend on."""
+
+    stops: Stops
+    nest: IntArray  # (n,)
+    torque_n_mm: FloatArray | None  # (n, J) measured, or gravity's at the present parameters; None: unknown
+    chain: Chain  # at the present parameters
+    gravity_m_s2: FloatArray  # (3,) world
+
+
+class Effect(Protocol):
+    """A physical source of error."""
+
+    @property
+    def name(self) -> str:
+        """Name in commands and documents."""
+        ...
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the parameters this effect has in that setting."""
+        ...
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Return how the parameters `names` of this effect act on the ports of each row."""
+        ...

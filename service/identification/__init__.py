@@ -1,0 +1,1 @@
+"""Identification: nominal robot plus effects, fitted to observations; everything here is pure."""

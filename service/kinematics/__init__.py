@@ -1,0 +1,1 @@
+"""Pure kinematics, vectorised over configurations: frames, the DH-Modified chain and gravity torques."""

@@ -1,0 +1,65 @@
+"""Gravity torques about the joint axes, and their regressors where the masses are unknown.
+
+Sign: the torque that the weight exerts about the z axis of the joint, so that a gearbox of
+compliance c turns by +c * torque (thesis of A. Nubiola, 2014, annex I, equation I.10).
+"""
+
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.robot import LinkMass
+from service.kinematics.chain import Chain
+from service.kinematics.frames import cross
+
+
+
+def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
+    """Torques of the weight of all links beyond each joint.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations, J joints.
+    masses : tuple of LinkMass
+    gravity_m_s2 : ndarray, shape (3,)
+        In the world frame [m/s2]; kg m/s2 times mm is N mm.
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        Torques [N mm].
+    """
+    torques = np.zeros(chain.z.shape[:2])
+    for link in masses:
+        last = link.frame - 1
+        centre = chain.origin[:, last] + chain.rotation[:, last] @ np.array(link.centre_of_gravity_mm)
+        arms = centre[:, None] - chain.origin[:, : last + 1]
+        moments = cross(arms, link.mass_kg * gravity_m_s2)
+        torques[:, : last + 1] += np.einsum("nji,nji->nj", chain.z[:, : last + 1], moments)
+    return torques
+
+
+def moment_regressor(chain: Chain, joint: int, frame: int, component: int, gravity_m_s2: FloatArray) -> FloatArray:
+    """Torque about a joint per first moment of mass of a frame.
+
+    Only the two components across each joint axis are needed: the mass and the component along the
+    axis regroup into the frames before it (M. Gautier, W. Khalil, IEEE Trans. Robotics and Automation
+    6(3), 1990, 368-373).
+
+    Parameters
+    ----------
+    chain : Chain
+    joint, frame : int
+        0-based, frame >= joint.
+    component : int
+        0 for x, 1 for y of the frame.
+    gravity_m_s2 : ndarray, shape (3,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Torque per moment [N mm per kg mm].
+    """
+    return np.einsum(
+        "ni,ni->n", chain.z[:, joint], cross(chain.rotation[:, frame, :, component], gravity_m_s2)
+    )
