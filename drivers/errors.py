@@ -70,4 +70,4 @@ class BeamBrokenError(MeasurementFailedError):
 
 
 class ReflectorNotFoundError(MeasurementFailedError):
-    """No reflector where it was looked for. Operator: check that it sits in its nest and faces the tracker."""
+    """No reflector where it was looked for. Operator: check that it is in its nest and faces the tracker."""

@@ -1,0 +1,90 @@
+"""The clock's lines, both directions."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivers.cell_clock.protocol import (
+    ClockProtocolError,
+    LineReader,
+    Now,
+    Refusal,
+    Sleep,
+    Time,
+    decode_answer,
+    decode_request,
+    encode,
+)
+
+
+def test_requests_and_answers_have_the_published_form():
+    assert encode(Now()) == b'{"op": "now"}\n'
+    assert encode(Sleep(4.0)) == b'{"op": "sleep", "s": 4.0}\n'
+    assert encode(Time(12.5)) == b'{"now_s": 12.5}\n'
+    assert encode(Refusal("why")) == b'{"error": "why"}\n'
+
+
+@given(message=st.one_of(st.just(Now()), st.floats(0.0, 1e12).map(Sleep)))
+def test_requests_make_the_round_trip(message):
+    assert decode_request(encode(message)) == message
+
+
+@given(message=st.one_of(st.text().map(Refusal), st.floats(-1e12, 1e12).map(Time)))
+def test_answers_make_the_round_trip(message):
+    assert decode_answer(encode(message)) == message
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"",
+        b"now",
+        b"[]",
+        b"{}",
+        b'{"op": "stop"}',
+        b'{"op": "sleep"}',
+        b'{"op": "sleep", "s": -1}',
+        b'{"op": "sleep", "s": "4"}',
+        b'{"op": "sleep", "s": true}',
+        b'{"op": "sleep", "s": NaN}',
+        b"\xff",
+    ],
+)
+def test_a_request_that_is_none_is_refused_with_a_sentence(line):
+    with pytest.raises(ClockProtocolError, match=r"\w+ \w+"):
+        decode_request(line)
+
+
+@pytest.mark.parametrize(
+    "line", [b"{}", b'{"now_s": null}', b'{"now_s": Infinity}', b"12.5", b'{"error": 3}']
+)
+def test_an_answer_that_is_none_is_refused(line):
+    with pytest.raises(ClockProtocolError):
+        decode_answer(line)
+
+
+def test_a_number_that_is_not_finite_is_never_sent():
+    with pytest.raises(ValueError, match="JSON"):
+        encode(Sleep(float("nan")))
+
+
+@pytest.mark.parametrize("chunk", [1, 5, 4096])
+def test_lines_survive_any_split_of_the_stream(chunk):
+    stream = encode(Now()) + encode(Sleep(1.0)) + b'{"op"'
+    reader, found = LineReader(), []
+
+    for start in range(0, len(stream), chunk):
+        reader.receive_data(stream[start : start + chunk])
+        while (line := reader.next_line()) is not None:
+            found.append(decode_request(line))
+
+    assert found == [Now(), Sleep(1.0)]
+    assert reader.inside_line
+
+
+def test_a_line_without_end_is_refused():
+    reader = LineReader()
+    reader.receive_data(b"x" * 1025)
+
+    with pytest.raises(ClockProtocolError, match="1024"):
+        reader.next_line()
