@@ -1,0 +1,121 @@
+"""Campaign folder, format 1, in and out."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from service.domain.campaign import Campaign
+from service.exchange.campaign_description import Description, description_document, read_description
+from service.exchange.document import json_document
+from service.exchange.errors import MissingFileError, UnreadableFileError
+from service.exchange.json_text import render_json
+from service.exchange.leg_table import read_cup_table, read_fixture_table, read_leg_table, read_setup_table
+from service.exchange.point_table import read_point_table, read_reference_table
+from service.exchange.table_text import (
+    cup_text,
+    fixture_text,
+    leg_text,
+    point_text,
+    reference_text,
+    setup_text,
+)
+
+DESCRIPTION = "campaign.json"
+Load = Callable[[str], bytes]
+
+
+def read_campaign(folder: Path) -> Campaign:
+    """Read a campaign folder.
+
+    Raises
+    ------
+    InputFileError
+        Its subclass says the fault; its text names file, line and column or key in one sentence.
+    """
+    if not folder.is_dir():
+        raise MissingFileError("there is no such campaign folder", file=str(folder))
+    return campaign_from(lambda name: read_bytes(folder / name))
+
+
+def write_campaign(campaign: Campaign, folder: Path) -> None:
+    """Write a campaign folder; creates it where needed and replaces files of the same names.
+
+    Reading it back gives an equal campaign to the digits stated in `table_text`, without what the
+    format cannot hold: source, ranges, limits and rated payload of the robot.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in campaign_files(campaign).items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file; raises MissingFileError or UnreadableFileError."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise MissingFileError("there is no such file", file=path.name) from error
+    except OSError as error:
+        raise UnreadableFileError(f"the file cannot be read ({error.strerror})", file=path.name) from error
+
+
+def campaign_from(load: Load) -> Campaign:
+    """Read a campaign whose files `load` returns by name; it raises MissingFileError."""
+    description = read_description(json_document(DESCRIPTION, load(DESCRIPTION)))
+    data = {role: _load_role(description, role, load) for role in description.files}
+    return _with_tables(description, data)
+
+
+def _load_role(description: Description, role: str, load: Load) -> bytes:
+    try:
+        return load(description.files[role])
+    except MissingFileError as error:
+        missing = f"file {description.files[role]} is not in the folder"
+        raise MissingFileError(
+            missing, file=DESCRIPTION, line=_line(description, role), key=f"files.{role}"
+        ) from error
+
+
+def _line(description: Description, role: str) -> int | None:
+    return description.files_node.locate((*description.files_node.path, role))
+
+
+def _with_tables(description: Description, data: Mapping[str, bytes]) -> Campaign:
+    """Return the campaign with its tables and everything that was ignored in them."""
+    campaign = description.campaign
+    joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
+    tracker, fixed = campaign.tracker_position_mm, len(campaign.fixed_nests)
+    readers: dict[str, Callable[[str, bytes], tuple[object, tuple[str, ...]]]] = {
+        "calibration": lambda file, text: read_point_table(file, text, joints, nests, tracker),
+        "validation": lambda file, text: read_point_table(file, text, joints, nests, tracker),
+        "reference": lambda file, text: read_reference_table(file, text, fixed),
+        "legs": lambda file, text: read_leg_table(file, text, joints, nests),
+        "validation_legs": lambda file, text: read_leg_table(file, text, joints, nests),
+        "fixture": read_fixture_table,
+        "setup": lambda file, text: read_setup_table(file, text, joints),
+        "cups": read_cup_table,
+    }
+    ignored: dict[str, list[str]] = {}
+    for role, text in data.items():
+        table, clauses = readers[role](description.files[role], text)
+        campaign = replace(campaign, **{role: table})  # type: ignore[arg-type]  # a role is the field of its table
+        for clause in clauses:
+            ignored.setdefault(clause, []).append(description.files[role])
+    sentences = (f"{', '.join(files)}: {clause}." for clause, files in ignored.items())
+    return replace(campaign, ignored=(*campaign.ignored, *sentences))
+
+
+def campaign_files(campaign: Campaign) -> dict[str, str]:
+    """Return the text of every file of the campaign folder, by name."""
+    tables = {
+        "calibration": campaign.calibration and point_text(campaign.calibration),
+        "validation": campaign.validation and point_text(campaign.validation),
+        "reference": campaign.reference and reference_text(campaign.reference),
+        "legs": campaign.legs and leg_text(campaign.legs),
+        "validation_legs": campaign.validation_legs and leg_text(campaign.validation_legs),
+        "fixture": campaign.fixture and fixture_text(campaign.fixture),
+        "setup": campaign.setup and setup_text(campaign.setup),
+        "cups": campaign.cups and cup_text(campaign.cups),
+    }
+    texts = {f"{role}.csv": text for role, text in tables.items() if isinstance(text, str)}
+    files = {name.removesuffix(".csv"): name for name in texts}
+    return {DESCRIPTION: render_json(description_document(campaign, files)) + "\n", **texts}

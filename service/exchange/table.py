@@ -1,0 +1,306 @@
+"""Strict reading of a CSV table into columns of numbers, with the place of the first bad cell.
+
+Well-formed columns take a fast path (one regular expression and one conversion for the whole column);
+cells are looked at one by one only in a column that has a blank or a bad one.
+"""
+
+import csv
+import io
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.domain.arrays import BoolArray, FloatArray, IntArray
+from service.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
+from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_ONE_NUMBER = re.compile(_NUMBER)
+_ALL_NUMBERS = re.compile(rf"(?:{_NUMBER},)++")
+_NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
+_LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What the numbers of a column must be, and the words for it ("must ...")."""
+
+    accepts: Callable[[FloatArray], BoolArray]
+    must: str
+
+
+WHOLE = Rule(lambda v: (v == np.round(v)) & (np.abs(v) < _LARGEST_WHOLE), "must be a whole number")
+POSITIVE = Rule(lambda v: v > 0, "must be greater than 0")
+
+
+def at_least(least: int) -> Rule:
+    """Return the rule that numbers are not below `least`."""
+    return Rule(lambda v: v >= least, f"must not be below {least}")
+
+
+def between(least: int, greatest: int) -> Rule:
+    """Return the rule that numbers lie in a closed interval."""
+    return Rule(lambda v: (v >= least) & (v <= greatest), f"must lie between {least} and {greatest}")
+
+
+def one_of(numbers: Collection[int], what: str) -> Rule:
+    """Return the rule that numbers are among `numbers`, which are `what`."""
+    allowed = np.array(sorted(numbers), float)
+    listed = ", ".join(str(number) for number in sorted(numbers))
+    return Rule(lambda v: np.isin(v, allowed), f"must be one of {what}: {listed}")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column that the format knows.
+
+    `blank` is what an empty cell stands for (None: an empty cell is refused). With `words` the cells
+    hold one of these instead of a number, and the value is its index.
+    """
+
+    name: str
+    required: bool = True
+    rules: tuple[Rule, ...] = ()
+    blank: float | None = None
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The known columns of a file as equal-length arrays; `lines` says where each row stood."""
+
+    file: str
+    lines: IntArray
+    values: Mapping[str, FloatArray]
+    unlisted: tuple[str, ...]  # names of columns that the format does not know
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return a column that is there, shape (n,)."""
+        return self.values[name]
+
+    def whole(self, name: str) -> IntArray:
+        """Return a column of whole numbers that is there, shape (n,)."""
+        return self.values[name].astype(np.int64)
+
+    def block(self, names: Sequence[str]) -> FloatArray:
+        """Return columns that are there side by side, shape (n, len(names))."""
+        return np.column_stack([self.values[name] for name in names])
+
+    def optional_numbers(self, name: str) -> FloatArray | None:
+        """Return a column, or None where the file has none."""
+        return self.values.get(name)
+
+    def optional_whole(self, name: str) -> IntArray | None:
+        """Return a column of whole numbers, or None where the file has none."""
+        return self.whole(name) if name in self.values else None
+
+    def require(self, good: BoolArray, column: str, sentence: str) -> None:
+        """Raise BadValueError at the first row that is not `good` (shape (n,))."""
+        if not good.all():
+            line = int(self.lines[int(np.argmin(good))])
+            raise BadValueError(sentence, file=self.file, line=line, column=column)
+
+
+def read_table(
+    file: str,
+    data: bytes,
+    columns: Sequence[Column],
+    *,
+    together: Sequence[Sequence[str]] = (),
+    passed_over: Collection[str] = (),
+) -> Table:
+    """Read a CSV table.
+
+    Parameters
+    ----------
+    file : str
+        Its name, for error messages.
+    data : bytes
+        UTF-8, with or without byte order mark, any line ends.
+    columns : sequence of Column
+        What the format knows; the file has them in any order.
+    together : sequence of sequences of str
+        Optional columns that come all or not at all.
+    passed_over : collection of str
+        Known names that do not matter here; neither read nor reported.
+
+    Raises
+    ------
+    UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
+        With file, line and column of the first fault.
+    """
+    header, lines, rows = _split(file, data)
+    _check_header(file, header, columns, together)
+    by_name = dict(zip(header, zip(*rows, strict=True), strict=True))
+    wanted = [column for column in columns if column.name in by_name]
+    known = {column.name for column in columns} | set(passed_over)
+    table_lines = np.array(lines, np.int64)
+    values = _convert(file, table_lines, wanted, by_name)
+    return Table(file, table_lines, values, tuple(name for name in header if name and name not in known))
+
+
+def column_names(file: str, data: bytes) -> tuple[str, ...]:
+    """Return the names in the header line of a CSV table."""
+    return tuple(_split(file, data)[0])
+
+
+def _split(file: str, data: bytes) -> tuple[list[str], list[int], list[list[str]]]:
+    """Return header, line numbers and rows; every row as long as the header."""
+    numbered = _rows(file, _text(file, data))
+    first = next(numbered, None)
+    if first is None:
+        raise UnreadableFileError("the file is empty; a header line and rows are required", file=file)
+    header = [name.strip() for name in first[1]]
+    _check_separator(file, first[0], header)
+    lines, rows = [], []
+    for line, row in numbered:
+        if len(row) != len(header):
+            raise UnreadableFileError(
+                f"{len(row)} cells stand where the header has {len(header)} columns", file=file, line=line
+            )
+        lines.append(line)
+        rows.append(row)
+    if not rows:
+        raise UnreadableFileError("the file has a header and no rows", file=file)
+    return header, lines, rows
+
+
+def _text(file: str, data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise UnreadableFileError(
+            "the text is not UTF-8; save the file as UTF-8", file=file, line=line
+        ) from error
+
+
+def _rows(file: str, text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and cells of every line that is not blank."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    line = 1
+    try:
+        for row in reader:
+            if any(cell.strip() for cell in row):
+                yield line, row
+            line = reader.line_num + 1
+    except csv.Error as error:
+        raise UnreadableFileError(f"the line is not CSV ({error})", file=file, line=line) from error
+
+
+def _check_separator(file: str, line: int, header: list[str]) -> None:
+    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and mark in header[0]:
+            raise UnreadableFileError(
+                f"the columns are separated by {word}; commas are required, with . as decimal point",
+                file=file,
+                line=line,
+            )
+
+
+def _check_header(
+    file: str, header: list[str], columns: Sequence[Column], together: Sequence[Sequence[str]]
+) -> None:
+    seen: set[str] = set()
+    for name in filter(None, header):
+        if name in seen:
+            raise BadValueError("the column appears twice; keep one", file=file, line=1, column=name)
+        seen.add(name)
+    for column in columns:
+        if column.name not in seen:
+            _check_absent(file, column, seen)
+    for group in together:
+        absent = [name for name in group if name not in seen]
+        if 0 < len(absent) < len(group):
+            raise MissingEntryError(
+                f"column {absent[0]} is missing; {group[0]} to {group[-1]} come all or not at all",
+                file=file,
+                line=1,
+            )
+
+
+def _check_absent(file: str, column: Column, present: set[str]) -> None:
+    """Refuse an absent column that is required, or that is there in another unit."""
+    rival = in_other_unit(column.name, present)
+    if rival is not None and (column.required or unit(rival)):
+        raise WrongUnitError(unit_sentence("column", rival, column.name), file=file, line=1)
+    if column.required:
+        raise MissingEntryError(f"column {column.name} is missing; it is required", file=file, line=1)
+
+
+def _convert(
+    file: str, lines: IntArray, columns: Sequence[Column], cells: Mapping[str, Sequence[str]]
+) -> dict[str, FloatArray]:
+    """Convert every column; raise for the bad cell that a reader of the file meets first."""
+    values: dict[str, FloatArray] = {}
+    faults: list[tuple[int, int, str]] = []
+    order = list(cells)
+    for column in columns:
+        values[column.name], fault = _numbers(column, cells[column.name])
+        if fault is not None:
+            faults.append((fault[0], order.index(column.name), fault[1]))
+    if faults:
+        row, position, sentence = min(faults)
+        raise BadValueError(sentence, file=file, line=int(lines[row]), column=order[position])
+    return values
+
+
+def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[int, str] | None]:
+    """Return the numbers of a column, and row and sentence of its first fault if it has one."""
+    if not column.words and _ALL_NUMBERS.fullmatch(",".join(cells) + ","):
+        values = np.fromiter(map(float, cells), float, len(cells))
+        given = np.ones(len(cells), bool)
+        fault = _first(~np.isfinite(values), cells, "is not a finite number")
+    else:
+        values, given, fault = _one_by_one(column, [cell.strip() for cell in cells])
+    for rule in column.rules:
+        broken = _first(given & ~rule.accepts(values), cells, rule.must)
+        fault = min(filter(None, (fault, broken)), default=None)
+    return values, fault
+
+
+def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:
+    """Return numbers, whether each was given and sound, and the first fault."""
+    values = np.full(len(cells), np.nan if column.blank is None else column.blank)
+    given = np.zeros(len(cells), bool)
+    fault: tuple[int, str] | None = None
+    for row, cell in enumerate(cells):
+        if not cell and column.blank is not None:
+            continue
+        sentence = _fault(column, cell)
+        if sentence is None:
+            values[row] = column.words.index(cell) if column.words else float(cell)
+            given[row] = True
+        elif fault is None:
+            fault = (row, sentence)
+    return values, given, fault
+
+
+def _fault(column: Column, cell: str) -> str | None:
+    """Say what is wrong with a cell, or None."""
+    if not cell:
+        return f"the cell is empty; {'a word' if column.words else 'a number'} is required"
+    if column.words:
+        return None if cell in column.words else f"{_shown(cell)} must be {' or '.join(column.words)}"
+    if cell.lower() in _NOT_FINITE or (_ONE_NUMBER.fullmatch(cell) and not np.isfinite(float(cell))):
+        return f"{_shown(cell)} is not a finite number"
+    if _ONE_NUMBER.fullmatch(cell):
+        return None
+    hint = "; the decimal point is ." if _ONE_NUMBER.fullmatch(cell.replace(",", ".")) else ""
+    return f"{_shown(cell)} is not a number{hint}"
+
+
+def _first(bad: BoolArray, cells: Sequence[str], must: str) -> tuple[int, str] | None:
+    if not bad.any():
+        return None
+    row = int(np.argmax(bad))
+    return row, f"{_shown(cells[row].strip())} {must}"
+
+
+def _shown(cell: str) -> str:
+    return repr(cell if len(cell) <= 30 else cell[:27] + "...")
