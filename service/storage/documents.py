@@ -1,0 +1,99 @@
+"""Frozen dataclasses as JSON documents and back, guided by their type hints.
+
+Storage keeps whole nouns (plans, readings, results) in one column each, under their own field
+names. NaN becomes null, since JSON has no word for it; a field that an older document lacks takes
+its default, so nouns may grow.
+"""
+
+import dataclasses
+import math
+import types
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+T = TypeVar("T")
+
+
+def to_document(value: object) -> Any:
+    """Return `value` as what `json.dumps` takes; raises TypeError for a type that has no JSON form."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: to_document(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(key): to_document(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return to_document(value.tolist())
+    if isinstance(value, (tuple, list)):
+        return [to_document(entry) for entry in value]
+    return _scalar(value)
+
+
+def _scalar(value: object) -> Any:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else _not_finite(value)
+    if value is None or isinstance(value, (str, int, bool)):
+        return value
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _not_finite(value: float) -> None:
+    if math.isinf(value):
+        raise TypeError("an infinite number has no JSON form")
+
+
+def from_document(kind: type[T], document: Any) -> T:
+    """Return the dataclass `kind` that `document` holds; raises TypeError or ValueError where they differ."""
+    return cast(T, _decode(kind, document))
+
+
+def _decode(hint: Any, document: Any) -> Any:
+    origin = get_origin(hint)
+    if origin in {Union, types.UnionType}:
+        return _decode_union(get_args(hint), document)
+    if origin is tuple:
+        return _decode_tuple(get_args(hint), document)
+    if origin is np.ndarray:
+        return _decode_array(hint, document)
+    if origin is Literal or hint is Any:
+        return document
+    if origin in {dict, Mapping}:
+        return {key: _decode(get_args(hint)[1], entry) for key, entry in document.items()}
+    return _decode_plain(origin or hint, document)
+
+
+def _decode_plain(kind: Any, document: Any) -> Any:
+    if dataclasses.is_dataclass(kind):
+        hints = get_type_hints(kind)
+        return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(document)
+    if kind is float:
+        return math.nan if document is None else float(document)
+    return document
+
+
+def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
+    if document is None and types.NoneType in hints:
+        return None
+    concrete = [hint for hint in hints if hint is not types.NoneType]
+    # A union of plain scalars (dict values) is already what JSON gave.
+    return _decode(concrete[0], document) if len(concrete) == 1 else document
+
+
+def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
+    if len(hints) == 2 and hints[1] is Ellipsis:
+        return tuple(_decode(hints[0], entry) for entry in document)
+    return tuple(_decode(hint, entry) for hint, entry in zip(hints, document, strict=True))
+
+
+def _decode_array(hint: Any, document: Any) -> Any:
+    (dtype,) = get_args(get_args(hint)[1])
+    entries = np.array(document, dtype=object)
+    entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
+    return entries.astype(dtype)

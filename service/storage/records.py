@@ -1,0 +1,208 @@
+"""What the storage hands out: records with their number, the time they were written and their state."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Literal
+
+from service.domain.results import Identification, Model, Validation
+from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
+from service.domain.session import FixedNestTaken, PointTaken, Role, SessionState, Vector
+
+ReadingKind = Literal["point", "fixed_nest"]
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """One thing a report must say of the circumstances: an instrument, a certificate, the load."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSetup:
+    """What a session was measured with, kept with it: the cell file may say something else tomorrow."""
+
+    cell: str
+    robot: Robot
+    base: FramePlacement
+    nests: tuple[Nest, ...]
+    fixed_nests: tuple[FixedNest, ...]
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    tracker_position_mm: Vector | None = None
+    joint_limits: tuple[JointRange, ...] | None = None
+    attachment: int = 1
+    simulated: bool = False
+    conditions: tuple[Condition, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SessionRecord:
+    """A session and where it stands."""
+
+    id: int
+    recorded_at: str
+    name: str
+    role: Role
+    state: SessionState
+    reason: str  # of the present state
+    person: str | None  # who brought it there
+    state_since: str
+    planned: int
+    measured: int
+    skipped: int
+
+
+@dataclass(frozen=True, slots=True)
+class StateChange:
+    """One step in the life of a session."""
+
+    recorded_at: str
+    state: SessionState
+    reason: str
+    person: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingRecord:
+    """A reading as it was stored; `superseded_by` is the later reading that counts in its place."""
+
+    id: int
+    session_id: int
+    recorded_at: str
+    supersedes: int | None
+    superseded_by: int | None
+    reading: PointTaken | FixedNestTaken
+
+    @property
+    def kind(self) -> ReadingKind:
+        """Whether a tool nest or a fixed nest was read."""
+        return "point" if isinstance(self.reading, PointTaken) else "fixed_nest"
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignRecord:
+    """A stored campaign without its archive; `session_ids` is empty for an uploaded one."""
+
+    id: int
+    recorded_at: str
+    name: str
+    robot: str
+    session_ids: tuple[int, ...]
+    summary: "CampaignSummary"
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignSummary:
+    """How much a campaign holds, and what was kept without being understood."""
+
+    calibration_points: int
+    validation_points: int
+    calibration_legs: int
+    validation_legs: int
+    reference_readings: int
+    ignored: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+class JobKind(StrEnum):
+    """What a job makes."""
+
+    IDENTIFICATION = "identification"
+    VALIDATION = "validation"
+    PLAN = "plan"
+
+
+class JobState(StrEnum):
+    """Where a job stands; the last four are final."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def final(self) -> bool:
+        """Whether nothing more happens to the job."""
+        return self not in {JobState.QUEUED, JobState.RUNNING}
+
+
+@dataclass(frozen=True, slots=True)
+class JobRecord:
+    """A job and where it stands; `result_id` is the number of what it made."""
+
+    id: int
+    recorded_at: str
+    kind: JobKind
+    request: dict[str, Any]
+    state: JobState
+    message: str
+    state_since: str
+    fraction: float
+    result_id: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class IdentificationRecord:
+    """A stored identification; its model is a record of its own."""
+
+    id: int
+    recorded_at: str
+    job_id: int
+    campaign_id: int
+    model_id: int | None
+    robot: str
+    identification: Identification
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRecord:
+    """A stored model."""
+
+    id: int
+    recorded_at: str
+    identification_id: int
+    robot: str
+    model: Model
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationRecord:
+    """A stored validation."""
+
+    id: int
+    recorded_at: str
+    job_id: int
+    model_id: int
+    campaign_id: int
+    validation: Validation
+
+
+@dataclass(frozen=True, slots=True)
+class EventRecord:
+    """Something that happened, in the order of the commits."""
+
+    id: int
+    recorded_at: str
+    kind: str
+    session_id: int | None
+    job_id: int | None
+    document: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Which part of a list: records with a number above `after`, at most `limit`."""
+
+    after: int = 0
+    limit: int = 100
+
+
+@dataclass(frozen=True, slots=True)
+class RequestKey:
+    """A client's Idempotency-Key with the fingerprint of its request."""
+
+    key: str
+    fingerprint: str

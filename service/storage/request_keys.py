@@ -1,0 +1,39 @@
+"""Idempotency-Keys: a request that is sent again gets the record that its first sending made."""
+
+from collections.abc import Callable
+
+from sqlalchemy import Connection, select
+
+from service.storage.errors import KeyReusedError
+from service.storage.records import RequestKey
+from service.storage.rows import add_row
+from service.storage.tables import request_keys
+
+
+def once(
+    connection: Connection, key: RequestKey | None, resource: str, create: Callable[[Connection], int]
+) -> int:
+    """Return the number that `create` gives, or gave when `key` was first seen; one transaction.
+
+    Raises KeyReusedError where the key came with another request before.
+    """
+    if key is None:
+        return create(connection)
+    query = select(request_keys).where(request_keys.c.key == key.key)
+    known = connection.execute(query).one_or_none()
+    if known is None:
+        number = create(connection)
+        add_row(
+            connection,
+            request_keys,
+            key=key.key,
+            fingerprint=key.fingerprint,
+            resource=resource,
+            resource_id=number,
+        )
+        return number
+    if (known.fingerprint, known.resource) != (key.fingerprint, resource):
+        raise KeyReusedError(
+            f"The Idempotency-Key '{key.key}' was used for another request; take a new key for a new request."
+        )
+    return int(known.resource_id)

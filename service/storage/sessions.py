@@ -1,0 +1,204 @@
+"""Sessions: their plan and set-up, every state they were in, what was skipped, registered and noted."""
+
+from typing import Any
+
+from sqlalchemy import Connection, Row, Select, exists, func, select
+
+from service.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
+from service.storage.database import Database
+from service.storage.documents import from_document, to_document
+from service.storage.errors import NotFoundError
+from service.storage.events import add_event
+from service.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
+from service.storage.request_keys import once
+from service.storage.rows import add_row
+from service.storage.tables import (
+    events,
+    notes,
+    readings,
+    registrations,
+    session_states,
+    sessions,
+    skipped_stops,
+)
+
+PROGRESS = "session.progress"
+
+
+def add_session(connection: Connection, name: str, setup: SessionSetup, plan: SessionPlan) -> int:
+    """Append a planned session inside the caller's transaction and return its number."""
+    number = add_row(
+        connection,
+        sessions,
+        name=name,
+        role=plan.role,
+        setup=to_document(setup),
+        plan=to_document(plan),
+    )
+    add_state(connection, number, SessionState.PLANNED, "The plan is stored; nothing has moved.", None)
+    return number
+
+
+def add_state(
+    connection: Connection, session_id: int, state: SessionState, reason: str, person: str | None
+) -> None:
+    """Append a state, and its event, inside the caller's transaction."""
+    values: dict[str, Any] = {"state": state.value, "reason": reason, "person": person}
+    add_row(connection, session_states, session_id=session_id, **values)
+    add_event(connection, "session.state", values, session_id=session_id)
+
+
+class SessionRepository:
+    """All queries about sessions."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(
+        self, name: str, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None = None
+    ) -> int:
+        """Store a planned session and return its number."""
+        return await self._database.write(
+            lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
+        )
+
+    async def get(self, session_id: int) -> SessionRecord:
+        """Return a session; raises NotFoundError."""
+        query = _records().where(sessions.c.id == session_id)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError("session", session_id)
+        return _record(row)
+
+    async def page(self, page: Page) -> list[SessionRecord]:
+        """Return sessions, oldest first."""
+        query = _records().where(sessions.c.id > page.after).order_by(sessions.c.id).limit(page.limit)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def in_state(self, *states: SessionState) -> list[SessionRecord]:
+        """Return the sessions that stand in one of `states`, oldest first."""
+        query = _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def plan(self, session_id: int) -> SessionPlan:
+        """Return what the session does; raises NotFoundError."""
+        return from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
+
+    async def setup(self, session_id: int) -> SessionSetup:
+        """Return what the session is measured with; raises NotFoundError."""
+        return from_document(SessionSetup, await self._column(sessions.c.setup, session_id))
+
+    async def _column(self, column: Any, session_id: int) -> Any:
+        query = select(column).where(sessions.c.id == session_id)
+        document = await self._database.read(lambda c: c.scalar(query))
+        if document is None:
+            raise NotFoundError("session", session_id)
+        return document
+
+    async def change_state(
+        self, session_id: int, state: SessionState, reason: str, person: str | None = None
+    ) -> None:
+        """Append a state."""
+        await self._database.write(lambda c: add_state(c, session_id, state, reason, person))
+
+    async def states(self, session_id: int) -> list[StateChange]:
+        """Return every state that the session was in, oldest first."""
+        table = session_states
+        query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
+        rows = await self._database.read(lambda c: c.execute(query).all())
+        return [StateChange(r.recorded_at, SessionState(r.state), r.reason, r.person) for r in rows]
+
+    async def skip(self, session_id: int, skipped: StopSkipped) -> None:
+        """Keep that a configuration was not measured, and why."""
+        document = to_document(skipped)
+
+        def work(connection: Connection) -> None:
+            add_row(connection, skipped_stops, session_id=session_id, document=document)
+            add_event(connection, "session.stop_skipped", document, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def skipped(self, session_id: int) -> list[StopSkipped]:
+        """Return what was not measured, oldest first."""
+        table = skipped_stops
+        query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id)
+        documents = await self._database.read(lambda c: c.scalars(query).all())
+        return [from_document(StopSkipped, document) for document in documents]
+
+    async def register(self, session_id: int, registration: Registration) -> None:
+        """Keep the tracker's place in the world; it supersedes the one before."""
+        document = to_document(registration)
+
+        def work(connection: Connection) -> None:
+            add_row(connection, registrations, session_id=session_id, document=document)
+            told = {"rms_mm": registration.rms_mm, "two_face_mm": registration.two_face_mm}
+            add_event(connection, "session.registered", told, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def registration(self, session_id: int) -> Registration | None:
+        """Return the tracker's place as last registered."""
+        table = registrations
+        query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id.desc())
+        document = await self._database.read(lambda c: c.scalar(query.limit(1)))
+        return None if document is None else from_document(Registration, document)
+
+    async def note(self, session_id: int, text: str) -> None:
+        """Keep a sentence."""
+
+        def work(connection: Connection) -> None:
+            add_row(connection, notes, session_id=session_id, text=text)
+            add_event(connection, "session.note", {"text": text}, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def notes(self, session_id: int) -> list[str]:
+        """Return the sentences kept, oldest first."""
+        query = select(notes.c.text).where(notes.c.session_id == session_id).order_by(notes.c.id)
+        return await self._database.read(lambda c: list(c.scalars(query)))
+
+    async def tell_progress(self, session_id: int, progress: Progress) -> None:
+        """Keep how far the session is."""
+        document = to_document(progress)
+        await self._database.write(lambda c: add_event(c, PROGRESS, document, session_id=session_id))
+
+    async def progress(self, session_id: int) -> Progress | None:
+        """Return how far the session was when it last said so."""
+        told = (events.c.session_id == session_id) & (events.c.kind == PROGRESS)
+        query = select(events.c.document).where(told).order_by(events.c.id.desc()).limit(1)
+        document = await self._database.read(lambda c: c.scalar(query))
+        return None if document is None else from_document(Progress, document)
+
+
+def _records() -> Select[Any]:
+    later = session_states.alias("later")
+    newest = ~exists().where(later.c.session_id == sessions.c.id, later.c.id > session_states.c.id)
+    successor = readings.alias("successor")
+    measured = (
+        select(func.count())
+        .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
+        .where(~exists().where(successor.c.supersedes == readings.c.id))
+        .scalar_subquery()
+    )
+    skipped = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
+    return (
+        select(
+            sessions.c.id,
+            sessions.c.recorded_at,
+            sessions.c.name,
+            sessions.c.role,
+            session_states.c.state,
+            session_states.c.reason,
+            session_states.c.person,
+            session_states.c.recorded_at.label("state_since"),
+            func.json_array_length(sessions.c.plan, "$.stops").label("planned"),
+            measured.label("measured"),
+            skipped.label("skipped"),
+        )
+        .join(session_states, session_states.c.session_id == sessions.c.id)
+        .where(newest)
+    )
+
+
+def _record(row: Row[Any]) -> SessionRecord:
+    return SessionRecord(**{**row._asdict(), "state": SessionState(row.state)})

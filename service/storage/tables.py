@@ -1,0 +1,191 @@
+"""The tables as the newest migration leaves them; domain classes know nothing of them.
+
+Every table is append-only (the migrations add triggers that refuse UPDATE and DELETE): what a
+record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is the cell's clock.
+"""
+
+import sqlalchemy as sa
+
+metadata = sa.MetaData()
+
+
+def _number() -> sa.Column[int]:
+    return sa.Column("id", sa.Integer, primary_key=True, autoincrement=True)
+
+
+def _recorded() -> sa.Column[str]:
+    return sa.Column("recorded_at", sa.Text, nullable=False)
+
+
+def _reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[int]:
+    return sa.Column(name, sa.Integer, sa.ForeignKey(f"{target}.id"), nullable=nullable)
+
+
+sessions = sa.Table(
+    "sessions",
+    metadata,
+    _number(),
+    _recorded(),
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("setup", sa.JSON, nullable=False),
+    sa.Column("plan", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+session_states = sa.Table(
+    "session_states",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("state", sa.Text, nullable=False),
+    sa.Column("reason", sa.Text, nullable=False),
+    sa.Column("person", sa.Text, nullable=True),
+    sa.Index("ix_session_states_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+readings = sa.Table(
+    "readings",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("kind", sa.Text, nullable=False),  # point or fixed_nest
+    sa.Column("config", sa.Integer, nullable=True),
+    sa.Column("nest", sa.Integer, nullable=False),  # of the tool, or fixed
+    sa.Column("time_s", sa.Float, nullable=False),
+    # A reading is superseded at most once: two successors would leave two truths.
+    sa.Column("supersedes", sa.Integer, sa.ForeignKey("readings.id"), nullable=True, unique=True),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Index("ix_readings_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+skipped_stops = sa.Table(
+    "skipped_stops",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Index("ix_skipped_stops_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+registrations = sa.Table(
+    "registrations",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Index("ix_registrations_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+notes = sa.Table(
+    "notes",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("text", sa.Text, nullable=False),
+    sa.Index("ix_notes_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+campaigns = sa.Table(
+    "campaigns",
+    metadata,
+    _number(),
+    _recorded(),
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("robot", sa.Text, nullable=False),
+    sa.Column("summary", sa.JSON, nullable=False),
+    sa.Column("session_ids", sa.JSON, nullable=False),  # empty for an uploaded campaign
+    sa.Column("archive", sa.LargeBinary, nullable=False),  # zip of the folder
+    sqlite_autoincrement=True,
+)
+
+jobs = sa.Table(
+    "jobs",
+    metadata,
+    _number(),
+    _recorded(),
+    sa.Column("kind", sa.Text, nullable=False),
+    sa.Column("request", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+job_states = sa.Table(
+    "job_states",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("job_id", "jobs"),
+    sa.Column("state", sa.Text, nullable=False),
+    sa.Column("message", sa.Text, nullable=False),
+    sa.Column("result_id", sa.Integer, nullable=True),  # of the kind that the job makes
+    sa.Index("ix_job_states_job_id", "job_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+identifications = sa.Table(
+    "identifications",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("job_id", "jobs"),
+    _reference("campaign_id", "campaigns"),
+    sa.Column("document", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+models = sa.Table(
+    "models",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("identification_id", "identifications"),
+    sa.Column("robot", sa.Text, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+validations = sa.Table(
+    "validations",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("job_id", "jobs"),
+    _reference("model_id", "models"),
+    _reference("campaign_id", "campaigns"),
+    sa.Column("document", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+events = sa.Table(
+    "events",
+    metadata,
+    _number(),
+    _recorded(),
+    sa.Column("kind", sa.Text, nullable=False),
+    _reference("session_id", "sessions", nullable=True),
+    _reference("job_id", "jobs", nullable=True),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Index("ix_events_session_id", "session_id", "kind", "id"),
+    sa.Index("ix_events_job_id", "job_id", "kind", "id"),
+    sqlite_autoincrement=True,
+)
+
+request_keys = sa.Table(
+    "request_keys",
+    metadata,
+    sa.Column("key", sa.Text, primary_key=True),
+    _recorded(),
+    sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
+    sa.Column("resource", sa.Text, nullable=False),
+    sa.Column("resource_id", sa.Integer, nullable=False),
+)

@@ -1,0 +1,191 @@
+"""The database keeps what it acknowledged, has one owner, and knows its schema."""
+
+import sqlite3
+import subprocess
+import sys
+import textwrap
+
+import pytest
+from alembic import command
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from sqlalchemy import create_engine, inspect, text
+
+from service.storage.database import Database
+from service.storage.errors import (
+    DatabaseAddressError,
+    DatabaseInUseError,
+    ForeignDatabaseError,
+    NewerSchemaError,
+    StorageUnavailableError,
+)
+from service.storage.schema import migration_config, newest_revision
+from service.storage.tables import metadata
+
+WRITES_UNTIL_KILLED = textwrap.dedent("""
+    import asyncio, sys
+    from service.storage.database import Database
+    from service.storage.readings import ReadingRepository
+    from service.storage.sessions import SessionRepository
+    from tests.integration.storage.records import make_plan, make_point, make_setup
+
+    async def main():
+        database = Database(sys.argv[1])
+        sessions, readings = SessionRepository(database), ReadingRepository(database)
+        number = await sessions.add("crash", make_setup(), make_plan())
+        for config in range(1, 100_000):
+            print(await readings.add_point(number, make_point(config)), flush=True)
+
+    asyncio.run(main())
+""")
+
+
+def test_a_killed_service_has_kept_every_reading_that_it_acknowledged(database_url):
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITES_UNTIL_KILLED, database_url], stdout=subprocess.PIPE, text=True
+    ) as writer:
+        acknowledged = [int(writer.stdout.readline()) for _ in range(50)]
+        writer.kill()
+        acknowledged += [int(line) for line in writer.stdout if line.endswith("\n")]
+
+    database = Database(database_url)  # the lock went with the process
+    with sqlite3.connect(database.file) as connection:
+        kept = [number for (number,) in connection.execute("SELECT id FROM readings ORDER BY id")]
+    connection.close()
+    database.close()
+
+    # One more may be on disk: committed, and the process died before it could say so.
+    assert acknowledged == kept[: len(acknowledged)]
+    assert len(kept) - len(acknowledged) <= 1
+
+
+def test_commits_wait_for_the_disk(database):
+    def pragmas(connection):
+        names = ("synchronous", "journal_mode", "foreign_keys", "busy_timeout")
+        return [connection.exec_driver_sql(f"PRAGMA {name}").scalar() for name in names]
+
+    found = database._writer.submit(database._write, pragmas).result()
+
+    assert found == [2, "wal", 1, 5000]  # 2 is FULL
+
+
+async def test_a_query_cannot_write(database):
+    with pytest.raises(StorageUnavailableError, match="readonly"):
+        await database.read(lambda c: c.execute(text("DELETE FROM events")))
+
+
+async def test_a_failing_transaction_leaves_nothing(database):
+    def work(connection):
+        connection.execute(text("INSERT INTO events (recorded_at, kind, document) VALUES ('', '', '{}')"))
+        raise ValueError("half way")
+
+    with pytest.raises(ValueError, match="half way"):
+        await database.write(work)
+
+    assert await database.read(lambda c: c.execute(text("SELECT * FROM events")).all()) == []
+
+
+def test_a_second_service_on_the_same_database_is_refused(database, database_url):
+    with pytest.raises(DatabaseInUseError, match="in use by another truepose service; stop that one"):
+        Database(database_url)
+
+
+def test_a_second_service_in_another_process_is_refused(database, database_url):
+    script = f"from service.storage.database import Database; Database({database_url!r})"
+
+    second = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+
+    assert "DatabaseInUseError" in second.stderr
+
+
+def test_a_database_let_go_can_be_opened_again(database_url):
+    for _ in range(2):
+        Database(database_url).close()
+
+
+def test_a_newer_schema_is_refused_with_a_sentence(database_url):
+    opened = Database(database_url)
+    opened.close()
+    with sqlite3.connect(opened.file) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+    connection.close()
+
+    with pytest.raises(NewerSchemaError, match="has schema 9999, this version of truepose knows up to"):
+        Database(database_url)
+
+    with pytest.raises(NewerSchemaError):  # and the refusal let go of the lock
+        Database(database_url)
+
+
+def test_a_file_that_is_no_database_is_refused(tmp_path):
+    (tmp_path / "notes.txt").write_text("no database at all, " * 100)
+
+    with pytest.raises(ForeignDatabaseError, match="is not a SQLite database"):
+        Database(f"sqlite:///{tmp_path}/notes.txt")
+
+
+def test_another_programs_database_is_refused_and_untouched(tmp_path):
+    with sqlite3.connect(tmp_path / "other.db") as connection:
+        connection.execute("CREATE TABLE invoices (id INTEGER)")
+    connection.close()
+
+    with pytest.raises(ForeignDatabaseError, match="another program's tables"):
+        Database(f"sqlite:///{tmp_path}/other.db")
+
+    with sqlite3.connect(tmp_path / "other.db") as connection:
+        tables = connection.execute("SELECT name FROM sqlite_master").fetchall()
+    connection.close()
+    assert tables == [("invoices",)]
+
+
+@pytest.mark.parametrize("url", ["postgresql://host/db", "sqlite://", "sqlite:///:memory:", "truepose.db"])
+def test_what_is_no_sqlite_file_is_refused(url):
+    with pytest.raises(DatabaseAddressError, match="write sqlite:///"):
+        Database(url)
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+
+    with pytest.raises(StorageUnavailableError, match="cannot be written"):
+        Database(f"sqlite:///{tmp_path}/file/truepose.sqlite3")
+
+
+def test_every_migration_goes_up_and_down_again(tmp_path):
+    engine = create_engine(f"sqlite:///{tmp_path}/steps.sqlite3")
+    config = migration_config()
+    with engine.begin() as connection:
+        config.attributes["connection"] = connection
+        for _ in range(2):
+            for step in ("0001", "0002", newest_revision()):
+                command.upgrade(config, step)
+            for step in ("0002", "0001", "base"):
+                command.downgrade(config, step)
+        left = set(inspect(connection).get_table_names())
+    engine.dispose()
+
+    assert left == {"alembic_version"}
+
+
+def test_the_tables_are_what_the_migrations_make(tmp_path):
+    engine = create_engine(f"sqlite:///{tmp_path}/fresh.sqlite3")
+    config = migration_config()
+    with engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.upgrade(config, "head")
+        differences = compare_metadata(MigrationContext.configure(connection), metadata)
+    engine.dispose()
+
+    assert differences == []
+
+
+def test_every_table_is_append_only(database):
+    with sqlite3.connect(database.file) as connection:
+        triggers = {
+            name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type='trigger'")
+        }
+    connection.close()
+
+    assert triggers == {
+        f"{table}_no_{action}" for table in metadata.tables for action in ("update", "delete")
+    }

@@ -1,0 +1,152 @@
+"""Records are appended or superseded, never changed."""
+
+import pytest
+from sqlalchemy import text
+from sqlalchemy.exc import IntegrityError
+
+from service.domain.session import Progress, SessionState, StopSkipped
+from service.storage.errors import ConflictError, KeyReusedError, NotFoundError
+from service.storage.events import EventRepository
+from service.storage.jobs import JobRepository
+from service.storage.journal import StoredJournal
+from service.storage.readings import ReadingRepository
+from service.storage.records import JobKind, JobState, Page, RequestKey
+from service.storage.sessions import SessionRepository
+from tests.integration.storage.records import make_fixed_nest, make_plan, make_point, make_setup
+
+
+@pytest.fixture
+def sessions(database):
+    return SessionRepository(database)
+
+
+@pytest.fixture
+def readings(database):
+    return ReadingRepository(database)
+
+
+@pytest.fixture
+async def journal(sessions, readings):
+    return StoredJournal(await sessions.add("first", make_setup(), make_plan()), sessions, readings)
+
+
+async def test_a_session_comes_back_as_it_was_planned(sessions):
+    number = await sessions.add("first", make_setup(), make_plan(3))
+
+    record = await sessions.get(number)
+
+    assert (record.name, record.role, record.state) == ("first", "calibration", SessionState.PLANNED)
+    assert (record.planned, record.measured, record.skipped) == (3, 0, 0)
+    assert await sessions.plan(number) == make_plan(3)
+    assert await sessions.setup(number) == make_setup()
+
+
+async def test_the_journal_tells_what_happened_in_order(journal, sessions, database):
+    await journal.state_changed(SessionState.RUNNING, "started", "Ada")
+    reading_id = await journal.point_taken(make_point())
+    await journal.stop_skipped(StopSkipped(2, 30.0, "no reflector"))
+    await journal.progressed(Progress(1, 1, 2, 30.0, None, "ending"))
+    await journal.state_changed(SessionState.FINISHED, "all stops visited", None)
+
+    told = await EventRepository(database).after(Page())
+    record = await sessions.get(1)
+
+    assert [event.kind for event in told] == [
+        "session.state",
+        "session.state",
+        "session.reading",
+        "session.stop_skipped",
+        "session.progress",
+        "session.state",
+    ]
+    assert told[2].document["reading_id"] == int(reading_id)
+    assert (record.state, record.measured, record.skipped) == (SessionState.FINISHED, 1, 1)
+    assert [change.person for change in await sessions.states(1)] == [None, "Ada", None]
+    assert (await sessions.progress(1)).skipped == 1
+
+
+async def test_a_stop_read_again_supersedes_and_keeps_the_first_reading(journal, readings):
+    first = int(await journal.point_taken(make_point(x_mm=1.0)))
+    second = int(await journal.point_taken(make_point(x_mm=2.0)))
+
+    kept = await readings.get(first)
+    counting = await readings.points(1)
+
+    assert kept.superseded_by == second
+    assert kept.reading == make_point(x_mm=1.0)
+    assert counting == [make_point(x_mm=2.0)]
+
+
+async def test_every_look_at_a_fixed_nest_counts(journal, readings):
+    await journal.fixed_nest_taken(make_fixed_nest(5.0))
+    await journal.fixed_nest_taken(make_fixed_nest(6.0))
+
+    assert [r.time_s for r in await readings.fixed_nests(1)] == [5.0, 6.0]
+    assert await readings.points(1) == []
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["UPDATE readings SET time_s = 0", "DELETE FROM readings", "UPDATE session_states SET state = 'x'"],
+)
+async def test_the_database_itself_refuses_to_change_a_record(journal, database, change):
+    await journal.point_taken(make_point())
+
+    with pytest.raises(IntegrityError, match="never changed"):
+        await database.write(lambda c: c.execute(text(change)))
+
+
+async def test_a_request_sent_twice_with_one_key_makes_one_session(sessions):
+    key = RequestKey("a-1", "fingerprint")
+
+    first = await sessions.add("first", make_setup(), make_plan(), key)
+    again = await sessions.add("first", make_setup(), make_plan(), key)
+
+    assert again == first
+    assert len(await sessions.page(Page())) == 1
+
+
+async def test_a_key_with_another_request_is_refused(sessions):
+    await sessions.add("first", make_setup(), make_plan(), RequestKey("a-1", "one"))
+
+    with pytest.raises(KeyReusedError, match="'a-1'"):
+        await sessions.add("other", make_setup(), make_plan(), RequestKey("a-1", "two"))
+
+
+async def test_a_job_that_has_ended_stays_as_it_ended(database):
+    jobs = JobRepository(database)
+    number = await jobs.add(JobKind.IDENTIFICATION, {"campaign_id": 1})
+    await jobs.change_state(number, JobState.CANCELLED, "by request")
+
+    with pytest.raises(ConflictError, match=r"Job 1 has already been cancelled\."):
+        await jobs.change_state(number, JobState.RUNNING, "late")
+
+    assert (await jobs.get(number)).state is JobState.CANCELLED
+
+
+async def test_a_running_job_says_how_far_it_is(database):
+    jobs = JobRepository(database)
+    number = await jobs.add(JobKind.PLAN, {})
+    await jobs.change_state(number, JobState.RUNNING, "started")
+    await jobs.tell_progress(number, 0.4, "exchanging configurations")
+
+    record = await jobs.get(number)
+
+    assert (record.fraction, record.message) == (0.4, "exchanging configurations")
+
+
+async def test_what_is_not_there_is_named(sessions, readings):
+    with pytest.raises(NotFoundError, match=r"There is no session 7\."):
+        await sessions.get(7)
+    with pytest.raises(NotFoundError, match=r"There is no reading 8\."):
+        await readings.get(8)
+
+
+async def test_pages_follow_each_other(sessions):
+    for name in "abc":
+        await sessions.add(name, make_setup(), make_plan())
+
+    first = await sessions.page(Page(limit=2))
+    rest = await sessions.page(Page(after=first[-1].id))
+
+    assert [record.name for record in (*first, *rest)] == ["a", "b", "c"]

@@ -1,0 +1,84 @@
+"""Dataclasses survive their JSON form."""
+
+import json
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.domain.robot import FramePlacement, JointRow, Robot
+from service.domain.session import (
+    PlannedStop,
+    PointTaken,
+    Registration,
+    SessionPlan,
+    SessionState,
+    StopSkipped,
+)
+from service.storage.documents import from_document, to_document
+
+
+def through_json(value):
+    return from_document(type(value), json.loads(json.dumps(to_document(value), allow_nan=False)))
+
+
+@given(
+    joints=st.lists(st.floats(-10, 10), min_size=1, max_size=9).map(tuple),
+    repeat_of=st.none() | st.integers(0, 10**6),
+    offset=st.none() | st.floats(-1, 1),
+)
+def test_a_plan_survives_its_json_form(joints, repeat_of, offset):
+    plan = SessionPlan("calibration", (PlannedStop(1, joints, 2, repeat_of),), approach_offset_rad=offset)
+
+    assert through_json(plan) == plan
+
+
+def test_arrays_keep_their_shape_and_every_digit():
+    place = Registration(np.eye(3) / 3, np.array([0.1, 0.2, 0.3]), np.eye(6) * 1e-9, 0.01, None)
+
+    back = through_json(place)
+
+    np.testing.assert_array_equal(back.rotation, place.rotation)
+    np.testing.assert_array_equal(back.covariance, place.covariance)
+    assert back.two_face_mm is None
+
+
+def test_a_number_that_is_not_known_is_null_in_json_and_nan_again_after():
+    point = PointTaken(1, 1, (0.0,), (0.0,), (1,), 0.0, math.nan, 1, (0, 0, 0), (0, 0, 0), 0.01, 0.0, 3)
+
+    document = to_document(point)
+
+    assert document["temperature_c"] is None
+    assert math.isnan(through_json(point).temperature_c)
+
+
+def test_nested_nouns_survive():
+    robot = Robot("arm", (JointRow(0.0, 1.0, 0.5, 2.0, sign=-1),), gear_ratios=(100.0,), source="a table")
+
+    assert through_json(robot) == robot
+    assert through_json(FramePlacement(1, 2, 3)) == FramePlacement(1, 2, 3)
+
+
+def test_a_field_that_an_older_document_lacks_takes_its_default():
+    document = to_document(StopSkipped(3, 1.0, "no reflector"))
+    robot = {"name": "arm", "joints": []}
+
+    assert from_document(StopSkipped, document) == StopSkipped(3, 1.0, "no reflector")
+    assert from_document(Robot, robot).repeatability_mm == 0.0
+
+
+def test_an_enum_is_its_word():
+    @dataclass(frozen=True)
+    class Standing:
+        state: SessionState
+
+    assert to_document(Standing(SessionState.PAUSED)) == {"state": "paused"}
+
+
+@pytest.mark.parametrize("value", [math.inf, object(), {1, 2}])
+def test_what_json_cannot_say_is_refused(value):
+    with pytest.raises(TypeError, match="no JSON form"):
+        to_document(value)
