@@ -27,7 +27,7 @@ WRITES_UNTIL_KILLED = textwrap.dedent("""
     from service.storage.database import Database
     from service.storage.readings import ReadingRepository
     from service.storage.sessions import SessionRepository
-    from tests.integration.storage.records import make_plan, make_point, make_setup
+    from tests.measured_sessions import make_plan, make_point, make_setup
 
     async def main():
         database = Database(sys.argv[1])

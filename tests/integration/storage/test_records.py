@@ -12,7 +12,7 @@ from service.storage.journal import StoredJournal
 from service.storage.readings import ReadingRepository
 from service.storage.records import JobKind, JobState, Page, RequestKey
 from service.storage.sessions import SessionRepository
-from tests.integration.storage.records import make_fixed_nest, make_plan, make_point, make_setup
+from tests.measured_sessions import make_fixed_nest, make_plan, make_point, make_setup
 
 
 @pytest.fixture

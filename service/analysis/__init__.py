@@ -1,0 +1,1 @@
+"""What is computed from records: load, compute in a worker process, store."""

@@ -1,0 +1,25 @@
+"""Errors of the analysis.
+
+AnalysisError
+├── SessionsDifferError    two sessions were not measured with the same robot and set-up
+├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
+└── WorkerDiedError        the worker process ended without an answer
+"""
+
+from service.domain.errors import TrueposeError
+
+
+class AnalysisError(TrueposeError):
+    """Base of every error of the analysis."""
+
+
+class SessionsDifferError(AnalysisError):
+    """Two sessions were not measured with the same robot and set-up."""
+
+
+class NothingMeasuredError(AnalysisError):
+    """A session or campaign holds no reading of the kind that is asked for."""
+
+
+class WorkerDiedError(AnalysisError):
+    """The worker process ended without an answer."""

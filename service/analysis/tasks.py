@@ -1,0 +1,83 @@
+"""What a worker process is asked, and how it answers; the numerics are imported there and only there.
+
+The imports inside the functions are the point: scipy takes most of a second, and the service, which
+imports this module for the task classes, must not wait for it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from service.analysis.errors import NothingMeasuredError
+from service.domain.campaign import Campaign, LegReadings, PointReadings
+from service.domain.results import Identification, Model, Validation
+from service.domain.session import Role, SessionPlan
+from service.storage.records import SessionSetup
+
+Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
+
+
+@dataclass(frozen=True, slots=True)
+class IdentifyTask:
+    """Identify a campaign; `effects` None chooses them from the campaign."""
+
+    archive: bytes  # zip of the campaign folder
+    effects: tuple[str, ...] | None
+
+    def perform(self, report: Report) -> Identification:
+        """Return the identification; raises TrueposeError."""
+        from service.exchange.campaign_zip import read_campaign_zip
+        from service.identification import identify
+
+        report(0.0, "reading the campaign")
+        return identify(read_campaign_zip(self.archive), self.effects, progress=report)
+
+
+@dataclass(frozen=True, slots=True)
+class ValidateTask:
+    """Judge a model on the validation readings of a campaign."""
+
+    archive: bytes
+    model: Model
+    limit_mm: float | None
+
+    def perform(self, report: Report) -> Validation:
+        """Return the validation; raises TrueposeError."""
+        from service.exchange.campaign_zip import read_campaign_zip
+        from service.validation import validate
+
+        report(0.0, "reading the campaign")
+        readings = held_out(read_campaign_zip(self.archive))
+        report(0.5, f"predicting {len(readings)} readings")
+        return validate(self.model, readings, limit_mm=self.limit_mm)
+
+
+@dataclass(frozen=True, slots=True)
+class PlanTask:
+    """Choose the configurations of a session: by observability, or at random to validate."""
+
+    setup: SessionSetup
+    role: Role
+    n_configurations: int
+    seed: int
+
+    def perform(self, report: Report) -> SessionPlan:
+        """Return the plan; raises TrueposeError."""
+        raise NotImplementedError
+
+
+Task: TypeAlias = IdentifyTask | ValidateTask | PlanTask
+Answer: TypeAlias = Identification | Validation | SessionPlan
+
+
+def held_out(campaign: Campaign) -> PointReadings | LegReadings:
+    """Return the validation readings of a campaign; raises NothingMeasuredError where it has none.
+
+    Calibration readings never stand in: a model may have been made from them.
+    """
+    readings = campaign.validation if campaign.validation is not None else campaign.validation_legs
+    if readings is None:
+        raise NothingMeasuredError(
+            "The campaign has no validation readings; give one with a 'validation' or 'validation_legs' file."
+        )
+    return readings

@@ -1,0 +1,55 @@
+"""The worker process, `python -m service.analysis.worker`: a task on its input, an answer on its output."""
+
+import os
+import sys
+import threading
+import traceback
+from typing import BinaryIO
+
+from service.analysis.pipe import Finished, Progressed, Refused, packed, receive
+from service.analysis.tasks import Task
+from service.domain.errors import TrueposeError
+
+
+def main() -> int:
+    """Perform the task that the service sends."""
+    answers = _claim_output()
+    task = receive(sys.stdin.buffer)
+    threading.Thread(target=_end_with_the_service, daemon=True).start()
+    _send(answers, _performed(task, answers))
+    return 0
+
+
+def _performed(task: Task, answers: BinaryIO) -> Finished | Refused:
+    try:
+        return Finished(task.perform(lambda fraction, doing: _send(answers, Progressed(fraction, doing))))
+    except TrueposeError as error:
+        return Refused(str(error))
+    except Exception as error:
+        # The traceback goes to the service's log; the sentence to whoever asked.
+        traceback.print_exc()
+        return Refused(
+            f"The program failed at this task ({type(error).__name__}: {error}); please report it."
+        )
+
+
+def _claim_output() -> BinaryIO:
+    """Keep the pipe for messages; whatever a library prints goes to standard error."""
+    pipe = os.dup(1)
+    os.dup2(2, 1)
+    return os.fdopen(pipe, "wb")
+
+
+def _send(stream: BinaryIO, message: object) -> None:
+    stream.write(packed(message))
+    stream.flush()
+
+
+def _end_with_the_service() -> None:
+    # The service holds our input open as long as it lives: a killed service leaves no worker behind.
+    sys.stdin.buffer.read()
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

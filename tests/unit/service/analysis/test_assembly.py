@@ -1,0 +1,87 @@
+"""A campaign is assembled from sessions without inventing or losing anything."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from service.analysis.assembly import MeasuredSession, assemble_campaign
+from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.domain.robot import FramePlacement
+from service.domain.session import Registration
+from service.storage.records import Condition
+from tests.measured_sessions import make_fixed_nest, make_point, make_setup
+
+
+def measured(number=1, points=None, **changes):
+    points = (make_point(1), make_point(2)) if points is None else points
+    return dataclasses.replace(MeasuredSession(number, make_setup(), points), **changes)
+
+
+def test_rows_are_the_points_in_the_order_they_were_taken():
+    points = (make_point(7), dataclasses.replace(make_point(3), repeat_of=7, direction=(-1, 1)))
+
+    rows = assemble_campaign(measured(points=points)).calibration
+
+    assert rows.stops.config.tolist() == [7, 3]
+    assert rows.stops.repeat_of.tolist() == [-1, 7]
+    assert rows.stops.direction.tolist() == [[1, 1], [-1, 1]]
+    np.testing.assert_array_equal(rows.position_mm, [p.position_world_mm for p in points])
+    np.testing.assert_array_equal(rows.standard_uncertainty_mm, [0.015, 0.015])
+
+
+def test_the_joints_are_the_commanded_ones():
+    point = dataclasses.replace(make_point(), commanded_rad=(0.1, 0.2), reported_rad=(0.1001, 0.2001))
+
+    rows = assemble_campaign(measured(points=(point,))).calibration
+
+    assert rows.stops.joints_rad.tolist() == [[0.1, 0.2]]
+
+
+def test_validation_readings_come_from_the_other_session_only():
+    campaign = assemble_campaign(measured(1), measured(2, points=(make_point(9),)))
+
+    assert campaign.calibration.stops.config.tolist() == [1, 2]
+    assert campaign.validation.stops.config.tolist() == [9]
+
+
+def test_without_a_validation_session_there_are_no_validation_readings():
+    assert assemble_campaign(measured()).validation is None
+
+
+def test_looks_at_fixed_nests_are_in_order_of_time_and_those_of_the_registration_left_out():
+    looks = (make_fixed_nest(9.0), make_fixed_nest(1.0, "registration"), make_fixed_nest(5.0))
+
+    reference = assemble_campaign(measured(fixed_nests=looks)).reference
+
+    assert reference.time_s.tolist() == [5.0, 9.0]
+
+
+def test_the_tracker_stands_where_its_registration_says_and_its_covariance_is_carried():
+    registration = Registration(np.eye(3), np.array([2600.0, -700.0, 500.0]), np.eye(6) * 4e-6, 0.01, 0.002)
+
+    campaign = assemble_campaign(measured(registration=registration))
+
+    assert campaign.tracker_position_mm == (2600.0, -700.0, 500.0)
+    np.testing.assert_array_equal(campaign.registration.covariance, np.eye(6) * 4e-6)
+
+
+def test_a_simulated_session_says_so_in_the_notes_with_its_conditions():
+    setup = dataclasses.replace(make_setup(), simulated=True, conditions=(Condition("load", "2.7 kg"),))
+
+    notes = assemble_campaign(measured(setup=setup)).notes
+
+    assert any("SIMULATED" in note for note in notes)
+    assert "load: 2.7 kg" in notes
+
+
+def test_a_session_without_readings_is_named():
+    with pytest.raises(NothingMeasuredError, match="Session 4 has no reading"):
+        assemble_campaign(measured(4, points=()))
+
+
+def test_sessions_of_different_set_ups_are_not_joined():
+    moved = dataclasses.replace(make_setup(), base=FramePlacement(x_mm=10.0))
+
+    with pytest.raises(SessionsDifferError, match="Sessions 1 and 2 differ in their base placement"):
+        assemble_campaign(measured(1), measured(2, setup=moved))
