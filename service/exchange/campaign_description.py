@@ -12,6 +12,7 @@ import numpy as np
 
 from service.domain.campaign import Campaign
 from service.domain.robot import FixedNest, Nest, Robot, WorldRegistration
+from service.exchange.covariance_document import covariance_document, read_covariance
 from service.exchange.document import Node
 from service.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
 from service.exchange.json_text import Json
@@ -164,16 +165,9 @@ def _read_registration(node: Node | None) -> WorldRegistration | None:
     """Read the 6x6 covariance of the world frame [mm, rad]."""
     if node is None:
         return None
-    rows = node.key("covariance_mm_rad")
-    covariance = np.array([row.numbers(6) for row in rows.items(6)])
-    if not np.allclose(covariance, covariance.T, rtol=1e-9, atol=0.0):
-        rows.fail("a covariance must be symmetric")
-    covariance = (covariance + covariance.T) / 2.0
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    if (
-        np.linalg.eigvalsh(covariance / np.outer(scale, scale))[0] < -1e-9
-    ):  # rounding of 6x6 products of order 1
-        rows.fail("a covariance must not have negative variances in any direction")
+    covariance = read_covariance(node.key("covariance_mm_rad"), 6)
+    if np.isnan(covariance).any():
+        node.fail("the covariance of the world frame must be known completely")
     return WorldRegistration(covariance)
 
 
@@ -258,7 +252,7 @@ def _optional_keys(campaign: Campaign) -> dict[str, Json]:
         "setup_u_mm": campaign.setup_uncertainty_mm,
         "world_registration": None
         if registration is None
-        else {"covariance_mm_rad": registration.covariance.tolist()},
+        else {"covariance_mm_rad": covariance_document(registration.covariance)},
     }
 
 

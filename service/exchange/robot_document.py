@@ -177,7 +177,7 @@ def read_nest(entry: Node) -> Nest:
     uncertainty = entry.optional("u_mm")
     return Nest(
         centre_mm=entry.key("centre_mm").vector(),
-        standard_uncertainty_mm=None if uncertainty is None else uncertainty.number(above=0.0),
+        standard_uncertainty_mm=None if uncertainty is None else uncertainty.number(least=0.0),
         facing=read_direction(entry.optional("facing")),
     )
 

@@ -1,0 +1,102 @@
+"""A cell as its owner describes it: robot, instruments, artefacts, conditions and limits."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceEntry:
+    """An instrument or controller: which driver opens it, and with which options."""
+
+    name: str  # unique in the cell: "tracker", "robot"
+    driver: str  # configuration name of the driver
+    options: Mapping[str, str | int | float | bool]  # host, port, serial, usb ...; the driver checks them
+    serial_number: str = ""
+    certificate: str = ""  # calibration certificate: number, date, laboratory
+
+
+@dataclass(frozen=True, slots=True)
+class PlantedEffect:
+    """A change that a simulated cell undergoes on purpose, from a moment of cell time on."""
+
+    name: str
+    subject: str
+    amplitude: float  # in the unit of that effect
+    from_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedCell:
+    """Which simulated cell stands in for a real one."""
+
+    scenario: str  # shipped name or file
+    seed: int
+    effects: tuple[PlantedEffect, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Artefact:
+    """Paper of an artefact: what it is, and what says that its numbers hold."""
+
+    name: str
+    serial_number: str = ""
+    certificate: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What a report states beside its figures, in the owner's words."""
+
+    load: str = ""
+    warm_up: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class CertifiedLength:
+    """Distance between two fixed nests, certified apart from their coordinates: it verifies the scale."""
+
+    fixed_nests: tuple[int, int]  # 1-based
+    length_mm: float
+    standard_uncertainty_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class CellLimits:
+    """What must not be exceeded in this cell."""
+
+    joints: tuple[JointRange, ...] | None = None  # None: the robot's own
+    calibration: tuple[JointRange, ...] | None = (
+        None  # where configurations are chosen; None: the robot's own
+    )
+    reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
+    tool_speed_mm_s: float = 500.0  # thesis section 2.4
+    orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One cell; exactly one of `devices` (real) and `simulated` is given."""
+
+    name: str
+    robot_key: str  # name of the shipped robot, or the robot file
+    robot: Robot
+    robot_serial_number: str = ""
+    base_nominal: FramePlacement = field(default_factory=FramePlacement)  # in the world
+    nests: tuple[Nest, ...] = ()  # tool nests, last frame
+    tool: Artefact | None = None
+    fixed_nests: tuple[FixedNest, ...] = ()  # world frame
+    fixed_nests_seen_mm: tuple[Vector, ...] | None = (
+        None  # in the tracker's frame, where somebody aimed at them
+    )
+    world: Artefact | None = None  # what certifies the fixed nests
+    certified_lengths: tuple[CertifiedLength, ...] = ()
+    tracker_position_mm: Vector | None = None  # nominal, in the world
+    limits: CellLimits = field(default_factory=CellLimits)
+    conditions: Conditions = field(default_factory=Conditions)
+    devices: tuple[DeviceEntry, ...] = ()
+    simulated: SimulatedCell | None = None

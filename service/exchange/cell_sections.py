@@ -1,0 +1,188 @@
+"""The sections of a cell file, one reader each."""
+
+import math
+from collections.abc import Collection
+
+from service.domain.cell import (
+    Artefact,
+    CellLimits,
+    CertifiedLength,
+    Conditions,
+    DeviceEntry,
+    PlantedEffect,
+    SimulatedCell,
+    Vector,
+)
+from service.domain.robot import FixedNest
+from service.exchange.document import Node
+from service.exchange.errors import MissingEntryError
+from service.exchange.robot_document import read_ranges
+
+_DEVICE_KEYS = frozenset({"name", "driver", "serial_number", "certificate"})
+_ADDRESSES = ("host", "serial", "usb")
+_LAST_PORT = 65535
+
+
+def refuse_unlisted(node: Node, known: Collection[str]) -> None:
+    """Refuse a key that is not `known`: a mistyped limit must not be ignored in a file that moves a robot."""
+    for entry in node.unlisted(known):
+        entry.fail(f"there is no such key; the keys here are {', '.join(sorted(known))}")
+
+
+def optional_text(node: Node, name: str) -> str:
+    """Return a text, empty where the key is absent."""
+    entry = node.optional(name)
+    return "" if entry is None else entry.text()
+
+
+def read_artefact(node: Node | None, extra: Collection[str] = ()) -> Artefact | None:
+    """Read what an artefact is and what certifies it; `extra` keys are read elsewhere."""
+    if node is None:
+        return None
+    refuse_unlisted(node, {"name", "serial_number", "certificate", *extra})
+    return Artefact(
+        name=optional_text(node, "name"),
+        serial_number=optional_text(node, "serial_number"),
+        certificate=optional_text(node, "certificate"),
+    )
+
+
+def read_fixed_nests(node: Node | None) -> tuple[FixedNest, ...]:
+    """Read nests on the table, certified in the world frame."""
+    return () if node is None else tuple(_read_fixed_nest(entry) for entry in node.items())
+
+
+def _read_fixed_nest(node: Node) -> FixedNest:
+    refuse_unlisted(node, {"centre_mm", "u_mm"})
+    return FixedNest(node.key("centre_mm").vector(), node.key("u_mm").number(above=0.0))
+
+
+def read_lengths(node: Node | None, n_fixed_nests: int) -> tuple[CertifiedLength, ...]:
+    """Read distances between fixed nests that are certified on their own."""
+    return () if node is None else tuple(_read_length(entry, n_fixed_nests) for entry in node.items())
+
+
+def _read_length(node: Node, n_fixed_nests: int) -> CertifiedLength:
+    refuse_unlisted(node, {"fixed_nests", "length_mm", "u_mm"})
+    pair = node.key("fixed_nests")
+    first, second = (entry.whole(least=1, greatest=n_fixed_nests) for entry in pair.items(2))
+    if first == second:
+        pair.fail("a length joins two different nests")
+    length, uncertainty = (node.key(name).number(above=0.0) for name in ("length_mm", "u_mm"))
+    return CertifiedLength((first, second), length, uncertainty)
+
+
+def read_tracker_position(node: Node | None) -> Vector | None:
+    """Read where the tracker nominally stands in the world."""
+    if node is None:
+        return None
+    refuse_unlisted(node, {"position_mm", "fixed_nests_seen_mm"})
+    position = node.optional("position_mm")
+    return None if position is None else position.vector()
+
+
+def read_seen(node: Node | None, n_fixed_nests: int) -> tuple[Vector, ...] | None:
+    """Read where the tracker saw the fixed nests when somebody aimed at them, in its own frame."""
+    seen = None if node is None else node.optional("fixed_nests_seen_mm")
+    return None if seen is None else tuple(entry.vector() for entry in seen.items(n_fixed_nests))
+
+
+def read_limits(node: Node | None, n_joints: int) -> CellLimits:
+    """Read the limits; what is not given keeps its default."""
+    if node is None:
+        return CellLimits()
+    positive = ("reference_mm", "tool_speed_mm_s", "orientation_speed_deg_s")
+    refuse_unlisted(node, {"joints_deg", "calibration_deg", *positive})
+    default = CellLimits()
+    reference, speed, turning = (_positive(node, name) for name in positive)
+    return CellLimits(
+        joints=read_ranges(node.optional("joints_deg"), n_joints),
+        calibration=read_ranges(node.optional("calibration_deg"), n_joints),
+        reference_mm=reference or default.reference_mm,
+        tool_speed_mm_s=speed or default.tool_speed_mm_s,
+        orientation_speed_rad_s=math.radians(turning) if turning else default.orientation_speed_rad_s,
+    )
+
+
+def _positive(node: Node, name: str) -> float | None:
+    entry = node.optional(name)
+    return None if entry is None else entry.number(above=0.0)
+
+
+def read_conditions(node: Node | None) -> Conditions:
+    """Read what a report states in the owner's words."""
+    if node is None:
+        return Conditions()
+    refuse_unlisted(node, {"load", "warm_up", "notes"})
+    notes = node.optional("notes")
+    return Conditions(
+        load=optional_text(node, "load"),
+        warm_up=optional_text(node, "warm_up"),
+        notes=() if notes is None else tuple(note.text() for note in notes.items()),
+    )
+
+
+def read_devices(node: Node | None) -> tuple[DeviceEntry, ...]:
+    """Read the devices; their names differ."""
+    if node is None:
+        return ()
+    devices: dict[str, DeviceEntry] = {}
+    for entry in node.items():
+        device = _read_device(entry)
+        if device.name in devices:
+            entry.key("name").fail(f"two devices are called {device.name!r}; names must differ")
+        devices[device.name] = device
+    return tuple(devices.values())
+
+
+def _read_device(node: Node) -> DeviceEntry:
+    name, driver = node.key("name").text(), node.key("driver").text()
+    addresses = [key for key in _ADDRESSES if key in node.entries()]
+    if len(addresses) != 1:
+        given = " and ".join(addresses) or "none"
+        node.fail(
+            f"device {name} needs one address, host or serial or usb, and has {given}", MissingEntryError
+        )
+    port = node.optional("port")
+    if port is not None:
+        port.whole(least=1, greatest=_LAST_PORT)
+    return DeviceEntry(
+        name=name,
+        driver=driver,
+        options={entry.path[-1]: _option(entry) for entry in node.unlisted(_DEVICE_KEYS)},  # type: ignore[misc]
+        serial_number=optional_text(node, "serial_number"),
+        certificate=optional_text(node, "certificate"),
+    )
+
+
+def _option(node: Node) -> str | int | float | bool:
+    if not isinstance(node.value, str | int | float | bool):
+        node.fail("an option of a driver is a text, a number, true or false")
+    return node.value
+
+
+def read_simulated(root: Node) -> SimulatedCell | None:
+    """Read which simulation stands in for a cell, and the changes planted in it."""
+    node, effects = root.optional("simulated"), root.optional("effect")
+    if node is None:
+        if effects is not None:
+            effects.fail("changes can be planted in a simulated cell only; [simulated] is missing")
+        return None
+    refuse_unlisted(node, {"scenario", "seed"})
+    seed = node.optional("seed")
+    return SimulatedCell(
+        scenario=node.key("scenario").text(),
+        seed=0 if seed is None else seed.whole(least=0),
+        effects=() if effects is None else tuple(_read_effect(entry) for entry in effects.items()),
+    )
+
+
+def _read_effect(node: Node) -> PlantedEffect:
+    refuse_unlisted(node, {"name", "subject", "amplitude", "from_s"})
+    start = node.optional("from_s")
+    return PlantedEffect(
+        name=node.key("name").text(),
+        subject=optional_text(node, "subject"),
+        amplitude=node.key("amplitude").number(),
+        from_s=0.0 if start is None else start.number(least=0.0),
+    )
