@@ -5,7 +5,8 @@ SequencingError
 ├── PersonMissingError      a confirmation needs the name of a person
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
-└── ReadingRejectedError    an instrument answered, and the answer cannot be right
+├── ReadingRejectedError    an instrument answered, and the answer cannot be right
+└── AttentionNeededError    a person has to look at something before the session goes on
 """
 
 from service.domain.errors import TrueposeError
@@ -33,3 +34,7 @@ class MotionForbiddenError(SequencingError):
 
 class ReadingRejectedError(SequencingError):
     """An instrument answered, and the answer cannot be right."""
+
+
+class AttentionNeededError(SequencingError):
+    """A person has to look at something before the session goes on."""

@@ -21,7 +21,7 @@ class SessionJournal(Protocol):
     """
 
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
-        """Keep a change of state; `person` is who asked for it or confirmed it, None where the session did."""
+        """Keep a change of state; `person` is who asked or confirmed, None where nobody did."""
         ...
 
     async def point_taken(self, point: PointTaken) -> str:

@@ -1,12 +1,60 @@
-"""Executes a tracker session: the only place that commands motion."""
+"""Executes a tracker session: takes the sections of a plan in turn and decides what a fault means.
 
-from service.domain.session import Progress, SessionPlan, SessionState
+- A configuration whose reading fails is skipped with the reason, unless nothing has been measured since a
+  person last had the session go on, or several in a row have failed: then the instrument is suspect, and
+  the session pauses.
+- A lost link, a robot that is not where it was left and a program that was restarted are the same thing
+  to a session: nothing moves before a person confirms; then the devices are opened anew, the fixed nests
+  are looked at, and the section that was interrupted begins again.
+- A pause or the end that somebody asks for takes effect between two steps, hence at the end of a motion.
+"""
+
+import asyncio
+from collections import Counter, deque
+from typing import Final
+
+from drivers.errors import (
+    ConfigurationError,
+    DeviceRefusedError,
+    LinkError,
+    MeasurementFailedError,
+    NotInitialisedError,
+    RemoteProtocolError,
+)
+from service.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
+from service.sequencing.arm import Arm, Permission
 from service.sequencing.cell import SessionCell
+from service.sequencing.desk import Desk, require_person
+from service.sequencing.dry_run import check_plan, motion_limits
+from service.sequencing.errors import (
+    AttentionNeededError,
+    MotionForbiddenError,
+    NotNowError,
+    ReadingRejectedError,
+)
+from service.sequencing.execution import Execution
 from service.sequencing.journal import SessionHistory, SessionJournal
+from service.sequencing.pace import Pace
+from service.sequencing.plans import opening, references, registration, session_sections
+from service.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition, words
+from service.sequencing.steps import MeasurePoint, Section
+
+CELL_CLEAR: Final = (
+    "The robot is about to move. Is the cell clear of people and things, and is an emergency stop in reach?"
+)
+_END_OF_MOTION: Final = "a motion under way cannot be stopped through this program, so it ends first"
+_INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
+
+
+class _EndedError(Exception):
+    """The session has ended; unwinds the run."""
 
 
 class SessionRunner:
-    """One session on one cell; `run` is its task, all other methods may be called from other tasks."""
+    """One session on one cell; `run` is its task, all other methods may be called from other tasks.
+
+    Raises PlanRefusedError where the plan does not fit the cell.
+    """
 
     def __init__(
         self,
@@ -15,45 +63,293 @@ class SessionRunner:
         journal: SessionJournal,
         history: SessionHistory | None = None,
     ) -> None:
+        history = history or SessionHistory()
+        limits = motion_limits(cell.robot, cell.joint_limits, plan)
+        check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
         self._plan = plan
         self._cell = cell
         self._journal = journal
-        self._history = history or SessionHistory()
+        self._state = after_restart(history.state)
+        self._changing = asyncio.Lock()  # transitions reach the journal one after the other
+        self._wish: SessionState | None = None  # PAUSING or ABORTING, from the moment it is asked for
+        self._desk = Desk()
+        self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, self._permission)
+        self._execution = Execution(plan, cell, self._arm, journal, history.registration)
+        self._done = {point.config for point in history.points} | {s.config for s in history.skipped}
+        self._agenda = deque(
+            session_sections(
+                plan,
+                len(cell.fixed_nests),
+                registered=history.registration is not None,
+                done=frozenset(self._done),
+            )
+        )
+        self._pace = Pace(
+            len(plan.stops), len(history.points), len(history.skipped), elapsed_s=history.elapsed_s
+        )
+        self._now_s = 0.0  # at the end of the last step
+        self._measured = False  # something was measured since a person last had the session go on
+        self._failures_in_a_row = 0
+        self._paused_at: set[int] = set()  # configurations that made the session pause
+        self._interrupted_at: Counter[int] = Counter()
 
     @property
     def state(self) -> SessionState:
-        """Where the session stands."""
-        return self._history.state
+        """Where the session stands, as the journal has it."""
+        return self._state
 
     @property
     def question(self) -> str | None:
         """What a person is asked to confirm, or why the session pauses; None while it runs or has ended."""
-        raise NotImplementedError
+        return self._desk.question
 
     @property
     def progress(self) -> Progress:
         """How far the session is."""
-        raise NotImplementedError
+        return self._pace.progress()
+
+    async def request_pause(self, person: str | None = None) -> str:
+        """Ask for a pause; returns the sentence that says when it takes effect. Raises NotNowError."""
+        require_transition(self._state, SessionState.PAUSING)
+        earlier, self._wish = self._wish, self._wish or SessionState.PAUSING  # forbids motion from here on
+        try:
+            async with self._changing:
+                await self._record(SessionState.PAUSING, "A pause was asked for.", person)
+        except NotNowError:
+            self._wish = earlier
+            raise
+        return f"The session pauses; {_END_OF_MOTION}."
+
+    async def request_abort(self, person: str | None = None) -> str:
+        """Ask for the end; returns the sentence that says when it takes effect. Raises NotNowError."""
+        if has_ended(self._state) or self._state is SessionState.ABORTING:
+            raise NotNowError(f"The session is {words(self._state)} already.")
+        self._wish = SessionState.ABORTING  # forbids motion from here on
+        async with self._changing:
+            moving = SessionState.ABORTING in TRANSITIONS[self._state]
+            wanted = SessionState.ABORTING if moving else SessionState.ABORTED
+            await self._record(wanted, "The end was asked for.", person)
+        if moving:
+            return f"The session ends; {_END_OF_MOTION}."
+        self._desk.answer()
+        return "The session has ended; nothing was in motion."
+
+    async def resume(self, person: str) -> str:
+        """Continue a paused session. Raises NotNowError, PersonMissingError."""
+        await self._go_on(SessionState.PAUSED, "resume", person)
+        return "The session goes on; what was under way begins again."
+
+    async def confirm(self, person: str) -> str:
+        """Confirm what `question` asks. Raises NotNowError, PersonMissingError."""
+        await self._go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
+        return "Confirmed; the session goes on."
 
     async def run(self) -> SessionState:
         """Run to the end and return the state it ended in; first a person has to `confirm`.
 
-        Raises what the journal raises; every other fault becomes a state with a sentence.
+        Raises what the journal raises; every fault of the devices becomes a state with a sentence.
         """
-        raise NotImplementedError
+        try:
+            await self._session()
+        except _EndedError:
+            pass
+        except ConfigurationError as error:
+            await self._fail(str(error))
+        except Exception as error:
+            await self._fail(f"The program failed ({type(error).__name__}): {error}")
+            raise
+        return self._state
 
-    async def request_pause(self, person: str | None = None) -> str:
-        """Ask for a pause; returns the sentence that says when it takes effect. Raises NotNowError."""
-        raise NotImplementedError
+    async def _session(self) -> None:
+        if has_ended(self._state):
+            return
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, CELL_CLEAR)
+        while not await self._finished():
+            while self._agenda:
+                await self._carry_out(self._agenda.popleft())
+            await self._heed_requests()
 
-    async def request_abort(self, person: str | None = None) -> str:
-        """Ask for the end; returns the sentence that says when it takes effect. Raises NotNowError."""
-        raise NotImplementedError
+    async def _finished(self) -> bool:
+        async with self._changing:
+            if self._agenda or self._wish is not None:
+                return False
+            self._pace.doing = "finished"
+            await self._journal.progressed(self.progress)
+            await self._record(SessionState.FINISHED, "Every configuration was measured or skipped.")
+        return True
 
-    async def resume(self, person: str) -> str:
-        """Continue a paused session. Raises NotNowError, PersonMissingError."""
-        raise NotImplementedError
+    # states: a change is visible once it is on disk; what must act at once is the wish
 
-    async def confirm(self, person: str) -> str:
-        """Confirm what `question` asks. Raises NotNowError, PersonMissingError."""
-        raise NotImplementedError
+    async def _record(self, state: SessionState, reason: str, person: str | None = None) -> None:
+        """Change the state; the caller holds the lock."""
+        require_transition(self._state, state)
+        await self._journal.state_changed(state, reason, person)
+        self._state = state
+
+    async def _go_on(self, from_state: SessionState, verb: str, person: str) -> None:
+        name = require_person(person)
+        async with self._changing:
+            if self._state is not from_state or self._desk.question is None:
+                raise NotNowError(f"The session is {words(self._state)}; there is nothing to {verb}.")
+            await self._record(SessionState.RUNNING, f"{name} had the session go on.", name)
+            if self._wish is SessionState.PAUSING:
+                self._wish = None
+            self._desk.answer()
+
+    async def _wait_for_person(self, state: SessionState, question: str) -> None:
+        """Enter `state` and return when a person had the session go on; raises _EndedError where it ended."""
+        self._desk.ask(question)
+        self._pace.hold()
+        async with self._changing:
+            if self._state is state:  # after a restart; the question is kept all the same
+                await self._journal.state_changed(state, question, None)
+            elif self._wish is not SessionState.ABORTING:
+                await self._record(state, question)
+        await self._journal.progressed(self.progress)
+        if self._wish is SessionState.ABORTING:
+            await self._end_as_asked()
+        await self._desk.wait()
+        if has_ended(self._state):
+            raise _EndedError
+        self._arm.forget()
+        self._measured = False
+        self._failures_in_a_row = 0
+
+    async def _heed_requests(self) -> bool:
+        """Pause or end where that was asked for; returns whether the session was paused meanwhile."""
+        if self._wish is None:
+            return False
+        if self._wish is SessionState.ABORTING:
+            await self._end_as_asked()
+        await self._wait_for_person(
+            SessionState.PAUSED, "Paused on request. Is the cell clear, so that it can be resumed?"
+        )
+        return True
+
+    async def _end_as_asked(self) -> None:
+        async with self._changing:
+            if not has_ended(self._state):
+                await self._record(SessionState.ABORTED, "The session ended on request, between two motions.")
+        self._desk.answer()
+        raise _EndedError
+
+    async def _fail(self, reason: str) -> None:
+        async with self._changing:
+            try:
+                if not has_ended(self._state):
+                    await self._journal.state_changed(SessionState.FAILED, reason, None)
+            finally:
+                self._state = SessionState.FAILED
+                self._desk.answer()
+
+    def _permission(self) -> Permission:
+        return Permission(self._state, self._wish is not None, self._desk.question)
+
+    # sections
+
+    async def _carry_out(self, section: Section) -> None:
+        """Do a section; after a fault the agenda holds what is to be done about it."""
+        self._pace.doing = section.title
+        self._execution.begin_section()
+        try:
+            await self._do_steps(section)
+        except (LinkError, RemoteProtocolError, NotInitialisedError, MotionForbiddenError) as error:
+            await self._on_interruption(section, error)
+        except (MeasurementFailedError, DeviceRefusedError, ReadingRejectedError) as error:
+            await self._on_failed_measurement(section, str(error))
+        except AttentionNeededError as error:
+            await self._on_attention_needed(section, str(error))
+
+    async def _do_steps(self, section: Section) -> None:
+        await self._tick()
+        if section.stop is not None:
+            self._pace.begin_stop()
+        await self._journal.progressed(self.progress)
+        for step in section.steps:
+            if await self._heed_requests():
+                self._agenda.appendleft(section)
+                return
+            await self._execution.perform(step)
+            if isinstance(step, MeasurePoint):  # stored: whatever fails now, it is not measured again
+                self._on_measured(step.stop)
+            await self._tick()
+
+    def _on_measured(self, stop: PlannedStop) -> None:
+        self._done.add(stop.config)
+        self._pace.end_stop(measured=True)
+        self._measured = True
+        self._failures_in_a_row = 0
+
+    async def _tick(self) -> None:
+        self._now_s = await self._cell.clock.now_s()
+        self._pace.tick(self._now_s)
+
+    async def _on_interruption(self, section: Section, error: Exception) -> None:
+        if isinstance(error, MotionForbiddenError):
+            if self._wish is not None:  # asked for between two looks; the next section heeds it
+                self._agenda.appendleft(section)
+                return
+        else:
+            await self._cell.tracker.close()
+            await self._cell.robot_controller.close()
+        await self._wait_for_person(
+            SessionState.AWAITING_CONFIRMATION, f"{_sentence(str(error))} Put it right. {CELL_CLEAR}"
+        )
+        await self._take_up_again(section, str(error))
+
+    async def _take_up_again(self, section: Section, reason: str) -> None:
+        stop = section.stop
+        if stop is None:
+            self._agenda.appendleft(section)
+        elif stop.config not in self._done:
+            self._interrupted_at[stop.config] += 1
+            if self._interrupted_at[stop.config] < _INTERRUPTIONS_PER_STOP:
+                self._agenda.appendleft(section)
+            else:
+                await self._skip(stop, f"The session was interrupted here twice: {reason}")
+        if stop is not None and self._execution.fixed_nests.registered:
+            self._agenda.appendleft(references(len(self._cell.fixed_nests)))
+        if section != opening():
+            self._agenda.appendleft(opening())
+
+    async def _on_failed_measurement(self, section: Section, reason: str) -> None:
+        stop = section.stop
+        if stop is None:
+            await self._pause(f"While {section.title}: {reason}")
+            self._agenda.appendleft(section)
+            return
+        self._failures_in_a_row += 1
+        suspect = not self._measured or self._failures_in_a_row >= self._plan.failures_in_a_row
+        if suspect and stop.config not in self._paused_at:
+            self._paused_at.add(stop.config)
+            await self._pause(
+                f"Configuration {stop.config} could not be measured: {_sentence(reason)} "
+                f"{self._why_suspect()} Check the tracker and its line of sight, then resume."
+            )
+            self._agenda.appendleft(section)
+        else:
+            await self._skip(stop, reason)
+
+    def _why_suspect(self) -> str:
+        if not self._measured:
+            return "Nothing has been measured since the session was last started."
+        return f"It is number {self._failures_in_a_row} in a row."
+
+    async def _on_attention_needed(self, section: Section, reason: str) -> None:
+        await self._pause(reason)
+        self._agenda.appendleft(section)
+        if self._execution.fixed_nests.registered:
+            self._execution.fixed_nests.distrust()
+            self._agenda.appendleft(registration(self._plan, len(self._cell.fixed_nests)))
+
+    async def _pause(self, reason: str) -> None:
+        await self._wait_for_person(SessionState.PAUSED, reason)
+
+    async def _skip(self, stop: PlannedStop, reason: str) -> None:
+        await self._journal.stop_skipped(StopSkipped(stop.config, self._now_s, reason))
+        self._pace.end_stop(measured=False)
+
+
+def _sentence(text: str) -> str:
+    """Return `text` with a full stop; drivers' errors come with and without."""
+    return text if text.rstrip().endswith((".", "!", "?")) else f"{text.rstrip()}."

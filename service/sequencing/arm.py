@@ -1,0 +1,103 @@
+"""The arm as the session moves it: the one call of `move_joints`, behind the interlocks."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drivers.api import Clock, JointReading, RobotController
+from drivers.errors import TargetRefusedError
+from service.domain.robot import JointRange
+from service.domain.session import SessionState
+from service.sequencing.errors import MotionForbiddenError
+from service.sequencing.interlocks import MotionConditions, what_forbids_motion
+
+
+@dataclass(frozen=True, slots=True)
+class Permission:
+    """What the session says at this moment about motion."""
+
+    state: SessionState
+    stop_requested: bool
+    question: str | None
+
+
+AskPermission: TypeAlias = Callable[[], Permission]
+
+
+class Arm:
+    """Moves the robot where the session allows it; knows where the last motion ended, from which side."""
+
+    def __init__(
+        self,
+        controller: RobotController,
+        clock: Clock,
+        limits: tuple[JointRange, ...],
+        tolerance_rad: float,
+        ask_permission: AskPermission,
+    ) -> None:
+        self._controller = controller
+        self._clock = clock
+        self._limits = limits
+        self._tolerance_rad = tolerance_rad
+        self._ask_permission = ask_permission
+        self._left_at: tuple[float, ...] | None = None
+        self._direction = (0,) * len(limits)
+
+    @property
+    def direction(self) -> tuple[int, ...]:
+        """Sign of each joint's last motion; 0 where this session has not moved it yet."""
+        return self._direction
+
+    def forget(self) -> None:
+        """Forget where the arm was left: a person had it since, and confirmed where it stands now."""
+        self._left_at = None
+        self._direction = (0,) * len(self._limits)
+
+    async def read(self) -> JointReading:
+        """Ask where the joints are."""
+        return await self._controller.read_joints()
+
+    async def move(self, target_rad: tuple[float, ...]) -> None:
+        """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors."""
+        reading = await self.read()
+        now_s = await self._clock.now_s()
+        # nothing is awaited between the last look at the session's state and the motion
+        self._require_permission(target_rad, reading, now_s)
+        before = self._left_at
+        self._left_at = None
+        try:
+            await self._controller.move_joints(target_rad)
+        except TargetRefusedError:
+            self._left_at = before
+            raise
+        self._left_at = target_rad
+        # a reported angle is rounded: a smaller difference to it says nothing of the sign
+        smallest_rad = reading.resolution_rad if before is None else 0.0
+        came_from = reading.joints_rad if before is None else before
+        self._direction = _direction(came_from, target_rad, self._direction, smallest_rad)
+
+    def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:
+        permission = self._ask_permission()
+        conditions = MotionConditions(
+            state=permission.state,
+            stop_requested=permission.stop_requested,
+            question=permission.question,
+            robot_connected=self._controller.connected,
+            reading=reading,
+            now_s=now_s,
+            left_at_rad=self._left_at,
+            tolerance_rad=self._tolerance_rad,
+        )
+        forbidden = what_forbids_motion(conditions, target_rad, self._limits)
+        if forbidden is not None:
+            raise MotionForbiddenError(forbidden)
+
+
+def _direction(
+    came_from: tuple[float, ...], target: tuple[float, ...], before: tuple[int, ...], smallest_rad: float
+) -> tuple[int, ...]:
+    """Return the sign of each joint's last motion; one that stood still keeps that of its motion before."""
+    return tuple(
+        earlier if abs(to - start) <= smallest_rad else (1 if to > start else -1)
+        for start, to, earlier in zip(came_from, target, before, strict=True)
+    )

@@ -1,0 +1,130 @@
+"""The tracker's place in the world from readings of certified nests, with its covariance. Pure.
+
+With p_k the mean reading of nest k in the tracker's frame and c_k its certified centre, the rigid motion
+x = R p + t minimises the weighted squares of `c_k - R p_k - t`. A small motion (dt, w) about the world
+origin moves a point by `dt + w x x`, so J_k = [I, -(c_k x)], and with the weights W the covariance is
+`A C A'`, A = (J'WJ)^-1 J'W, where C holds, nest by nest, certificate and reading.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.robot import FixedNest
+from service.domain.session import Registration
+from service.kinematics.frames import cross_matrix, rigid_alignment
+
+SCALE_VERIFIED_BELOW: Final = 5e-5  # standard uncertainty; 0.05 mm at 1 m would spoil every absolute figure
+
+_ENOUGH_TO_SCATTER = 5  # readings from which their own scatter says more than the instrument's statement
+_SMALLEST_UNCERTAINTY_MM = 1e-6  # keeps the weights of a noise-free cell finite
+
+
+@dataclass(frozen=True, slots=True)
+class NestMean:
+    """Mean reading of one fixed nest in the tracker's frame."""
+
+    point_mm: FloatArray  # (3,)
+    covariance_mm2: FloatArray  # (3, 3) of the mean
+
+
+def nest_mean(points_mm: FloatArray, stated_variance_mm2: FloatArray) -> NestMean:
+    """Mean of repeated readings and its covariance.
+
+    Parameters
+    ----------
+    points_mm : ndarray, shape (n, 3)
+    stated_variance_mm2 : ndarray, shape (n, 3)
+        What the instrument says of each reading, per axis [mm2]; stands in where n is too small
+        for the readings' own scatter.
+    """
+    n = len(points_mm)
+    if n >= _ENOUGH_TO_SCATTER:
+        return NestMean(points_mm.mean(axis=0), np.cov(points_mm, rowvar=False) / n)
+    return NestMean(points_mm.mean(axis=0), np.diag(np.nan_to_num(stated_variance_mm2).mean(axis=0)) / n)
+
+
+def register(
+    means: Sequence[NestMean], fixed_nests: Sequence[FixedNest], two_face_mm: float | None = None
+) -> Registration:
+    """Place the tracker in the world.
+
+    Parameters
+    ----------
+    means : sequence of NestMean
+        One per fixed nest, in the order of `fixed_nests`; at least three, not on a line.
+    fixed_nests : sequence of FixedNest
+    two_face_mm : float, optional
+        Half the difference between the faces, only passed on.
+    """
+    measured = np.array([mean.point_mm for mean in means])
+    certified = np.array([nest.centre_mm for nest in fixed_nests])
+    readings, certificates = _reading_covariances(means), _certificate_covariances(fixed_nests)
+    weights = 3.0 / np.trace(readings + certificates, axis1=1, axis2=2)
+    rotation, translation = rigid_alignment(measured, certified, weights)
+    residuals = certified - measured @ rotation.T - translation
+    total = rotation @ readings @ rotation.T + certificates
+    scale, scale_uncertainty = _scale(measured @ rotation.T, certified, total)
+    return Registration(
+        rotation=rotation,
+        translation_mm=translation,
+        covariance=_covariance_of_motion(certified, total, weights),
+        rms_mm=float(np.sqrt(np.mean(np.sum(residuals**2, axis=1)))),
+        two_face_mm=two_face_mm,
+        scale=scale if scale_uncertainty < SCALE_VERIFIED_BELOW else None,
+        scale_standard_uncertainty=scale_uncertainty if scale_uncertainty < SCALE_VERIFIED_BELOW else None,
+    )
+
+
+def _reading_covariances(means: Sequence[NestMean]) -> FloatArray:
+    return np.array([mean.covariance_mm2 for mean in means])
+
+
+def _certificate_covariances(fixed_nests: Sequence[FixedNest]) -> FloatArray:
+    u_mm = np.array([nest.standard_uncertainty_mm for nest in fixed_nests])
+    covariances: FloatArray = np.maximum(u_mm, _SMALLEST_UNCERTAINTY_MM)[:, None, None] ** 2 * np.eye(3)
+    return covariances
+
+
+def _covariance_of_motion(certified: FloatArray, covariances: FloatArray, weights: FloatArray) -> FloatArray:
+    jacobian = np.concatenate(
+        [np.broadcast_to(np.eye(3), (len(certified), 3, 3)), -cross_matrix(certified)], axis=2
+    )
+    normal = np.einsum("n,nki,nkj->ij", weights, jacobian, jacobian)
+    gain = np.linalg.solve(normal, np.einsum("n,nki->ink", weights, jacobian).reshape(6, -1))
+    gain = gain.reshape(6, -1, 3)
+    covariance: FloatArray = np.einsum("ink,nkl,jnl->ij", gain, covariances, gain)
+    return covariance
+
+
+def _scale(turned: FloatArray, certified: FloatArray, covariances: FloatArray) -> tuple[float, float]:
+    """Certified over measured size of the nests' figure, with standard uncertainty (Umeyama 1991, eq. 42)."""
+    measured = turned - turned.mean(axis=0)
+    arms = certified - certified.mean(axis=0)
+    size = float(np.sum(measured**2))
+    variance = float(np.einsum("ni,nij,nj->", arms, covariances, arms)) / size**2
+    return float(np.sum(arms * measured)) / size, float(np.sqrt(variance))
+
+
+def to_world(registration: Registration, point_mm: FloatArray) -> FloatArray:
+    """Return points of the tracker's frame in the world, shape (..., 3)."""
+    result: FloatArray = point_mm @ registration.rotation.T + registration.translation_mm
+    return result
+
+
+def to_tracker(registration: Registration, point_mm: FloatArray) -> FloatArray:
+    """Return points of the world in the tracker's frame, shape (..., 3)."""
+    result: FloatArray = (point_mm - registration.translation_mm) @ registration.rotation
+    return result
+
+
+def scale_sentence(registration: Registration) -> str:
+    """Say what the certified lengths say of the tracker's scale."""
+    if registration.scale is None or registration.scale_standard_uncertainty is None:
+        return "Scale not verified: the fixed nests' certificates are too coarse for a certified length."
+    off, u = 1e6 * (registration.scale - 1.0), 1e6 * registration.scale_standard_uncertainty
+    verdict = "agrees with" if abs(off) <= 3.0 * u else "contradicts"
+    return f"The tracker's scale {verdict} the certified lengths: {off:+.1f} ppm (u = {u:.1f} ppm)."
