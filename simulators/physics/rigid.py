@@ -62,3 +62,27 @@ def apply(rotation_matrix: FloatArray, vector: FloatArray) -> FloatArray:
 def move(pose: FloatArray, point_mm: FloatArray) -> FloatArray:
     """Move points: (..., 4, 4) times (..., 3) [mm]."""
     return apply(pose[..., :3, :3], point_mm) + pose[..., :3, 3]
+
+
+def from_quaternion(quaternion: FloatArray) -> FloatArray:
+    """Rotation of a quaternion w, x, y, z of any length but zero, shape (4,) -> (3, 3)."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    k = cross_matrix(np.array([x, y, z]))
+    turned: FloatArray = np.eye(3) + 2.0 * w * k + 2.0 * (k @ k)
+    return turned
+
+
+def to_quaternion(rotation_matrix: FloatArray) -> FloatArray:
+    """Quaternion w, x, y, z with w >= 0 of a rotation, shape (3, 3) -> (4,).
+
+    The largest eigenvector of Bar-Itzhack's matrix: no case distinction, no loss near half a turn.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = rotation_matrix
+    symmetric = np.array([
+        [a + e + i, h - f, c - g, d - b],
+        [h - f, a - e - i, b + d, c + g],
+        [c - g, b + d, e - a - i, f + h],
+        [d - b, c + g, f + h, i - a - e],
+    ])
+    quaternion: FloatArray = np.linalg.eigh(symmetric)[1][:, -1]
+    return quaternion if quaternion[0] >= 0.0 else -quaternion

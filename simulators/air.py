@@ -1,0 +1,37 @@
+"""The air in the cell: a slow wave of temperature, and what a sensor says of it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+PRESSURE_HPA = 1013.25
+HUMIDITY_PERCENT = 45.0
+
+
+@dataclass(frozen=True, slots=True)
+class AirSetup:
+    """How the temperature of the cell behaves."""
+
+    temperature_c: float = 23.0
+    wave_k: float = 0.3  # amplitude
+    wave_period_s: float = 7200.0
+    sensor_noise_k: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Air:
+    """Temperature as a function of cell time."""
+
+    setup: AirSetup
+    phase_rad: float
+
+    def temperature_c(self, time_s: float) -> float:
+        """Return the true temperature [C]."""
+        angle = 2.0 * math.pi * time_s / self.setup.wave_period_s + self.phase_rad
+        return self.setup.temperature_c + self.setup.wave_k * math.sin(angle)
+
+    def sensed_c(self, time_s: float, rng: np.random.Generator | None) -> float:
+        """Return what a sensor reads [C]; without generator it has no noise."""
+        noise = 0.0 if rng is None else self.setup.sensor_noise_k * float(rng.standard_normal())
+        return self.temperature_c(time_s) + noise

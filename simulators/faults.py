@@ -1,0 +1,161 @@
+"""Scripted failures: what goes wrong in the cell, and when.
+
+Faults come from the scenario (`[[fault]]`) or over the truth endpoint. `reading` and `move` count from the
+moment the fault is given, so 1 is the next one; times are cell time.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+from simulators.physics.arm import Vector
+
+
+@dataclass(frozen=True, slots=True)
+class BeamBroken:
+    """Something crosses the beam during `count` stationary measurements from number `reading` on."""
+
+    reading: int
+    count: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerSilent:
+    """The tracker accepts measurement number `reading` and never says anything about it."""
+
+    reading: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerCut:
+    """The link breaks in the middle of the result of measurement number `reading`."""
+
+    reading: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerBlinded:
+    """The tracker sees no reflector at all."""
+
+    from_s: float = 0.0
+    until_s: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class SmrMissing:
+    """Somebody left the reflector out of tool nest `nest`."""
+
+    nest: int
+    from_s: float = 0.0
+    until_s: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class FixedNestMoved:
+    """Fixed nest `nest` is knocked by `by_mm` (world frame)."""
+
+    nest: int
+    by_mm: Vector
+    from_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRefuses:
+    """The controller stops its program at move number `move`, as it does for a target out of range."""
+
+    move: int
+
+
+@dataclass(frozen=True, slots=True)
+class RobotHangs:
+    """The arm moves to the target of move number `move`, but the reply never comes."""
+
+    move: int
+
+
+Fault: TypeAlias = (
+    BeamBroken
+    | TrackerSilent
+    | TrackerCut
+    | TrackerBlinded
+    | SmrMissing
+    | FixedNestMoved
+    | RobotRefuses
+    | RobotHangs
+)
+ReadingFault: TypeAlias = BeamBroken | TrackerSilent | TrackerCut
+MoveFault: TypeAlias = RobotRefuses | RobotHangs
+
+KINDS: Mapping[str, type[Fault]] = MappingProxyType({
+    "beam_broken": BeamBroken,
+    "tracker_silent": TrackerSilent,
+    "tracker_cut": TrackerCut,
+    "tracker_blinded": TrackerBlinded,
+    "smr_missing": SmrMissing,
+    "fixed_nest_moved": FixedNestMoved,
+    "robot_refuses": RobotRefuses,
+    "robot_hangs": RobotHangs,
+})
+
+
+class Faults:
+    """The failures of one cell; counts its stationary measurements and moves."""
+
+    def __init__(self) -> None:
+        self._faults: list[Fault] = []
+        self._readings = 0
+        self._moves = 0
+
+    def add(self, fault: Fault) -> None:
+        """Script a failure; its counts start now."""
+        if isinstance(fault, ReadingFault):
+            fault = dataclasses.replace(fault, reading=fault.reading + self._readings)
+        elif isinstance(fault, MoveFault):
+            fault = dataclasses.replace(fault, move=fault.move + self._moves)
+        self._faults.append(fault)
+
+    def next_reading(self) -> ReadingFault | None:
+        """Count one stationary measurement and return what befalls it."""
+        self._readings += 1
+        scripted = (fault for fault in self._faults if isinstance(fault, ReadingFault))
+        return next((fault for fault in scripted if self._readings in _readings_hit(fault)), None)
+
+    def next_move(self) -> MoveFault | None:
+        """Count one motion and return what befalls it."""
+        self._moves += 1
+        hits = (fault for fault in self._faults if isinstance(fault, MoveFault) and fault.move == self._moves)
+        return next(hits, None)
+
+    def blinded(self, time_s: float) -> bool:
+        """Whether the tracker sees nothing."""
+        return any(
+            fault.from_s <= time_s < fault.until_s
+            for fault in self._faults
+            if isinstance(fault, TrackerBlinded)
+        )
+
+    def smr_missing(self, nest: int, time_s: float) -> bool:
+        """Whether tool nest `nest` (1-based) is empty."""
+        return any(
+            fault.nest == nest and fault.from_s <= time_s < fault.until_s
+            for fault in self._faults
+            if isinstance(fault, SmrMissing)
+        )
+
+    def fixed_nest_shift_mm(self, nest: int, time_s: float) -> Vector:
+        """By how much fixed nest `nest` (1-based) has been knocked so far [mm]."""
+        shifts = [
+            fault.by_mm
+            for fault in self._faults
+            if isinstance(fault, FixedNestMoved) and fault.nest == nest and time_s >= fault.from_s
+        ]
+        x, y, z = (math.fsum(shift[axis] for shift in shifts) for axis in range(3))
+        return x, y, z
+
+
+def _readings_hit(fault: ReadingFault) -> range:
+    count = fault.count if isinstance(fault, BeamBroken) else 1
+    return range(fault.reading, fault.reading + count)

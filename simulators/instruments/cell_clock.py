@@ -1,0 +1,47 @@
+"""The cell's clock as an endpoint: whoever sleeps here lets cell time go by."""
+
+import asyncio
+
+from drivers.cell_clock.protocol import (
+    Answer,
+    ClockProtocolError,
+    LineReader,
+    Refusal,
+    Sleep,
+    Time,
+    decode_request,
+    encode,
+)
+from simulators.clock import CellClock
+from simulators.instruments.endpoint import Endpoint
+
+_CHUNK_BYTES = 4096
+
+
+def clock_endpoint(clock: CellClock) -> Endpoint:
+    """Build the endpoint of a clock."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        lines = LineReader()
+        while data := await reader.read(_CHUNK_BYTES):
+            lines.receive_data(data)
+            try:
+                while (line := lines.next_line()) is not None:
+                    writer.write(encode(await answer(line, clock)))
+            except ClockProtocolError as error:  # no end of line in sight: nothing can be read any more
+                writer.write(encode(Refusal(str(error))))
+                return
+            await writer.drain()
+
+    return Endpoint("clock", "clock", serve)
+
+
+async def answer(line: bytes, clock: CellClock) -> Answer:
+    """Carry out one request line."""
+    try:
+        request = decode_request(line)
+    except ClockProtocolError as error:
+        return Refusal(str(error))
+    if isinstance(request, Sleep):
+        await clock.sleep(request.duration_s)
+    return Time(clock.now_s)

@@ -1,0 +1,222 @@
+"""The robot controller: open_abb's motion server, as its RAPID program behaves.
+
+Motion errors are not reported: the RAPID program stops, and the client sees no reply ("hang") or loses its
+connection ("drop"), as the scenario says. Whoever stands beside the robot restarts the program when the
+client has gone. Straight lines (MoveL) and arcs are followed in steps of the joints; external axes have no
+mechanics.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from drivers.abb_open_abb.protocol import (
+    Code,
+    OpenAbbProtocolError,
+    Reply,
+    ReplyStatus,
+    Request,
+    decode_request,
+    encode_reply,
+    rapid_number,
+)
+from simulators.cell import Cell
+from simulators.errors import SimulatorError
+from simulators.faults import RobotHangs, RobotRefuses
+from simulators.physics.inverse import UnreachableError, reach
+from simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
+from simulators.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
+
+_BUFFER_POSES = 512
+_LINE_STEP_MM = 20.0
+_NO_AXIS = 9e9  # RAPID's value of an external axis that is not connected
+_CORRUPT_CODE = 255  # no code could be read
+_ROBOTWARE = "5.61.0100"
+
+# Numbers of parameters that the program accepts.
+_COUNTS: Mapping[int, tuple[int, ...]] = {
+    Code.PING: (0,),
+    Code.MOVE_LINEAR: (7,),
+    Code.MOVE_JOINTS: (6,),
+    Code.GET_POSE: (0,),
+    Code.GET_JOINTS: (0,),
+    Code.GET_EXTERNAL_AXES: (0,),
+    Code.SET_TOOL: (7,),
+    Code.SET_WORK_OBJECT: (7,),
+    Code.SET_SPEED: (2, 4),
+    Code.SET_ZONE: (4,),
+    Code.BUFFER_ADD: (7,),
+    Code.BUFFER_CLEAR: (0,),
+    Code.BUFFER_LENGTH: (0,),
+    Code.BUFFER_RUN: (0,),
+    Code.MOVE_EXTERNAL_AXES: (6,),
+    Code.SET_CIRCLE_POINT: (7,),
+    Code.MOVE_CIRCLE: (7,),
+    Code.CONTROLLER_INFO: (0,),
+}
+
+
+class ProgramStoppedError(SimulatorError):
+    """The RAPID program stopped; `drops` says whether its sockets die with it."""
+
+    def __init__(self, message: str, *, drops: bool) -> None:
+        super().__init__(message)
+        self.drops = drops
+
+
+class InvalidPoseError(SimulatorError):
+    """A pose whose quaternion has no length."""
+
+
+class MotionProgram:
+    """The RAPID program: its variables and what each code does."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._tool = np.eye(4)
+        self._work_object = np.eye(4)
+        self._limits = SpeedLimits()
+        self._external_axes = [_NO_AXIS] * 6
+        self._circle_point: FloatArray | None = None
+        self._buffer: list[tuple[FloatArray, SpeedLimits]] = []
+
+    async def answer(self, data: bytes) -> bytes | None:
+        """Carry out what one receive delivered and return the reply, None for the wish to close (code 99).
+
+        Raises ProgramStoppedError where the real program would stop.
+        """
+        try:
+            request = decode_request(data)
+        except OpenAbbProtocolError:
+            return encode_reply(Reply(_CORRUPT_CODE, ReplyStatus.BAD_MESSAGE))
+        if request.code == Code.CLOSE:
+            return None
+        if len(request.values) not in _COUNTS.get(request.code, ()):
+            return encode_reply(Reply(request.code, ReplyStatus.BAD_MESSAGE))
+        try:
+            text = await self._carry_out(request)
+        except (TargetOutOfRangeError, UnreachableError, InvalidPoseError) as error:
+            raise self._stopped(str(error)) from error
+        return encode_reply(Reply(request.code, ReplyStatus.OK, text))
+
+    async def _carry_out(self, request: Request) -> str:
+        if request.code in _QUESTIONS:
+            return _QUESTIONS[Code(request.code)](self)
+        values = np.array(request.values)
+        match request.code:
+            case Code.MOVE_JOINTS:
+                await self._move([np.radians(values)], self._limits)
+            case Code.MOVE_LINEAR:
+                await self._move_through([_pose(values)], self._limits)
+            case Code.MOVE_CIRCLE:
+                await self._move_circle(_pose(values))
+            case Code.BUFFER_RUN:
+                for pose, limits in self._buffer:
+                    await self._move_through([pose], limits)
+            case _:
+                self._set(request.code, values)
+        return ""
+
+    def _set(self, code: int, values: FloatArray) -> None:
+        match code:
+            case Code.SET_TOOL:
+                self._tool = _pose(values)
+            case Code.SET_WORK_OBJECT:
+                self._work_object = _pose(values)
+            case Code.SET_SPEED:
+                self._limits = SpeedLimits(float(values[0]), math.radians(values[1]))
+            case Code.MOVE_EXTERNAL_AXES:
+                self._external_axes = values.tolist()
+            case Code.SET_CIRCLE_POINT:
+                self._circle_point = _pose(values)
+            case Code.BUFFER_ADD if len(self._buffer) < _BUFFER_POSES:
+                self._buffer.append((_pose(values), self._limits))
+            case Code.BUFFER_CLEAR:
+                self._buffer.clear()
+
+    async def _move_circle(self, end: FloatArray) -> None:
+        if self._circle_point is None:
+            raise self._stopped("no point of the circle was set")
+        # The measured stops are what counts: the arc is replaced by its two chords.
+        await self._move_through([self._circle_point, end], self._limits)
+
+    async def _move_through(self, poses: list[FloatArray], limits: SpeedLimits) -> None:
+        """Follow straight lines of the tool centre point."""
+        waypoints: list[FloatArray] = []
+        joints = self._cell.robot.target_rad
+        for pose in poses:
+            target = self._work_object @ pose @ inverse(self._tool)
+            for frame in _line(nominal_flange(self._cell.plant.arm, joints[np.newaxis])[0], target):
+                joints = reach(self._cell.plant.arm, frame, joints)
+                waypoints.append(joints)
+        await self._move(waypoints, limits)
+
+    async def _move(self, waypoints: list[FloatArray], limits: SpeedLimits) -> None:
+        fault = self._cell.faults.next_move()
+        if isinstance(fault, RobotRefuses):
+            raise self._stopped("the target was refused")
+        if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
+            raise self._stopped("a speed must be above 0")
+        await self._cell.move_robot(waypoints, limits, self._tool[:3, 3])
+        if isinstance(fault, RobotHangs):
+            raise ProgramStoppedError("the reply got lost", drops=False)
+
+    def _stopped(self, reason: str) -> ProgramStoppedError:
+        return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
+
+    def _pose_text(self) -> str:
+        flange = nominal_flange(self._cell.plant.arm, self._joints()[np.newaxis])[0]
+        frame = inverse(self._work_object) @ flange @ self._tool
+        numbers = [rapid_number(float(value), 2) for value in frame[:3, 3]]
+        quaternion = to_quaternion(frame[:3, :3])
+        return " ".join([*numbers, *(rapid_number(float(value), 3) for value in quaternion)])
+
+    def _joints_text(self) -> str:
+        return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self._joints()))
+
+    def _external_text(self) -> str:
+        return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
+
+    def _buffer_text(self) -> str:
+        return str(len(self._buffer))
+
+    def _info_text(self) -> str:
+        return f"SIM-{self._cell.seed}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
+
+    def _joints(self) -> FloatArray:
+        return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
+
+
+_QUESTIONS: Mapping[Code, Callable[[MotionProgram], str]] = {
+    Code.PING: lambda _: "",
+    Code.GET_POSE: MotionProgram._pose_text,
+    Code.GET_JOINTS: MotionProgram._joints_text,
+    Code.GET_EXTERNAL_AXES: MotionProgram._external_text,
+    Code.BUFFER_LENGTH: MotionProgram._buffer_text,
+    Code.CONTROLLER_INFO: MotionProgram._info_text,
+}
+
+
+def _pose(values: FloatArray) -> FloatArray:
+    """Placement from x y z [mm] and a quaternion, w first; raises InvalidPoseError."""
+    if not np.any(values[3:]):
+        raise InvalidPoseError("a quaternion of length 0 is no orientation")
+    return motion(values[:3], from_quaternion(values[3:]))
+
+
+def _line(start: FloatArray, end: FloatArray) -> list[FloatArray]:
+    """Placements on the straight line from `start` (left out) to `end`, orientation turning evenly."""
+    steps = max(1, math.ceil(float(np.linalg.norm(end[:3, 3] - start[:3, 3])) / _LINE_STEP_MM))
+    turn = to_quaternion(end[:3, :3] @ start[:3, :3].T)
+    frames = [_between(start, end, turn, step / steps) for step in range(1, steps)]
+    return [*frames, end]
+
+
+def _between(start: FloatArray, end: FloatArray, turn: FloatArray, share: float) -> FloatArray:
+    half = share * math.acos(min(1.0, float(turn[0])))
+    sine = float(np.linalg.norm(turn[1:]))
+    axis = turn[1:] / sine if sine > 0.0 else np.zeros(3)
+    partial = from_quaternion(np.array([math.cos(half), *(math.sin(half) * axis)]))
+    position = start[:3, 3] + share * (end[:3, 3] - start[:3, 3])
+    return motion(position, partial @ start[:3, :3])

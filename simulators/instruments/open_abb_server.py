@@ -1,0 +1,112 @@
+"""The two sockets of open_abb: motion server and logger, one client each.
+
+After a client leaves, the real program closes its sockets and needs half a second before it accepts again.
+A second client is let in by the operating system but hears nothing, until the first one leaves and takes
+the server socket with it.
+"""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+
+import numpy as np
+
+from drivers.abb_open_abb.protocol import LogLine, encode_log_line
+from simulators.cell import Cell
+from simulators.instruments.endpoint import Endpoint
+from simulators.instruments.open_abb import MotionProgram, ProgramStoppedError
+from simulators.physics.rigid import to_quaternion
+from simulators.robot import nominal_flange
+
+_ACCEPT_PAUSE_S = 0.5
+_LOG_PERIOD_S = 0.1  # of a virtual controller
+_CHUNK_BYTES = 4096
+
+Attend = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
+
+
+class OneClientEndpoint:
+    """An endpoint that serves one client and pauses between two."""
+
+    def __init__(self, device: str, protocol: str, attend: Attend, *, pause_s: float) -> None:
+        self.endpoint = Endpoint(device, protocol, self._serve)
+        self._attend = attend
+        self._pause_s = pause_s
+        self._free = asyncio.Event()
+        self._free.set()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if not self._free.is_set():
+            await self._free.wait()
+            return
+        self._free.clear()
+        try:
+            await self._attend(reader, writer)
+        finally:
+            writer.close()
+            self._free.set()
+        if self._pause_s > 0.0:
+            self.endpoint.stop_listening()
+            await asyncio.sleep(self._pause_s)
+            await self.endpoint.listen_again()
+
+
+def robot_endpoint(cell: Cell) -> Endpoint:
+    """Build the motion server of a cell's robot."""
+    program = MotionProgram(cell)
+
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while data := await reader.read(_CHUNK_BYTES):
+            try:
+                reply = await program.answer(data)
+            except ProgramStoppedError as stop:
+                if not stop.drops:
+                    await _until_client_leaves(reader)
+                return
+            if reply is None:
+                return
+            writer.write(reply)
+            await writer.drain()
+
+    return _one_client("robot", "open_abb", attend, cell)
+
+
+def logger_endpoint(cell: Cell) -> Endpoint:
+    """Build the logger of a cell's robot: poses and joint angles in turn, as long as somebody listens."""
+    date, clock_time = time.strftime("%Y-%m-%d"), time.strftime("%H:%M:%S")
+
+    async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        gone = asyncio.ensure_future(_until_client_leaves(reader))
+        kind = 0
+        try:
+            while not gone.done():
+                elapsed_s = cell.clock.now_s
+                line = LogLine(kind, date, clock_time, elapsed_s, _logged(kind, cell))
+                writer.write(encode_log_line(line) + b" ")
+                await writer.drain()
+                kind = 1 - kind
+                # A stream cannot run in cell time that stands still: its period is wall time.
+                await asyncio.wait([gone], timeout=_LOG_PERIOD_S)
+        finally:
+            gone.cancel()
+
+    return _one_client("robot-log", "open_abb_log", attend, cell)
+
+
+def _one_client(device: str, protocol: str, attend: Attend, cell: Cell) -> Endpoint:
+    # At pace 0 nobody waits in wall time, not even for the controller's pause.
+    pause_s = _ACCEPT_PAUSE_S if cell.clock.waits else 0.0
+    return OneClientEndpoint(device, protocol, attend, pause_s=pause_s).endpoint
+
+
+async def _until_client_leaves(reader: asyncio.StreamReader) -> None:
+    while await reader.read(_CHUNK_BYTES):
+        pass
+
+
+def _logged(kind: int, cell: Cell) -> tuple[float, ...]:
+    joints = cell.robot.motion.joints_at(cell.clock.now_s)
+    if kind == 1:
+        return tuple(np.degrees(joints).tolist())
+    flange = nominal_flange(cell.plant.arm, joints[np.newaxis])[0]
+    return (*flange[:3, 3].tolist(), *to_quaternion(flange[:3, :3]).tolist())

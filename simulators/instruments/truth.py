@@ -1,0 +1,151 @@
+"""What only a simulator knows, as JSON lines; for the showcase, tests and whoever scripts a failure.
+
+| request | answer |
+|---|---|
+| `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` | `{"positions_mm": [[x, y, z], ...]}` |
+| `{"op": "plant"}` | link motions, springs, base, nests, tracker frame, effects |
+| `{"op": "aim"}` | `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, as an operator would aim by hand |
+| `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` | `{}` |
+| `{"op": "fault", "kind": ..., ...}` | `{}` |
+| `{"op": "attach"}` | `{"attachment": 2}`: the tool was taken off and mounted anew |
+
+Positions are nest centres in the world frame without noise and scatter, every joint approached from below,
+at cell time `time_s` (a number or one per row; now when absent). `nests` has one number per row; without
+it each row gives all nests. An impossible request is answered `{"error": "..."}`.
+"""
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from simulators.cell import Cell
+from simulators.errors import SimulatorError, TruthRequestError
+from simulators.instruments.endpoint import Endpoint
+from simulators.physics.effects import PlantedChange
+from simulators.physics.rigid import FloatArray
+from simulators.scenario_file import read_fault
+from simulators.scenario_table import read_table
+from simulators.tracker import seen_from
+
+# An operator turns the tracker by hand to about this much.
+_AIM_STEP_MM = 20.0
+
+
+def truth_endpoint(cell: Cell) -> Endpoint:
+    """Build the truth endpoint of a cell."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while line := await reader.readline():
+            writer.write(json.dumps(answer(line, cell), allow_nan=False).encode() + b"\n")
+            await writer.drain()
+
+    return Endpoint("truth", "truth", serve)
+
+
+def answer(line: bytes, cell: Cell) -> dict[str, Any]:
+    """Carry out one request line."""
+    try:
+        request = json.loads(line)
+        if not isinstance(request, dict) or request.get("op") not in _OPERATIONS:
+            raise TruthRequestError(f'key "op" must be one of {", ".join(_OPERATIONS)}')
+        rest = {key: value for key, value in request.items() if key != "op"}
+        return _OPERATIONS[request["op"]](rest, cell)
+    except ValueError as error:
+        return {"error": f"the request is no JSON: {error}"}
+    except SimulatorError as error:
+        return {"error": str(error)}
+
+
+def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    joints = _joints(request.get("joints_rad"), cell.plant.arm.n_joints)
+    n = len(joints)
+    time_s = np.broadcast_to(_times(request.get("time_s", cell.clock.now_s), n), n)
+    stops = cell.conditions(joints, np.ones_like(joints), time_s, np.full(n, float(cell.attachment)))
+    positions = cell.true_positions(stops)
+    if "nests" in request:
+        nests = _nests(request["nests"], n, positions.shape[1])
+        positions = positions[np.arange(n), nests - 1]
+    return {"positions_mm": positions.tolist()}
+
+
+def _plant(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    frame = cell.tracker.frame
+    return {
+        "robot": cell.plant.arm.name,
+        "scenario": cell.scenario.name,
+        "seed": cell.seed,
+        "base": cell.plant.motions[0].tolist(),
+        "links": cell.plant.motions[1:-1].tolist(),
+        "compliance_rad_per_n_mm": cell.plant.compliance_rad_per_n_mm.tolist(),
+        "tool_nests_mm": cell.tool_nests_mm.tolist(),
+        "fixed_nests_mm": cell.fixed_nests_mm().tolist(),
+        "tracker_frame": {"rotation": frame[:3, :3].tolist(), "translation_mm": frame[:3, 3].tolist()},
+    }
+
+
+def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    seen = seen_from(cell.tracker.frame, cell.fixed_nests_mm())
+    return {"fixed_nests_seen_from_tracker_mm": (np.round(seen / _AIM_STEP_MM) * _AIM_STEP_MM).tolist()}
+
+
+def _effect(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    cell.plant_change(read_table(PlantedChange, request, "effect"))
+    return {}
+
+
+def _fault(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    cell.faults.add(read_fault(request, "fault"))
+    return {}
+
+
+def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    cell.attachment += 1
+    return {"attachment": cell.attachment}
+
+
+_OPERATIONS: Mapping[str, Callable[[Mapping[str, object], Cell], dict[str, Any]]] = {
+    "positions": _positions,
+    "plant": _plant,
+    "aim": _aim,
+    "effect": _effect,
+    "fault": _fault,
+    "attach": _attach,
+}
+
+
+def _joints(value: object, n_joints: int) -> FloatArray:
+    joints = _numbers(value, "joints_rad")
+    if joints.ndim != 2 or joints.shape[1] != n_joints:
+        raise TruthRequestError(f'key "joints_rad" must be a list of rows of {n_joints} angles [rad]')
+    return joints
+
+
+def _times(value: object, n: int) -> FloatArray:
+    times = _numbers(value, "time_s")
+    if times.ndim > 1 or times.size not in {1, n}:
+        raise TruthRequestError(f'key "time_s" must be one time or {n}, one per row of joints_rad')
+    return times
+
+
+def _nests(value: object, n: int, n_nests: int) -> Any:
+    nests = _numbers(value, "nests")
+    whole = nests.shape == (n,) and np.isin(nests, np.arange(1, n_nests + 1)).all()
+    if not whole:
+        raise TruthRequestError(f'key "nests" must have {n} entries from 1 to {n_nests}, one per row')
+    return nests.astype(int)
+
+
+def _numbers(value: object, key: str) -> FloatArray:
+    try:
+        numbers = np.array(value, dtype=np.float64)
+    except (ValueError, TypeError) as error:
+        raise TruthRequestError(f'key "{key}" must hold numbers, rows of equal length') from error
+    if not np.isfinite(numbers).all():
+        raise TruthRequestError(f'key "{key}" must hold finite numbers')
+    return numbers

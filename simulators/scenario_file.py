@@ -1,0 +1,159 @@
+"""Scenario files: TOML in, `Scenario` out. `simulators/scenarios/irb120-tilted.toml` shows every key."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from simulators.air import AirSetup
+from simulators.errors import ScenarioError
+from simulators.faults import KINDS, Fault
+from simulators.physics.arm import Arm
+from simulators.physics.effects import PlantedChange, plant_effect
+from simulators.physics.plant import PlantSizes
+from simulators.physics.robots import ARMS
+from simulators.scenario import (
+    ArmSetup,
+    GivenLink,
+    GivenMotion,
+    Scenario,
+    TableSetup,
+    ToolSetup,
+)
+from simulators.scenario_table import convert, read_table
+from simulators.tracker import TrackerSetup
+
+_SHIPPED = Path(__file__).with_name("scenarios")
+_TABLES: Mapping[str, type] = {
+    "errors": PlantSizes,
+    "base": GivenMotion,
+    "arm": ArmSetup,
+    "tool": ToolSetup,
+    "table": TableSetup,
+    "tracker": TrackerSetup,
+    "air": AirSetup,
+}
+_LISTS = {"link": "links", "effect": "effects", "fault": "faults"}
+_PLAIN: Mapping[str, type] = {"robot": str, "noise": bool}
+
+T = TypeVar("T")
+
+
+def shipped_scenarios() -> list[str]:
+    """Names of the scenarios that come with the program."""
+    return sorted(path.stem for path in _SHIPPED.glob("*.toml"))
+
+
+def load_scenario(name: str) -> Scenario:
+    """Read a scenario by its shipped name or from a file; raises ScenarioError with file and key."""
+    path = _find(name)
+    document = _merged(path, ())
+    where = path.name
+    _check_keys(document, where)
+    robot = convert(str, _needed(document, "robot", where), f'{where}: key "robot"')
+    if robot not in ARMS:
+        raise ScenarioError(f'{where}: unknown robot "{robot}"; known: {", ".join(sorted(ARMS))}')
+    values: dict[str, Any] = {
+        key: convert(hint, document[key], f'{where}: key "{key}"')
+        for key, hint in _PLAIN.items()
+        if key in document
+    }
+    for key, cls in _TABLES.items():
+        if key in document:
+            values[key] = _read(cls, document[key], f"{where}: [{key}]")
+    arm = ARMS[robot]
+    return Scenario(
+        name=path.stem,
+        **values,
+        links=tuple(_link(item, at, arm) for at, item in _entries(document, "link", where)),
+        effects=tuple(_effect(item, at, arm) for at, item in _entries(document, "effect", where)),
+        faults=tuple(read_fault(item, at) for at, item in _entries(document, "fault", where)),
+    )
+
+
+def read_fault(table: object, where: str) -> Fault:
+    """Build a fault from a table with its `kind`; raises ScenarioError."""
+    if not isinstance(table, Mapping) or table.get("kind") not in KINDS:
+        raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    return _read(KINDS[table["kind"]], rest, where)
+
+
+def _find(name: str) -> Path:
+    shipped = _SHIPPED / f"{name}.toml"
+    if "/" not in name and shipped.is_file():
+        return shipped
+    path = Path(name)
+    if path.is_file():
+        return path
+    known = ", ".join(shipped_scenarios())
+    raise ScenarioError(f'no scenario "{name}": it is neither a file nor one of {known}')
+
+
+def _merged(path: Path, children: tuple[Path, ...]) -> dict[str, Any]:
+    """Read a file on top of the one it extends: tables key by key, everything else as a whole."""
+    document = _parse(path)
+    parent = document.pop("extends", None)
+    if parent is None:
+        return document
+    parent_path = _find(convert(str, parent, f'{path.name}: key "extends"'))
+    if parent_path.resolve() in {child.resolve() for child in (*children, path)}:
+        raise ScenarioError(f'{path.name}: key "extends" leads back to the file itself')
+    result = _merged(parent_path, (*children, path))
+    for key, value in document.items():
+        both = isinstance(value, dict) and isinstance(result.get(key), dict)
+        result[key] = {**result[key], **value} if both else value
+    return result
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path.name} is no TOML: {error}") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path.name} cannot be read: {error}") from error
+
+
+def _check_keys(document: Mapping[str, object], where: str) -> None:
+    known = [*_PLAIN, "extends", *_TABLES, *_LISTS]
+    for key in document:
+        if key not in known:
+            raise ScenarioError(f'{where}: unknown key "{key}"; known: {", ".join(known)}')
+
+
+def _needed(document: Mapping[str, object], key: str, where: str) -> object:
+    if key not in document:
+        raise ScenarioError(f'{where}: key "{key}" is missing')
+    return document[key]
+
+
+def _entries(document: Mapping[str, object], key: str, where: str) -> list[tuple[str, object]]:
+    entries = document.get(key, [])
+    if not isinstance(entries, list):
+        raise ScenarioError(f"{where}: [[{key}]] must be a list of tables, written with double brackets")
+    return [(f"{where}: [[{key}]] number {number}", entry) for number, entry in enumerate(entries, start=1)]
+
+
+def _read(cls: type[T], table: object, where: str) -> T:
+    try:
+        return read_table(cls, table, where)
+    except ScenarioError as error:
+        text = str(error)
+        raise ScenarioError(text if text.startswith(where) else f"{where}: {text}") from error
+
+
+def _link(table: object, where: str, arm: Arm) -> GivenLink:
+    link = _read(GivenLink, table, where)
+    if not 1 <= link.joint <= arm.n_joints:
+        raise ScenarioError(f'{where}: key "joint" must be 1 to {arm.n_joints}, not {link.joint}')
+    return link
+
+
+def _effect(table: object, where: str, arm: Arm) -> PlantedChange:
+    change = _read(PlantedChange, table, where)
+    try:
+        plant_effect(change, arm)
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
+    return change
