@@ -13,6 +13,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Literal, TypeAlias
 
 from drivers.errors import RemoteProtocolError
 
@@ -24,6 +25,12 @@ REPLY_RESOLUTION_DEG = 0.01  # joint angles leave the controller with two decima
 _FULL_TURN_DEG = 360.0
 # What StrToVal reads; float() alone would also take nan and 1_000. Two digits of exponent stay finite.
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+
+
+_REPLY_START = re.compile(rb"\d{0,3}( (?P<status>\d?)( (?P<text>.*))?)?", re.DOTALL)
+_TWO_DECIMALS = re.compile(rb"\.\d\d$")
+
+ReplyExtent: TypeAlias = Literal["part", "maybe whole", "whole"]
 
 
 class OpenAbbProtocolError(RemoteProtocolError):
@@ -155,9 +162,24 @@ def decode_reply(data: bytes) -> Reply:
     return Reply(int(words[0]), int(words[1]), words[2].strip() if len(words) == 3 else "")
 
 
-def is_complete_reply(data: bytes) -> bool:
-    """Whether `data` holds code and status, each followed by a space; what follows may still be cut."""
-    return data.count(b" ") >= 2
+def reply_extent(data: bytes, words: int) -> ReplyExtent:
+    """Tell whether a stream delivered all of a reply whose text has at least `words` words.
+
+    A number with two decimals, or the space behind the status where no text belongs, ends a reply for
+    certain; any other last word may still grow. What can never become a reply counts as whole, so that
+    it is refused at once.
+    """
+    head = _REPLY_START.fullmatch(data)
+    if head is None or len(data) > LONGEST_MESSAGE_CHARS:
+        return "whole"
+    status, text = head["status"], head["text"]
+    if not status:
+        return "part"
+    if words == 0 or status != b"1":
+        return "maybe whole" if text is None else "whole"
+    if len((text or b"").split()) < words:
+        return "part"
+    return "whole" if _TWO_DECIMALS.search(data) else "maybe whole"
 
 
 def reply_numbers(reply: Reply, count: int) -> tuple[float, ...]:

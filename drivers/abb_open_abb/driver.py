@@ -1,0 +1,244 @@
+"""An ABB IRC5 robot that runs an open_abb server: moves to joint targets, at rest at every one.
+
+The protocol has no error texts: a motion that the controller cannot make is silence, or a dropped
+connection once somebody resets the program. After either the link is closed, because a late reply must
+never be taken for the reply to a later request.
+"""
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+
+from drivers import options as option
+from drivers.abb_open_abb.protocol import (
+    MOTION_PORT,
+    REPLY_RESOLUTION_DEG,
+    Code,
+    OpenAbbProtocolError,
+    Reply,
+    ReplyStatus,
+    decimal,
+    decode_reply,
+    encode_joint_target,
+    encode_request,
+    reply_extent,
+    reply_numbers,
+)
+from drivers.api import Clock, DeviceIdentity, DriverPlugin, JointReading, MotionLimits, Options
+from drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    TargetRefusedError,
+)
+from drivers.monotonic_clock import MonotonicClock
+from drivers.transports.link import Link
+from drivers.transports.tcp import TcpLink
+
+_JOINTS = 6
+_INFO_FIELDS = ("serial number", "RobotWare version", "robot type")
+_UNKNOWN = "unknown"
+# Longest motion between two configurations: all joints by two turns, the tool along 20 m.
+_LONGEST_TURN_RAD = 4.0 * math.pi
+_LONGEST_PATH_MM = 20_000.0
+
+_LOOK_AT_PENDANT = (
+    "look at the pendant for a stopped program, a joint out of range, an emergency stop or motors off,"
+    " clear it, restart the program, then connect again"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    connect_s: float = 1.5  # it looks for a new client every 0.5 s
+    retry_s: float = 0.25
+    reply_s: float = 10.0
+    motion_s: float = 60.0  # in addition to the longest motion at the speed set
+    rest_of_reply_s: float = 0.05  # nothing ends a reply: how long its last segment may lag behind
+
+
+class OpenAbbRobot:
+    """An open_abb server on a link. Keeps the conversation; computes nothing."""
+
+    def __init__(self, link: Link, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
+        self._link = link
+        self._clock = clock
+        self._time_outs = time_outs or TimeOuts()
+        self._lock = asyncio.Lock()
+        self._limits = MotionLimits()
+        self._limits_sent = False
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._link.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Never: the server reads nothing while the arm moves."""
+        return False
+
+    async def connect(self) -> None:
+        """Open the link, trying again while the server may still be between two clients."""
+        self._limits_sent = False
+        give_up_s = time.monotonic() + self._time_outs.connect_s
+        while True:
+            try:
+                return await self._link.open()
+            except ConnectFailedError as error:
+                if time.monotonic() >= give_up_s:
+                    raise ConnectFailedError(
+                        f"{error}; also look whether the server program runs on the pendant"
+                    ) from error
+            await asyncio.sleep(self._time_outs.retry_s)
+
+    async def close(self) -> None:
+        """Let the server listen for the next client, then close the link; never raises."""
+        if self._link.is_open and not self._lock.locked():
+            with contextlib.suppress(ConnectionLostError):
+                await self._link.send(encode_request(Code.CLOSE))
+        await self._link.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for serial number, RobotWare version and robot type."""
+        reply = await self._ask(encode_request(Code.CONTROLLER_INFO), Code.CONTROLLER_INFO, words=1)
+        fields = [field.strip() or _UNKNOWN for field in reply.text.split("*")]
+        serial, firmware, model = [*fields, *[_UNKNOWN] * len(_INFO_FIELDS)][: len(_INFO_FIELDS)]
+        return DeviceIdentity(manufacturer="ABB", model=model, serial=serial, firmware=firmware)
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed limits of the following motions, and stop exactly at every target."""
+        _check_limits(limits)
+        speed = [
+            decimal(limits.tool_speed_mm_s, 1),
+            decimal(math.degrees(limits.orientation_speed_rad_s), 2),
+        ]
+        await self._ask(encode_request(Code.SET_SPEED, speed), Code.SET_SPEED)
+        # A fly-by zone would answer before the arm is at rest; with "fine" the three zone sizes are moot.
+        await self._ask(encode_request(Code.SET_ZONE, ["1", "0", "0", "0"]), Code.SET_ZONE)
+        self._limits = limits
+        self._limits_sent = True
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError when the target is none or the controller says no, NoReplyError when
+        it says nothing, as it does when it cannot make the motion.
+        """
+        request = _encode_target(target_rad)
+        if not self._limits_sent:
+            # The server starts with a fly-by zone, so a first motion without limits would not end at rest.
+            await self.set_limits(self._limits)
+        try:
+            await self._ask(request, Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
+        except NoReplyError as error:
+            raise NoReplyError(
+                f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
+            ) from error
+        except ConnectionLostError as error:
+            raise ConnectionLostError(f"the robot hung up during a motion: {_LOOK_AT_PENDANT}") from error
+        except DeviceRefusedError as error:
+            shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in target_rad)
+            raise TargetRefusedError(f"the robot refused the joint target ({shown}) deg") from error
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; the protocol rounds to 0.01 deg."""
+        reply = await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
+        joints_deg = reply_numbers(reply, _JOINTS)
+        return JointReading(
+            joints_rad=tuple(map(math.radians, joints_deg)),
+            resolution_rad=math.radians(REPLY_RESOLUTION_DEG),
+            time_s=await self._clock.now_s(),
+        )
+
+    def _motion_timeout_s(self) -> float:
+        turning_s = _LONGEST_TURN_RAD / self._limits.orientation_speed_rad_s
+        path_s = _LONGEST_PATH_MM / self._limits.tool_speed_mm_s
+        return self._time_outs.motion_s + turning_s + path_s
+
+    async def _ask(
+        self, request: bytes, code: Code, *, words: int = 0, timeout_s: float | None = None
+    ) -> Reply:
+        """Send a request and return its reply, whose text has at least `words` words."""
+        async with self._turn():
+            while await self._link.receive(0.0) is not None:
+                pass  # a line end or the like behind the last reply
+            await self._link.send(request)
+            data = await self._receive_reply(words, timeout_s or self._time_outs.reply_s)
+            reply = decode_reply(data)
+            if reply.code != code:
+                raise OpenAbbProtocolError(
+                    f"the robot replied to request {reply.code}, not to {int(code)}: connect again"
+                )
+        if reply.status != ReplyStatus.OK:
+            raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
+        return reply
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; a request that is not answered properly closes the link."""
+        async with self._lock:
+            try:
+                yield
+            except BaseException:
+                await self._link.close()
+                raise
+
+    async def _receive_reply(self, words: int, timeout_s: float) -> bytes:
+        deadline_s = time.monotonic() + timeout_s
+        data = b""
+        while (extent := reply_extent(data, words)) != "whole":
+            patience_s = (
+                self._time_outs.rest_of_reply_s if extent == "maybe whole" else deadline_s - time.monotonic()
+            )
+            more = await self._link.receive(max(patience_s, 0.0))
+            if more is None and extent == "maybe whole":
+                return data
+            if more is None:
+                raise NoReplyError(
+                    f"the robot at {self._link.address} is connected and says nothing: {_LOOK_AT_PENDANT}"
+                )
+            data += more
+        return data
+
+
+def _encode_target(target_rad: tuple[float, ...]) -> bytes:
+    if len(target_rad) != _JOINTS:
+        raise TargetRefusedError(f"open_abb moves {_JOINTS} joints; the target has {len(target_rad)}")
+    try:
+        return encode_joint_target([math.degrees(angle) for angle in target_rad])
+    except ValueError as error:
+        raise TargetRefusedError(str(error)) from error
+
+
+def _check_limits(limits: MotionLimits) -> None:
+    for name, value in (
+        ("tool_speed_mm_s", limits.tool_speed_mm_s),
+        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+    ):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+
+
+def _open(options: Options, clock: Clock | None) -> OpenAbbRobot:
+    link = TcpLink(option.host(options), option.port(options, MOTION_PORT))
+    return OpenAbbRobot(link, clock or MonotonicClock())
+
+
+PLUGIN = DriverPlugin(
+    name="abb_open_abb",
+    kind="robot",
+    protocol="open_abb",
+    options={
+        "host": "address of the controller, often 192.168.125.1",
+        "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+    },
+    open=_open,
+)
