@@ -222,7 +222,7 @@ def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str,
     robot, base = campaign.robot, campaign.base_nominal
     document: dict[str, Json] = {
         "format": FORMAT,
-        "kind": "ballbar" if campaign.legs is not None else "tracker",
+        "kind": "tracker" if campaign.legs is None and campaign.validation_legs is None else "ballbar",
         "robot": robot.name,
         "dhm_nominal": joints_document(robot.joints),
         "base_in_world_nominal": None if base is None else placement_document(base),

@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from service.domain.cell import Cell, SimulatedCell
-from service.domain.robot import FramePlacement, Nest, Robot
+from service.domain.robot import FramePlacement, LinkMass, Nest, Robot
 from service.exchange.campaign_folder import read_bytes
 from service.exchange.cell_sections import (
     optional_text,
@@ -23,7 +23,7 @@ from service.exchange.cell_sections import (
 )
 from service.exchange.document import Node, toml_document
 from service.exchange.errors import MissingEntryError, UnknownRobotError
-from service.exchange.robot_document import read_masses, read_nest, read_placement
+from service.exchange.robot_document import read_nest, read_placement
 from service.exchange.shipped_robots import RobotWithTool, load_robot_with_tool, read_robot_file
 
 _KEYS = frozenset({
@@ -78,8 +78,8 @@ def _robot_of_scenario(scenario: str) -> str:
             return robot
     known = " or ".join(f"{prefix}..." for prefix in _ROBOT_OF_SCENARIOS)
     raise UnknownRobotError(
-        f"Scenario {scenario!r} does not say which robot stands in the cell: its name must begin with {known}, "
-        "or a cell file must name robot and scenario."
+        f"Scenario {scenario!r} does not say which robot stands in the cell: its name must begin with "
+        f"{known}, or a cell file must name robot and scenario."
     )
 
 
@@ -138,7 +138,7 @@ def _with_tool_mass(robot: Robot, tool: Node | None) -> Robot:
     """Replace what the robot carries in its last frame by the tool of this cell, where its mass is given."""
     if tool is None or tool.optional("mass_kg") is None:
         return robot
-    entry = {"frame": robot.n_joints, "kg": tool.key("mass_kg").value, "cog_mm": tool.key("cog_mm").value}
-    carried = read_masses(replace(tool, value=[entry]), robot.n_joints)
-    others = tuple(mass for mass in robot.masses if mass.frame != robot.n_joints)
-    return replace(robot, masses=(*others, *carried))
+    mass, centre = tool.key("mass_kg").number(least=0.0), tool.key("cog_mm").vector()
+    carried = LinkMass(robot.n_joints, mass, centre)
+    others = tuple(link for link in robot.masses if link.frame != robot.n_joints)
+    return replace(robot, masses=(*others, carried))

@@ -15,7 +15,6 @@ from service.domain.cell import (
 )
 from service.domain.robot import FixedNest
 from service.exchange.document import Node
-from service.exchange.errors import MissingEntryError
 from service.exchange.robot_document import read_ranges
 
 _DEVICE_KEYS = frozenset({"name", "driver", "serial_number", "certificate"})
@@ -138,18 +137,15 @@ def read_devices(node: Node | None) -> tuple[DeviceEntry, ...]:
 def _read_device(node: Node) -> DeviceEntry:
     name, driver = node.key("name").text(), node.key("driver").text()
     addresses = [key for key in _ADDRESSES if key in node.entries()]
-    if len(addresses) != 1:
-        given = " and ".join(addresses) or "none"
-        node.fail(
-            f"device {name} needs one address, host or serial or usb, and has {given}", MissingEntryError
-        )
+    if len(addresses) > 1:
+        node.fail(f"device {name} has the addresses {' and '.join(addresses)}; keep one")
     port = node.optional("port")
     if port is not None:
         port.whole(least=1, greatest=_LAST_PORT)
     return DeviceEntry(
         name=name,
         driver=driver,
-        options={entry.path[-1]: _option(entry) for entry in node.unlisted(_DEVICE_KEYS)},  # type: ignore[misc]
+        options={str(entry.path[-1]): _option(entry) for entry in node.unlisted(_DEVICE_KEYS)},
         serial_number=optional_text(node, "serial_number"),
         certificate=optional_text(node, "certificate"),
     )

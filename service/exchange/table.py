@@ -18,7 +18,7 @@ from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _ONE_NUMBER = re.compile(_NUMBER)
-_ALL_NUMBERS = re.compile(rf"(?:{_NUMBER},)++")
+_ALL_NUMBERS = re.compile(rf"(?:{_NUMBER}\n)++")
 _NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
 _LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
 
@@ -252,16 +252,26 @@ def _convert(
 
 def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[int, str] | None]:
     """Return the numbers of a column, and row and sentence of its first fault if it has one."""
-    if not column.words and _ALL_NUMBERS.fullmatch(",".join(cells) + ","):
-        values = np.fromiter(map(float, cells), float, len(cells))
-        given = np.ones(len(cells), bool)
-        fault = _first(~np.isfinite(values), cells, "is not a finite number")
-    else:
+    sound = None if column.words else _all_numbers(cells)
+    if sound is None:
         values, given, fault = _one_by_one(column, [cell.strip() for cell in cells])
+    else:
+        values, given, fault = sound, np.ones(len(cells), bool), None
     for rule in column.rules:
         broken = _first(given & ~rule.accepts(values), cells, rule.must)
         fault = min(filter(None, (fault, broken)), default=None)
     return values, fault
+
+
+def _all_numbers(cells: Sequence[str]) -> FloatArray | None:
+    """Return the numbers of a column in which every cell is a finite one, else None."""
+    if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
+        return None
+    try:
+        values = np.fromiter(map(float, cells), float, len(cells))
+    except ValueError:  # a quoted cell of several lines
+        return None
+    return values if np.isfinite(values).all() else None
 
 
 def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:

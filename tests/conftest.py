@@ -1,0 +1,15 @@
+"""Fixtures that several folders use."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """The folder of example campaigns, which is not part of the repository."""
+    folder = Path(os.environ.get("TRUEPOSE_DATA", ""))
+    if not (folder / "campaigns").is_dir():
+        pytest.skip("TRUEPOSE_DATA does not name the folder of example campaigns")
+    return folder

@@ -1,0 +1,268 @@
+"""A cell file says what it says, or is refused at the key that is wrong."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from service.domain.cell import CertifiedLength, PlantedEffect, SimulatedCell
+from service.exchange.cell_file import read_cell, simulated_cell
+from service.exchange.errors import (
+    BadValueError,
+    InputFileError,
+    MissingEntryError,
+    MissingFileError,
+    UnknownRobotError,
+    UnreadableFileError,
+    WrongUnitError,
+)
+
+DOCUMENT = Path(__file__).parents[3] / "docs" / "cell-file.md"
+REAL, SIMULATED = re.findall(r"```toml\n(.*?)```", DOCUMENT.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def read(folder, text):
+    path = folder / "cell.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_cell(path)
+
+
+def test_the_example_of_a_real_cell_is_read_whole(tmp_path):
+    cell = read(tmp_path, REAL)
+
+    assert (cell.name, cell.robot_key, cell.robot.name) == ("Cell 3", "abb-irb-120", "ABB IRB 120")
+    tracker, robot = cell.devices
+    assert (tracker.name, tracker.driver, tracker.options) == (
+        "tracker",
+        "leica_emscon",
+        {"host": "192.168.0.1", "port": 700},
+    )
+    assert (tracker.serial_number, robot.driver) == ("AT401-391234", "abb_open_abb")
+    assert [nest.centre_mm[0] for nest in cell.nests] == [0.0, 75.0, 150.0]
+    assert cell.fixed_nests[2].centre_mm == (-350.0, 500.0, 0.0)
+    assert cell.certified_lengths == (CertifiedLength((1, 2), 1000.003, 0.001),)
+    assert cell.tracker_position_mm == (2600.0, -700.0, 500.0)
+    assert cell.limits.joints[2].upper_rad == math.radians(70)
+    assert cell.limits.reference_mm == 0.05
+    assert cell.limits.orientation_speed_rad_s == math.radians(20.0)
+    assert cell.conditions.warm_up.startswith("60 min")
+    assert cell.tool.serial_number == "TA-07"
+    assert cell.world.certificate.startswith("CMM report")
+    assert cell.simulated is None
+
+
+def test_the_example_of_a_simulated_cell_is_read_whole(tmp_path):
+    cell = read(tmp_path, SIMULATED)
+
+    effect = PlantedEffect("joint_gain", "joint 2", 1e-3, 600.0)
+    assert cell.simulated == SimulatedCell("irb120-tilted", 7, (effect,))
+    assert cell.devices == ()
+    assert len(cell.nests) == 3  # the robot file's own tool
+
+
+def test_a_tool_of_another_mass_replaces_the_robot_files(tmp_path):
+    cell = read(tmp_path, REAL.replace("mass_kg = 2.7", "mass_kg = 1.5"))
+
+    assert [(mass.frame, mass.mass_kg) for mass in cell.robot.masses] == [(2, 4.2), (4, 5.0), (6, 1.5)]
+
+
+def test_a_robot_of_ones_own_is_read_from_beside_the_cell_file(tmp_path):
+    (tmp_path / "mine.toml").write_text(
+        'name = "mine"\nmasses = []\nrobot_repeatability_mm = 0.02\n'
+        "dhm_nominal = [{joint = 1, alpha_deg = 0, a_mm = 0, theta_offset_deg = 0, d_mm = 100}]\n"
+    )
+
+    cell = read(tmp_path, 'robot = "mine.toml"\n[simulated]\nscenario = "mine.toml"\n')
+
+    assert (cell.name, cell.robot.n_joints, cell.simulated.seed) == ("mine", 1, 0)
+
+
+def test_places_where_the_tracker_was_aimed_are_kept(tmp_path):
+    seen = "fixed_nests_seen_mm = [[1, 2, 3], [4, 5, 6], [7, 8, 9]]"
+
+    cell = read(tmp_path, REAL.replace("position_mm = [2600.0, -700.0, 500.0]", seen))
+
+    assert cell.fixed_nests_seen_mm == ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7.0, 8.0, 9.0))
+    assert cell.tracker_position_mm is None
+
+
+REFUSED = {
+    "an unknown robot": (
+        '"abb-irb-120"',
+        '"abb-irb-9"',
+        BadValueError,
+        "robot",
+        "the shipped ones are abb-irb-120",
+    ),
+    "a mistyped section": ("[limits]", "[limit]", BadValueError, "limit", "there is no such key"),
+    "a mistyped limit": (
+        "joints_deg",
+        "joint_deg",
+        BadValueError,
+        "limits.joint_deg",
+        "there is no such key",
+    ),
+    "limits in radians": ("joints_deg", "joints_rad", BadValueError, "limits.joints_rad", "joints_deg"),
+    "limits of five joints": (
+        "[-165, 165], ",
+        "",
+        BadValueError,
+        "limits.joints_deg",
+        "5 entries stand where 6",
+    ),
+    "limits upside down": (
+        "[-165, 165]",
+        "[165, -165]",
+        BadValueError,
+        "limits.joints_deg[0]",
+        "is not below",
+    ),
+    "a driver that is missing": (
+        'driver = "leica_emscon"',
+        "",
+        MissingEntryError,
+        "device[0]",
+        "driver is missing",
+    ),
+    "a device without a name": (
+        'name = "tracker"',
+        "",
+        MissingEntryError,
+        "device[0]",
+        "key name is missing",
+    ),
+    "two devices of a name": (
+        'name = "robot"',
+        'name = "tracker"',
+        BadValueError,
+        "device[1].name",
+        "two devices",
+    ),
+    "two addresses": (
+        "port = 700",
+        'serial = "COM3"',
+        BadValueError,
+        "device[0]",
+        "host and serial; keep one",
+    ),
+    "a port beyond all": (
+        "port = 700",
+        "port = 70000",
+        BadValueError,
+        "device[0].port",
+        "between 1 and 65535",
+    ),
+    "a port that is text": ("port = 700", 'port = "700"', BadValueError, "device[0].port", "is not a number"),
+    "an option that is a list": (
+        "port = 700",
+        "rate = [1]",
+        BadValueError,
+        "device[0].rate",
+        "an option of a",
+    ),
+    "a nest in metres": (
+        "u_mm = 0.002\nfacing",
+        "u_m = 2e-6\nfacing",
+        WrongUnitError,
+        "tool_nest[0].u_m",
+        "u_mm",
+    ),
+    "a direction of length 2": ("[-0.799,", "[-1.9,", BadValueError, "tool_nest[0].facing", "unit vector"),
+    "a length to a nest that is none": (
+        "fixed_nests = [1, 2]",
+        "fixed_nests = [1, 4]",
+        BadValueError,
+        "certified_length[0].fixed_nests[1]",
+        "between 1 and 3",
+    ),
+    "a length of one nest": (
+        "fixed_nests = [1, 2]",
+        "fixed_nests = [2, 2]",
+        BadValueError,
+        "certified_length[0].fixed_nests",
+        "two different nests",
+    ),
+    "a mass without a centre": (
+        "cog_mm = [50.0, 25.0, 100.0]",
+        "",
+        MissingEntryError,
+        "tool",
+        "cog_mm is missing",
+    ),
+    "a speed of 0": (
+        "tool_speed_mm_s = 500.0",
+        "tool_speed_mm_s = 0",
+        BadValueError,
+        "limits.tool_speed_mm_s",
+        "0",
+    ),
+    "planted changes in a real cell": (
+        "[conditions]",
+        '[[effect]]\nname = "joint_gain"\namplitude = 1\n[conditions]',
+        BadValueError,
+        "effect",
+        "in a simulated cell only",
+    ),
+    "devices of a simulated cell": (
+        "[conditions]",
+        '[simulated]\nscenario = "irb120-tilted"\n[conditions]',
+        BadValueError,
+        "simulated",
+        "either simulated or has devices",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_mistake_in_a_cell_file_is_refused_where_it_is(case, tmp_path):
+    old, new, kind, key, sentence = REFUSED[case]
+    assert old in REAL
+
+    with pytest.raises(kind) as refusal:
+        read(tmp_path, REAL.replace(old, new, 1))
+
+    assert (refusal.value.file, refusal.value.key) == ("cell.toml", key)
+    assert sentence in str(refusal.value)
+
+
+def test_a_cell_without_anything_to_measure_with_is_refused(tmp_path):
+    with pytest.raises(MissingEntryError, match="neither devices nor a simulation"):
+        read(tmp_path, 'robot = "abb-irb-120"\n')
+
+
+def test_a_mistake_of_toml_is_refused_with_its_line(tmp_path):
+    with pytest.raises(UnreadableFileError, match=r"this is not TOML: .*line 2"):
+        read(tmp_path, 'robot = "abb-irb-120"\nname = \n')
+
+
+def test_a_cell_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(MissingFileError, match=r"cell.toml: there is no such file\."):
+        read_cell(tmp_path / "cell.toml")
+
+
+def test_a_folder_is_no_cell_file(tmp_path):
+    with pytest.raises(InputFileError, match="cannot be read"):
+        read_cell(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "robot"),
+    [
+        ("irb120-tilted", "abb-irb-120"),
+        ("lrmate-clean", "fanuc-lr-mate-200ic"),
+        ("x/irb120-mine.toml", "abb-irb-120"),
+    ],
+)
+def test_a_simulated_cell_knows_its_robot_from_the_scenario(scenario, robot):
+    cell = simulated_cell(scenario, 3)
+
+    assert cell.robot_key == robot
+    assert cell.simulated == SimulatedCell(scenario, 3)
+    assert (len(cell.nests), len(cell.fixed_nests)) == (3, 3)
+    assert cell.robot.masses[-1].mass_kg == 2.7
+
+
+def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
+    with pytest.raises(UnknownRobotError, match=r"its name must begin with irb120\.\.\. or lrmate\.\.\."):
+        simulated_cell("ur10-clean", 0)

@@ -1,0 +1,119 @@
+"""A campaign travels as a zip of its folder, and no archive harms the program."""
+
+import io
+import zipfile
+
+import pytest
+
+from service.exchange.campaign_folder import campaign_files
+from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from service.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
+from tests.builders import make_ballbar_campaign, make_campaign
+
+
+def archive(members):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as opened:
+        for name, content in members:
+            opened.writestr(name, content)
+    return stream.getvalue()
+
+
+def members(prefix=""):
+    return [(prefix + name, text) for name, text in campaign_files(make_campaign()).items()]
+
+
+def test_a_campaign_survives_the_zip():
+    campaign = make_ballbar_campaign()
+
+    again = read_campaign_zip(write_campaign_zip(campaign))
+
+    assert campaign_files(again) == campaign_files(campaign)
+
+
+def test_equal_campaigns_give_equal_bytes():
+    assert write_campaign_zip(make_campaign()) == write_campaign_zip(make_campaign())
+
+
+@pytest.mark.parametrize("prefix", ["", "irb120/", "exports/2024/irb120/"])
+def test_the_folder_may_be_in_the_zip(prefix):
+    campaign = read_campaign_zip(
+        io.BytesIO(archive([*members(prefix), ("__MACOSX/" + prefix + "campaign.json", "x")]))
+    )
+
+    assert len(campaign.calibration) == 3
+
+
+@pytest.mark.parametrize(
+    "name", ["../campaign.json", "/etc/campaign.json", "a/../../b", "C:/campaign.json", "..\\campaign.json"]
+)
+def test_members_that_lead_out_of_the_archive_are_refused(name):
+    with pytest.raises(UnsafeArchiveError, match="leads out of the archive"):
+        read_campaign_zip(archive([*members(), (name, "{}")]), "upload.zip")
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_a_member_that_is_there_twice_is_refused():
+    with pytest.raises(UnsafeArchiveError, match=r"'campaign.json' is there twice"):
+        read_campaign_zip(archive([*members(), ("campaign.json", "{}")]))
+
+
+def test_an_archive_that_claims_to_be_huge_is_refused_unread():
+    data = archive([*members(), *((f"{k}.bin", b"\0" * 2**26) for k in range(9))])  # 576 MB in 0.6 MB
+
+    with pytest.raises(UnsafeArchiveError, match="exceeds 512 MB"):
+        read_campaign_zip(data)
+
+
+def test_a_table_that_expands_beyond_reason_is_refused():
+    bomb = [(name, text if name == "campaign.json" else b"1" * (2**27 + 1)) for name, text in members()]
+
+    with pytest.raises(UnsafeArchiveError, match=r"'calibration.csv' exceeds 128 MB"):
+        read_campaign_zip(archive(bomb))
+
+
+def test_too_many_members_are_refused():
+    with pytest.raises(UnsafeArchiveError, match="1001 members"):
+        read_campaign_zip(archive([(f"{k}", "") for k in range(1001)]))
+
+
+@pytest.mark.parametrize(
+    ("data", "kind", "sentence"),
+    [
+        (b"", UnreadableFileError, "not a whole zip file"),
+        (b"PK\x03\x04 and nothing more", UnreadableFileError, "not a whole zip file"),
+        (archive(members())[:-200], UnreadableFileError, "not a whole zip file"),
+        (archive([("readme.txt", "hello")]), MissingFileError, "no campaign.json in the archive"),
+        (archive([*members("a/"), *members("b/")]), UnreadableFileError, r"several campaigns .*\(a, b\)"),
+    ],
+    ids=["nothing", "a beginning", "cut off", "no campaign", "two campaigns"],
+)
+def test_what_is_no_campaign_is_refused(data, kind, sentence):
+    with pytest.raises(kind, match=sentence) as refusal:
+        read_campaign_zip(data, "upload.zip")
+
+    assert refusal.value.file == "upload.zip"
+
+
+def test_damaged_content_is_refused():
+    data = bytearray(archive(members()))
+    data[60] ^= 0xFF  # inside the compressed campaign.json
+
+    with pytest.raises(UnreadableFileError, match="not a whole zip file"):
+        read_campaign_zip(bytes(data))
+
+
+def test_a_locked_archive_is_refused():
+    data = archive(members())
+    locked = data.replace(b"PK\x01\x02\x14\x03\x14\x00\x00", b"PK\x01\x02\x14\x03\x14\x00\x01")
+    assert locked != data  # bit 0 of the flags: encrypted
+
+    with pytest.raises(UnreadableFileError, match="cannot open"):
+        read_campaign_zip(locked)
+
+
+def test_a_file_named_and_not_there_is_missing():
+    with pytest.raises(
+        MissingFileError, match=r"campaign.json, line \d+, key files.calibration: file calibration.csv"
+    ):
+        read_campaign_zip(archive(members()[:1]))

@@ -1,0 +1,92 @@
+"""The documents that scripts rely on: names, units, and no NaN."""
+
+import json
+import math
+
+import pytest
+
+from service.domain.results import NotIdentifiable, Outlier, PureError, Validation
+from service.exchange.result_documents import identification_document, validation_document
+from tests.builders import make_identification, make_pair
+
+STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
+
+
+def test_an_identification_has_the_promised_keys():
+    document = identification_document(make_identification(), "ABB IRB 120")
+
+    promised = {
+        "robot", "status", "message", "effects", "counts", "parameters", "not_identifiable", "outliers",
+        "statistics", "chi2_per_dof", "quantity",
+    }  # fmt: skip
+    assert promised <= document.keys()
+    assert (document["robot"], document["status"]) == ("ABB IRB 120", "converged")
+    assert document["counts"] == {"configurations": 3, "observations": 9, "parameters": 2, "outliers": 0}
+    assert document["statistics"]["calibration"]["nominal"].keys() == STATISTICS
+
+
+def test_angles_are_in_degrees():
+    angle, length = identification_document(make_identification(), "x")["parameters"]
+
+    assert (angle["name"], angle["effect"], angle["unit"]) == ("alpha_2", "geometry", "deg")
+    assert angle["value"] == pytest.approx(math.degrees(1e-3), rel=1e-15)
+    assert angle["standard_uncertainty"] == pytest.approx(math.degrees(1e-4), rel=1e-15)
+    assert (length["value"], length["unit"]) == (0.2, "mm")
+
+
+def test_cross_validation_stands_where_there_is_no_validation():
+    document = identification_document(make_identification(), "x")
+
+    assert document["statistics"].keys() == {"calibration", "cross_validation"}
+
+
+def test_validation_leaves_no_place_for_cross_validation():
+    identification = make_identification(validation=make_pair(), calibration_without_outliers=make_pair())
+
+    blocks = identification_document(identification, "x")["statistics"]
+
+    assert blocks.keys() == {"calibration", "calibration_without_outliers", "validation"}
+
+
+def test_findings_are_carried_over():
+    identification = make_identification(
+        not_identifiable=(NotIdentifiable(("theta_6", "nest_1_x"), "seen only together"),),
+        outliers=(Outlier(row=4, config=12, nest=1, residual_mm=3.5, reason="3.5 mm off"),),
+        pure_error=PureError(5, 15, 0.01, 1.2, 0.3),
+    )
+
+    document = identification_document(identification, "x")
+
+    assert document["not_identifiable"] == [
+        {"parameters": ["theta_6", "nest_1_x"], "reason": "seen only together"}
+    ]
+    assert document["outliers"] == [
+        {"config": 12, "reason": "3.5 mm off", "nest": 1, "row": 4, "residual_mm": 3.5}
+    ]
+    assert document["pure_error"]["repeatability_mm"] == 0.01
+
+
+def test_what_is_not_a_number_is_null():
+    identification = make_identification(
+        chi2_per_dof=math.nan, calibration=make_pair(sd_mm=math.nan, max_mm=math.inf)
+    )
+
+    document = identification_document(identification, "x")
+
+    assert document["chi2_per_dof"] is None
+    assert document["statistics"]["calibration"]["identified"]["sd_mm"] is None
+    json.dumps(document, allow_nan=False)  # raises for any NaN left
+
+
+def test_a_validation_has_the_promised_keys():
+    document = validation_document(Validation("position", make_pair(), make_pair(), 0.5, True))
+
+    assert document.keys() == {"quantity", "position", "distance", "limit_mm", "pass"}
+    assert document["pass"] is True
+    assert document["distance"]["identified"].keys() == STATISTICS
+
+
+def test_legs_have_no_distances():
+    document = validation_document(Validation("length", make_pair(), None, None, False))
+
+    assert (document["quantity"], document["distance"]) == ("length", None)

@@ -1,0 +1,368 @@
+"""Every mistake in a table is refused with file, line and column in one sentence."""
+
+import pytest
+
+from service.exchange.campaign_folder import campaign_files, campaign_from
+from service.exchange.errors import (
+    BadValueError,
+    MissingEntryError,
+    UnreadableFileError,
+    WrongUnitError,
+)
+from tests.builders import make_ballbar_campaign, make_campaign
+
+HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
+ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.02", "3,6,16,26,1,120,220,320,0.02")
+
+
+def points(header=HEADER, rows=ROWS):
+    return "\n".join([header, *rows, ""])
+
+
+def with_columns(names, *cells):
+    return points(f"{HEADER},{names}", [f"{row},{cell}" for row, cell in zip(ROWS, cells, strict=True)])
+
+
+def second_row(row):
+    return points(rows=(ROWS[0], row, ROWS[2]))
+
+
+def read(calibration, **changes):
+    data = calibration if isinstance(calibration, bytes) else calibration.encode()
+    files = {**{name: text.encode() for name, text in campaign_files(make_campaign(**changes)).items()}}
+    return campaign_from({**files, "calibration.csv": data}.__getitem__)
+
+
+REFUSED = {
+    "a required column is missing": (
+        points().replace("u_mm", "sigma"),
+        MissingEntryError,
+        1,
+        None,
+        "column u_mm is missing",
+    ),
+    "a joint column is missing": (
+        points().replace("q3_deg", "axis3"),
+        MissingEntryError,
+        1,
+        None,
+        "column q3_deg is missing",
+    ),
+    "positions in metres": (
+        points().replace("x_mm", "x_m"),
+        WrongUnitError,
+        1,
+        None,
+        "column x_m has the unit m; x_mm in mm is required",
+    ),
+    "joints in radians": (
+        points().replace("q2_deg", "q2_rad"),
+        WrongUnitError,
+        1,
+        None,
+        "q2_rad has the unit rad; q2_deg in deg",
+    ),
+    "a position without a unit": (
+        points().replace("y_mm", "y"),
+        WrongUnitError,
+        1,
+        None,
+        "column y has no unit; y_mm in mm is required",
+    ),
+    "an optional column in another unit": (
+        with_columns("temperature_K", 293, 293, 293),
+        WrongUnitError,
+        1,
+        None,
+        "temperature_C in C is required",
+    ),
+    "torques in another unit": (
+        with_columns("tau1_Nmm,tau2_Nmm,tau3_Nmm", "1,2,3", "1,2,3", "1,2,3"),
+        WrongUnitError,
+        1,
+        None,
+        "tau1_Nmm",
+    ),
+    "not a number": (
+        second_row("2,5,15,25,1,110,NaN,310,0.02"),
+        BadValueError,
+        3,
+        "y_mm",
+        "'NaN' is not a finite number",
+    ),
+    "an infinite number": (
+        second_row("2,5,15,25,1,110,1e999,310,0.02"),
+        BadValueError,
+        3,
+        "y_mm",
+        "is not a finite number",
+    ),
+    "text where a number belongs": (
+        second_row("2,5,fifteen,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "q2_deg",
+        "'fifteen' is not a number",
+    ),
+    "digits of another script": (
+        second_row("2,5,\u0661,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "q2_deg",
+        "is not a number",
+    ),
+    "an underscore in a number": (
+        second_row("2,5,1_5,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "q2_deg",
+        "'1_5' is not a number",
+    ),
+    "a decimal comma": (
+        second_row('2,5,"15,5",25,1,110,210,310,0.02'),
+        BadValueError,
+        3,
+        "q2_deg",
+        "the decimal point is .",
+    ),
+    "a cell of two lines": (
+        second_row('2,5,"15\n5",25,1,110,210,310,0.02'),
+        BadValueError,
+        3,
+        "q2_deg",
+        "is not a number",
+    ),
+    "an empty cell": (second_row("2,5,15,25,1,110,,310,0.02"), BadValueError, 3, "y_mm", "the cell is empty"),
+    "a cell too few": (
+        second_row("2,5,15,25,1,110,210,310"),
+        UnreadableFileError,
+        3,
+        None,
+        "8 cells stand where",
+    ),
+    "a cell too many": (
+        second_row("2,5,15,25,1,110,210,310,0.02,7"),
+        UnreadableFileError,
+        3,
+        None,
+        "10 cells stand where",
+    ),
+    "a column twice": (
+        points().replace("y_mm", "x_mm"),
+        BadValueError,
+        1,
+        "x_mm",
+        "the column appears twice",
+    ),
+    "an empty file": ("", UnreadableFileError, None, None, "the file is empty"),
+    "a file of a byte order mark": (b"\xef\xbb\xbf", UnreadableFileError, None, None, "the file is empty"),
+    "a header alone": (HEADER + "\n", UnreadableFileError, None, None, "a header and no rows"),
+    "semicolons": (points().replace(",", ";"), UnreadableFileError, 1, None, "separated by semicolons"),
+    "tabs": (points().replace(",", "\t"), UnreadableFileError, 1, None, "separated by tabs"),
+    "another encoding": (
+        points().encode().replace(b"110", b"11\xe4"),
+        UnreadableFileError,
+        3,
+        None,
+        "not UTF-8",
+    ),
+    "an unclosed quote": (second_row('"2,5'), UnreadableFileError, 3, None, "the line is not CSV"),
+    "a fractional configuration": (
+        second_row("2.5,5,15,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "config",
+        "must be a whole number",
+    ),
+    "a negative configuration": (
+        second_row("-2,5,15,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "config",
+        "must not be below 0",
+    ),
+    "a configuration beyond whole numbers": (
+        second_row("1e300,5,15,25,1,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "config",
+        "must be a whole number",
+    ),
+    "a nest that is none": (
+        second_row("2,5,15,25,2,110,210,310,0.02"),
+        BadValueError,
+        3,
+        "nest",
+        "must be one of the tool nests: 1",
+    ),
+    "no uncertainty": (
+        second_row("2,5,15,25,1,110,210,310,0"),
+        BadValueError,
+        3,
+        "u_mm",
+        "must be greater than 0",
+    ),
+    "a direction of 2": (
+        with_columns("dir1", 1, 2, 1),
+        BadValueError,
+        3,
+        "dir1",
+        "must lie between -1 and 1",
+    ),
+    "half a quaternion": (
+        with_columns("qw,qx", "1,0", "1,0", "1,0"),
+        MissingEntryError,
+        1,
+        None,
+        "column qy is missing",
+    ),
+    "a quaternion of length 1.1": (
+        with_columns("qw,qx,qy,qz", "1,0,0,0", "1.1,0,0,0", "1,0,0,0"),
+        BadValueError,
+        3,
+        "qw",
+        "not a quaternion",
+    ),
+    "half a covariance": (
+        with_columns("cxx,cxy", "1,0", "1,0", "1,0"),
+        MissingEntryError,
+        1,
+        None,
+        "column cxz is missing",
+    ),
+    "a covariance that is none": (
+        with_columns("cxx,cxy,cxz,cyy,cyz,czz", "1,0,0,1,0,1", "1,2,0,1,0,1", "1,0,0,1,0,1"),
+        BadValueError,
+        3,
+        "cxx",
+        "not a positive definite matrix",
+    ),
+    "uncertainty across the beam alone": (
+        with_columns("u_across_mm", 1, 1, 1),
+        MissingEntryError,
+        1,
+        None,
+        "column u_along_mm is missing",
+    ),
+    "a beam from nowhere": (
+        with_columns("u_along_mm,u_across_mm", "1,1", "1,1", "1,1"),
+        MissingEntryError,
+        1,
+        "u_along_mm",
+        "need tracker_position_world_mm in campaign.json",
+    ),
+    "torques of two joints of three": (
+        with_columns("tau1_Nm,tau2_Nm", "1,2", "1,2", "1,2"),
+        MissingEntryError,
+        1,
+        None,
+        "tau3_Nm is missing",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_mistake_in_the_points_is_refused_where_it_is(case):
+    text, kind, line, column, sentence = REFUSED[case]
+
+    with pytest.raises(kind) as refusal:
+        read(text)
+
+    error = refusal.value
+    assert (error.file, error.line, error.column) == ("calibration.csv", line, column)
+    assert sentence in str(error)
+    assert_one_sentence(error)
+
+
+def assert_one_sentence(error):
+    assert str(error).endswith(".")
+    assert "\n" not in str(error)
+
+
+def test_the_unit_sentence_reads_as_the_format_promises():
+    with pytest.raises(WrongUnitError) as refusal:
+        read(points().replace("x_mm", "x_m"))
+
+    assert str(refusal.value) == (
+        "calibration.csv, line 1: column x_m has the unit m; x_mm in mm is required."
+    )
+
+
+def test_of_two_bad_cells_the_one_read_first_is_named():
+    rows = (ROWS[0], "2,5,15,25,1,110,bad,worse,0.02", "x,6,16,26,1,120,220,320,0.02")
+
+    with pytest.raises(BadValueError) as refusal:
+        read(points(rows=rows))
+
+    assert (refusal.value.line, refusal.value.column) == (3, "y_mm")
+
+
+def test_lines_are_counted_through_blank_ones():
+    with pytest.raises(BadValueError) as refusal:
+        read(points(rows=(ROWS[0], "", ROWS[1], "3,6,16,26,1,120,220,bad,0.02")))
+
+    assert refusal.value.line == 5
+
+
+def test_the_point_in_the_tracker_itself_has_no_beam():
+    text = with_columns("u_along_mm,u_across_mm", "1,1", "1,1", "1,1")
+
+    with pytest.raises(BadValueError) as refusal:
+        read(text, tracker_position_mm=(110.0, 210.0, 310.0))
+
+    assert (refusal.value.line, refusal.value.column) == (3, "x_mm")
+
+
+BALLBAR_REFUSED = {
+    "a leg of no length": ("legs", "300.12500", "0", 3, "length_mm", "must be greater than 0"),
+    "a base point 5": ("legs", "1,1,300.12500", "5,1,300.12500", 3, "base_point", "between 1 and 4"),
+    "a tool point that is no nest": (
+        "legs",
+        "1,1,300.12500",
+        "1,4,300.12500",
+        3,
+        "tool_point",
+        "the tool nests: 1",
+    ),
+    "placement 0 of a leg": ("legs", "\n1,2,", "\n0,2,", 3, "placement", "must not be below 1"),
+    "the tool in placement 1": ("fixture", "1,base", "1,tool", 3, "kind", "placement 0 is the tool"),
+    "a kind of its own": ("fixture", "1,base", "1,table", 3, "kind", "must be tool or base"),
+    "a side of one point": ("fixture", "base,1,3", "base,1,1", 3, "point_b", "joins two different points"),
+    "a cup that is text": ("cups", "1,2,", "1,two,", 2, "base_point", "'two' is not a number"),
+    "a set-up without an angle": ("setup", "12.250000000,12", ",12", 2, "q1_deg", "the cell is empty"),
+    "an uncertified fixed nest": (
+        "reference",
+        "60.5000,1",
+        "60.5000,2",
+        3,
+        "fixed_nest",
+        "the fixed nests: 1",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BALLBAR_REFUSED)
+def test_a_mistake_in_the_other_tables_is_refused_where_it_is(case):
+    role, old, new, line, column, sentence = BALLBAR_REFUSED[case]
+    files = campaign_files(make_ballbar_campaign())
+    edited = files[f"{role}.csv"].replace(old, new)
+    assert edited != files[f"{role}.csv"]
+
+    with pytest.raises(BadValueError) as refusal:
+        campaign_from(lambda name: {**files, f"{role}.csv": edited}[name].encode())
+
+    error = refusal.value
+    assert (error.file, error.line, error.column) == (f"{role}.csv", line, column)
+    assert sentence in str(error)
+    assert_one_sentence(error)
+
+
+@pytest.mark.parametrize("role", ["fixture", "setup", "cups", "reference"])
+def test_every_column_of_the_small_tables_is_required(role):
+    files = campaign_files(make_ballbar_campaign())
+    header = files[f"{role}.csv"].splitlines()[0]
+
+    for column in header.split(","):
+        edited = files[f"{role}.csv"].replace(header, header.replace(column, "else"))
+        with pytest.raises((MissingEntryError, WrongUnitError), match=column):
+            campaign_from(lambda name, text=edited: {**files, f"{role}.csv": text}[name].encode())
