@@ -12,6 +12,7 @@ from service.domain.robot import Robot
 from service.effects.names import joint_name, joint_of
 from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
 
+GEOMETRY_EFFECTS = ("geometry", "geometry_dhm", "joint_offset")
 LENGTH_WIDTH_MM = 1.0
 ANGLE_WIDTH_RAD = 5e-3
 # Below this angle the common normal moves by more than 30 mm per mm of axis offset: treated as parallel.

@@ -1,8 +1,8 @@
 """Predictions and their derivatives: effects move ports, the chain turns ports into positions.
 
-The torques that load the gearboxes are taken at the deflected arm: the joint angles are corrected
-once for the deflection and the torques taken again (the change of torque by the change of
-deflection is below 1e-3 of the deflection, and is no part of the derivative).
+The torques that load the gearboxes are those at the deflected arm, found by repeating the forward
+kinematics until they balance. Derivatives are taken at the torques in force: that a torque itself
+changes with a parameter (by 1e-3 of the deflection at most) is left out of them, not of the prediction.
 """
 
 from collections import defaultdict
@@ -26,6 +26,9 @@ from service.kinematics.chain import (
 )
 from service.kinematics.frames import cross
 from service.kinematics.gravity import gravity_torques
+
+_MOST_PASSES = 4  # each brings the torques closer by a factor of about a thousand
+_BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right to 2e-8 rad
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +62,7 @@ class State:
     @property
     def orientation(self) -> FloatArray:
         """Orientation of the tool in the world, shape (n, 3, 3)."""
-        return self.chain.rotation[:, -1] @ self.tool_rotation
+        return self.chain.rotation[-1] @ self.tool_rotation
 
 
 def evaluate(
@@ -74,7 +77,7 @@ def evaluate(
         Parameter values in internal units.
     targets : Targets
     previous : State, optional
-        The same targets at nearby values: its torques are taken instead of new ones.
+        The same targets at nearby values: its torques are the first guess.
 
     Returns
     -------
@@ -82,12 +85,19 @@ def evaluate(
     """
     if targets.stops.torque_n_mm is not None or "compliance" not in structure.effects:
         return _evaluate_loaded(structure, values, targets, targets.stops.torque_n_mm, None)
-    if previous is not None:
-        return _evaluate_loaded(structure, values, targets, _gravity(structure, previous.chain), previous.chain)
-    state = _evaluate_loaded(structure, values, targets, None, None)
-    for _ in range(2):  # undeflected, then deflected: the next step changes less than 1e-6 of a deflection
-        state = _evaluate_loaded(structure, values, targets, _gravity(structure, state.chain), state.chain)
+    state = previous or _evaluate_loaded(structure, values, targets, None, None)
+    torque = previous.torque_n_mm if previous else _gravity(structure, state.chain)
+    for _ in range(_MOST_PASSES):
+        state = _evaluate_loaded(structure, values, targets, torque, state.chain)
+        balanced = _gravity(structure, state.chain)
+        if balanced is None or torque is None or _close(balanced, torque):
+            break
+        torque = balanced
     return state
+
+
+def _close(torque: FloatArray, before: FloatArray) -> bool:
+    return float(np.abs(torque - before).max()) < _BALANCED * float(np.abs(torque).max())
 
 
 def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
@@ -216,12 +226,15 @@ def _position_gradients(state: State) -> dict[Port, FloatArray]:
     if PortKind.ALPHA in kinds:
         stacks[PortKind.ALPHA] = alpha_gradient(chain, points)
         stacks[PortKind.A] = chain.x_before
-    if PortKind.BETA in kinds:
-        stacks[PortKind.BETA] = beta_gradient(chain, points)
     if PortKind.D in kinds:
         stacks[PortKind.D] = chain.z
     gradients = {
-        Port(kind, j): stack[:, j] for kind, stack in stacks.items() for j in range(stack.shape[1])
+        Port(kind, joint): stack[joint] for kind, stack in stacks.items() for joint in range(len(stack))
+    }
+    gradients |= {
+        term.port: beta_gradient(chain, points, term.port.index)
+        for term in state.terms
+        if term.port.kind is PortKind.BETA
     }
     gradients |= _base_gradients(state)
     gradients |= _nest_gradients(state)
@@ -237,7 +250,7 @@ def _base_gradients(state: State) -> dict[Port, FloatArray]:
 
 
 def _nest_gradients(state: State) -> dict[Port, FloatArray]:
-    last = state.chain.rotation[:, -1]
+    last = state.chain.rotation[-1]
     gradients: dict[Port, FloatArray] = {}
     for term in state.terms:
         if term.port.kind is PortKind.NEST:
@@ -267,14 +280,14 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
     chain = state.chain
     match port.kind:
         case PortKind.THETA:
-            return chain.z[:, port.index]
+            return chain.z[port.index]
         case PortKind.ALPHA:
-            return chain.x_before[:, port.index]
+            return chain.x_before[port.index]
         case PortKind.BETA:
-            return chain.y_middle[:, port.index]
+            return chain.y_middle[port.index]
         case PortKind.BASE if port.index >= 3:
             return state.base_axes[port.index - 3]
         case PortKind.TOOL_ROTATION:
-            return chain.rotation[:, -1] @ state.tool_axes[port.index]
+            return chain.rotation[-1] @ state.tool_axes[port.index]
         case _:
             return None

@@ -20,7 +20,7 @@ from service.identification.evaluation import (
 )
 from service.identification.structure import Structure
 from service.identification.whitening import Whitener, whitener
-from service.kinematics.frames import vector_from_rotation
+from service.kinematics.frames import cross_matrix, vector_from_rotation
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +31,7 @@ class BlockResult:
     jacobian: FloatArray  # (P, n, d)
     state: State
     whitening: Whitener
+    direction: FloatArray | None = None  # (n, 3) of the legs
 
     @property
     def white_residual(self) -> FloatArray:
@@ -47,8 +48,35 @@ class Block(Protocol):
     """A set of observations of one kind."""
 
     @property
+    def targets(self) -> Targets:
+        """Where the n readings were taken."""
+        ...
+
+    @property
     def weights(self) -> FloatArray:
         """Weight of each reading, shape (n,)."""
+        ...
+
+    @property
+    def discrepancy(self) -> float:
+        """Standard deviation per component that the model lacks."""
+        ...
+
+    @property
+    def scatter_mm(self) -> float:
+        """Standard deviation of the arm per axis, shared by the readings of a stop."""
+        ...
+
+    def component_variance(self) -> FloatArray:
+        """Variance per component of each reading, discrepancy included, scatter not, shape (n,)."""
+        ...
+
+    def stated_sigma(self) -> float:
+        """Typical stated standard deviation per component, scatter included; 0 where none is stated."""
+        ...
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return the residuals of `result` with this block's weights, shape (n * d,)."""
         ...
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
@@ -81,6 +109,19 @@ class PositionBlock:
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
         jacobian = position_jacobian(state)
         return BlockResult(self.measured_mm - state.position_mm, jacobian, state, self._whitening())
+
+    def component_variance(self) -> FloatArray:
+        """Mean variance over the three axes, shape (n,)."""
+        return np.asarray(np.trace(self.covariance_mm2, axis1=1, axis2=2) / 3.0 + self.discrepancy**2)
+
+    def stated_sigma(self) -> float:
+        """Root mean variance per axis with the arm's scatter [mm]."""
+        mean = float(np.trace(self.covariance_mm2, axis1=1, axis2=2).mean()) / 3.0
+        return float(np.sqrt(mean + self.scatter_mm**2))
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return residuals with this block's weights, shape (3 n,)."""
+        return self._whitening().apply(result.residual).reshape(-1)
 
     def total_covariance(self) -> FloatArray:
         """Covariance of each reading with discrepancy, without the arm's scatter, shape (n, 3, 3)."""
@@ -121,14 +162,29 @@ class OrientationBlock:
     uncertainty_rad: FloatArray  # (n,) stated; 0 where it is only known from the residuals
     weights: FloatArray  # (n,)
     discrepancy: float  # rad per axis
+    scatter_mm: float = 0.0  # the arm's scatter is one of position
+
+    def component_variance(self) -> FloatArray:
+        """Variance per axis [rad2], shape (n,)."""
+        return np.asarray(self.uncertainty_rad**2 + self.discrepancy**2)
+
+    def stated_sigma(self) -> float:
+        """Root mean stated variance [rad]; 0 where the campaign states none."""
+        return float(np.sqrt(np.mean(self.uncertainty_rad**2)))
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return residuals with this block's weights, shape (3 n,)."""
+        return self._whitening().apply(result.residual).reshape(-1)
+
+    def _whitening(self) -> Whitener:
+        return Whitener((), np.sqrt(np.maximum(self.weights, 1e-12) / self.component_variance()))
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals as rotation vectors in the world [rad] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
         residual = vector_from_rotation(self.measured @ np.swapaxes(state.orientation, 1, 2))
-        variance = self.uncertainty_rad**2 + self.discrepancy**2
-        factor = np.sqrt(np.maximum(self.weights, 1e-12) / variance)
-        return BlockResult(residual, rotation_jacobian(state), state, Whitener((), factor))
+        jacobian = np.einsum("nij,pnj->pni", _log_gradient(residual), rotation_jacobian(state))
+        return BlockResult(residual, jacobian, state, self._whitening())
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> "OrientationBlock":
         """Return the block with other weights and another discrepancy [rad]."""
@@ -143,6 +199,20 @@ class OrientationBlock:
             uncertainty_rad=self.uncertainty_rad[rows],
             weights=self.weights[rows],
         )
+
+
+def _log_gradient(vector: FloatArray) -> FloatArray:
+    """Change of log(M P^T) per small turn of P, with its sign: the inverse right Jacobian of SO(3).
+
+    Source: J. Sola, J. Deray, D. Atchuthan, arXiv 1812.01537, 2018, equation 144.
+    """
+    angle = np.linalg.norm(vector, axis=1)[:, None, None]
+    safe = np.maximum(angle, 1e-4)
+    second = np.where(
+        angle > 1e-4, 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe)), 1.0 / 12.0
+    )
+    skew = cross_matrix(vector)
+    return np.asarray(np.eye(3) + 0.5 * skew + second * (skew @ skew))
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,12 +244,24 @@ class LegBlock:
             jacobian[offset] = 1.0
         predicted = distance + (values[offset] if offset is not None else 0.0)
         residual = (self.length_mm - predicted)[:, None]
-        return BlockResult(residual, jacobian[:, :, None], state, self._whitening(direction))
+        return BlockResult(residual, jacobian[:, :, None], state, self._whitening(direction), direction)
+
+    def component_variance(self) -> FloatArray:
+        """Variance of each length [mm2], shape (n,)."""
+        return np.asarray(self.uncertainty_mm**2 + self.discrepancy**2)
+
+    def stated_sigma(self) -> float:
+        """Root mean variance of a length with the arm's scatter [mm]."""
+        return float(np.sqrt(np.mean(self.uncertainty_mm**2) + self.scatter_mm**2))
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return residuals with this block's weights, shape (n,)."""
+        direction = np.zeros((len(self.anchor), 3)) if result.direction is None else result.direction
+        return self._whitening(direction).apply(result.residual).reshape(-1)
 
     def _whitening(self, direction: FloatArray) -> Whitener:
-        variance = self.uncertainty_mm**2 + self.discrepancy**2
         return whitener(
-            variance[:, None, None],
+            self.component_variance()[:, None, None],
             self.weights,
             self.targets.stops.config,
             direction[:, None, :],

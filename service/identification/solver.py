@@ -25,6 +25,9 @@ from service.domain.arrays import FloatArray
 
 _STEP_TOLERANCE = 1e-3  # of a standard uncertainty: what remains to go is invisible
 _LARGEST_DAMPING = 1e8
+# A step may raise the cost by this much, far less than one observation: the torques are balanced to a finite
+# tolerance, so that two neighbouring costs are not of quite the same function.
+_INVISIBLE = 1e-3
 
 
 class Linearised(Protocol):
@@ -90,7 +93,7 @@ def solve(
         trial = linearise(values + step, current)
         trial_cost = _cost(trial, values + step - prior_means, precision)
         small = remaining < _STEP_TOLERANCE**2
-        if trial_cost <= cost * (1.0 + 1e-9) or small:
+        if trial_cost <= cost + _INVISIBLE or small:
             values, current, cost = values + step, trial, trial_cost
             damping = damping / 10.0 if damping > 1e-6 else 0.0
             if small:

@@ -41,24 +41,20 @@ class LinkValues:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Frames of n configurations in the world; joint index last but one."""
+    """Frames of n configurations in the world; the joint is the first index, so that one joint is contiguous."""
 
-    x_before: FloatArray  # (n, J, 3) x axis of the frame before joint i
-    origin_before: FloatArray  # (n, J, 3) [mm]
-    y_middle: FloatArray  # (n, J, 3)
-    origin_middle: FloatArray  # (n, J, 3) [mm]
-    rotation: FloatArray  # (n, J, 3, 3) of frame i
-    origin: FloatArray  # (n, J, 3) of frame i [mm]
-
-    @property
-    def z(self) -> FloatArray:
-        """Axes of the joints, shape (n, J, 3)."""
-        return self.rotation[..., 2]
+    x_before: FloatArray  # (J, n, 3) x axis of the frame before joint i
+    origin_before: FloatArray  # (J, n, 3) [mm]
+    y_middle: FloatArray  # (J, n, 3)
+    origin_middle: FloatArray  # (J, n, 3) [mm]
+    rotation: FloatArray  # (J, n, 3, 3) of frame i
+    z: FloatArray  # (J, n, 3) axis of joint i
+    origin: FloatArray  # (J, n, 3) of frame i [mm]
 
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
         """Return points of the last frame in the world [mm], shape (n, 3), from (3,) or (n, 3)."""
-        points = np.broadcast_to(in_last_frame_mm, (len(self.origin), 3))
-        return self.origin[:, -1] + np.einsum("nij,nj->ni", self.rotation[:, -1], points)
+        points = np.broadcast_to(in_last_frame_mm, self.origin[-1].shape)
+        return self.origin[-1] + np.einsum("nij,nj->ni", self.rotation[-1], points)
 
 
 def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
@@ -89,42 +85,49 @@ def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: Float
     Chain
     """
     n, joints = values.theta_rad.shape
-    tilt = rotation_x(values.alpha_rad)
-    twist = tilt @ rotation_y(values.beta_rad)
-    a_mm, d_mm = (np.broadcast_to(array, (n, joints)) for array in (values.a_mm, values.d_mm))
-    cosine, sine = np.cos(values.theta_rad), np.sin(values.theta_rad)
-    chain = _empty_chain(n, joints)
+    chain = _empty_chain(joints, n)
     rotation, origin = np.broadcast_to(base_rotation, (n, 3, 3)), np.broadcast_to(base_origin_mm, (n, 3))
     for i in range(joints):
-        chain.x_before[:, i], chain.origin_before[:, i] = rotation[:, :, 0], origin
-        chain.y_middle[:, i] = np.einsum("nij,...j->ni", rotation, tilt[..., i, :, 1])
-        middle = origin + a_mm[:, i, None] * rotation[:, :, 0]
-        turned = rotation @ twist[..., i, :, :]
-        c, s = cosine[:, i, None], sine[:, i, None]
-        chain.rotation[:, i, :, 0] = c * turned[:, :, 0] + s * turned[:, :, 1]
-        chain.rotation[:, i, :, 1] = c * turned[:, :, 1] - s * turned[:, :, 0]
-        chain.rotation[:, i, :, 2] = turned[:, :, 2]
-        rotation = chain.rotation[:, i]
-        origin = middle + d_mm[:, i, None] * turned[:, :, 2]
-        chain.origin_middle[:, i], chain.origin[:, i] = middle, origin
+        tilt = rotation_x(values.alpha_rad[..., i])
+        chain.x_before[i], chain.origin_before[i] = rotation[:, :, 0], origin
+        np.add(origin, _column(values.a_mm, i) * chain.x_before[i], out=chain.origin_middle[i])
+        chain.y_middle[i] = _times(rotation, tilt)[:, :, 1]
+        turned = _times(rotation, tilt @ rotation_y(values.beta_rad[..., i]))
+        c, s = np.cos(values.theta_rad[:, i, None]), np.sin(values.theta_rad[:, i, None])
+        rotation = chain.rotation[i]
+        rotation[:, :, 0] = c * turned[:, :, 0] + s * turned[:, :, 1]
+        rotation[:, :, 1] = c * turned[:, :, 1] - s * turned[:, :, 0]
+        rotation[:, :, 2] = chain.z[i] = turned[:, :, 2]
+        origin = np.add(chain.origin_middle[i], _column(values.d_mm, i) * chain.z[i], out=chain.origin[i])
     return chain
 
 
-def _empty_chain(n: int, joints: int) -> Chain:
-    vectors = (np.empty((n, joints, 3)) for _ in range(4))
-    return Chain(*vectors, np.empty((n, joints, 3, 3)), np.empty((n, joints, 3)))
+def _empty_chain(joints: int, n: int) -> Chain:
+    vectors = [np.empty((joints, n, 3)) for _ in range(6)]
+    return Chain(*vectors[:4], np.empty((joints, n, 3, 3)), *vectors[4:])
+
+
+def _column(values: FloatArray, joint: int) -> FloatArray | float:
+    return values[:, joint, None] if values.ndim == 2 else float(values[joint])
+
+
+def _times(rotation: FloatArray, constant_or_rows: FloatArray) -> FloatArray:
+    """Product of (n, 3, 3) with (3, 3) or (n, 3, 3); the former as one flat product, several times faster."""
+    if constant_or_rows.ndim == 2:
+        return np.asarray((rotation.reshape(-1, 3) @ constant_or_rows).reshape(rotation.shape))
+    return rotation @ constant_or_rows
 
 
 def theta_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:
-    """Return the motion of points per angle of each joint [mm/rad], shape (n, J, 3)."""
-    return cross(chain.z, points_mm[:, None] - chain.origin)
+    """Return the motion of points (n, 3) per angle of each joint [mm/rad], shape (J, n, 3)."""
+    return cross(chain.z, points_mm - chain.origin)
 
 
 def alpha_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:
-    """Return the motion of points per alpha of each joint [mm/rad], shape (n, J, 3)."""
-    return cross(chain.x_before, points_mm[:, None] - chain.origin_before)
+    """Return the motion of points (n, 3) per alpha of each joint [mm/rad], shape (J, n, 3)."""
+    return cross(chain.x_before, points_mm - chain.origin_before)
 
 
-def beta_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:
-    """Return the motion of points per beta of each joint [mm/rad], shape (n, J, 3)."""
-    return cross(chain.y_middle, points_mm[:, None] - chain.origin_middle)
+def beta_gradient(chain: Chain, points_mm: FloatArray, joint: int) -> FloatArray:
+    """Return the motion of points (n, 3) per beta of one joint [mm/rad], shape (n, 3)."""
+    return cross(chain.y_middle[joint], points_mm - chain.origin_middle[joint])

@@ -29,13 +29,16 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     ndarray, shape (n, J)
         Torques [N mm].
     """
-    torques = np.zeros(chain.z.shape[:2])
-    for link in masses:
-        last = link.frame - 1
-        centre = chain.origin[:, last] + chain.rotation[:, last] @ np.array(link.centre_of_gravity_mm)
-        arms = centre[:, None] - chain.origin[:, : last + 1]
-        moments = cross(arms, link.mass_kg * gravity_m_s2)
-        torques[:, : last + 1] += np.einsum("nji,nji->nj", chain.z[:, : last + 1], moments)
+    joints, n, _ = chain.z.shape
+    torques = np.empty((n, joints))
+    mass_kg, moment = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
+    for joint in reversed(range(joints)):
+        for link in masses:
+            if link.frame - 1 == joint:
+                centre = chain.rotation[joint] @ np.array(link.centre_of_gravity_mm)
+                mass_kg, moment = mass_kg + link.mass_kg, moment + link.mass_kg * (chain.origin[joint] + centre)
+        turning = cross(moment - mass_kg * chain.origin[joint], gravity_m_s2)
+        torques[:, joint] = np.einsum("ni,ni->n", chain.z[joint], turning)
     return torques
 
 
@@ -60,6 +63,4 @@ def moment_regressor(chain: Chain, joint: int, frame: int, component: int, gravi
     ndarray, shape (n,)
         Torque per moment [N mm per kg mm].
     """
-    return np.einsum(
-        "ni,ni->n", chain.z[:, joint], cross(chain.rotation[:, frame, :, component], gravity_m_s2)
-    )
+    return np.einsum("ni,ni->n", chain.z[joint], cross(chain.rotation[frame, :, :, component], gravity_m_s2))
