@@ -171,7 +171,7 @@ class OpenAbbRobot:
             while await self._link.receive(0.0) is not None:
                 pass  # a line end or the like behind the last reply
             await self._link.send(request)
-            data = await self._receive_reply(words, timeout_s or self._time_outs.reply_s)
+            data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s)
             reply = decode_reply(data)
             if reply.code != code:
                 raise OpenAbbProtocolError(
@@ -191,10 +191,10 @@ class OpenAbbRobot:
                 await self._link.close()
                 raise
 
-    async def _receive_reply(self, words: int, timeout_s: float) -> bytes:
+    async def _receive_reply(self, code: Code, words: int, timeout_s: float) -> bytes:
         deadline_s = time.monotonic() + timeout_s
         data = b""
-        while (extent := reply_extent(data, words)) != "whole":
+        while (extent := reply_extent(data, code, words)) != "whole":
             patience_s = (
                 self._time_outs.rest_of_reply_s if extent == "maybe whole" else deadline_s - time.monotonic()
             )

@@ -27,7 +27,7 @@ _FULL_TURN_DEG = 360.0
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 
 
-_REPLY_START = re.compile(rb"\d{0,3}( (?P<status>\d?)( (?P<text>.*))?)?", re.DOTALL)
+_REPLY_START = re.compile(rb"(?P<code>\d{0,3})( (?P<status>\d?)([ \r\n](?P<text>.*))?)?", re.DOTALL)
 _TWO_DECIMALS = re.compile(rb"\.\d\d$")
 
 ReplyExtent: TypeAlias = Literal["part", "maybe whole", "whole"]
@@ -156,21 +156,23 @@ def encode_reply(reply: Reply) -> bytes:
 def decode_reply(data: bytes) -> Reply:
     """Read what one receive delivered; raises OpenAbbProtocolError when it is no reply."""
     text = data.decode("ascii", errors="replace")
-    words = text.split(" ", 2)
+    words = text.rstrip("\r\n").split(" ", 2)
     if len(words) < 2 or not all(_is_count(word) for word in words[:2]):
         raise OpenAbbProtocolError(f"{text[:80]!r} is no reply of open_abb: code and status were expected")
     return Reply(int(words[0]), int(words[1]), words[2].strip() if len(words) == 3 else "")
 
 
-def reply_extent(data: bytes, words: int) -> ReplyExtent:
-    """Tell whether a stream delivered all of a reply whose text has at least `words` words.
+def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
+    """Tell whether a stream delivered all of the reply to `code`, whose text has at least `words` words.
 
     A number with two decimals, or the space behind the status where no text belongs, ends a reply for
-    certain; any other last word may still grow. What can never become a reply counts as whole, so that
-    it is refused at once.
+    certain; any other last word may still grow. What can never become that reply counts as whole, so
+    that it is refused at once.
     """
     head = _REPLY_START.fullmatch(data)
     if head is None or len(data) > LONGEST_MESSAGE_CHARS:
+        return "whole"
+    if head["status"] is not None and int(head["code"] or b"-1") != code:
         return "whole"
     status, text = head["status"], head["text"]
     if not status:

@@ -22,6 +22,7 @@ from drivers.abb_open_abb.protocol import (
     encode_reply,
     encode_request,
     rapid_number,
+    reply_extent,
     reply_numbers,
 )
 
@@ -139,6 +140,30 @@ def test_any_bytes_are_a_request_or_refused(data):
 def test_what_is_no_reply_is_refused(text):
     with pytest.raises(OpenAbbProtocolError, match="no reply"):
         decode_reply(text.encode())
+
+
+@pytest.mark.parametrize(
+    ("data", "words", "extent"),
+    [
+        (b"", 0, "part"),
+        (b"4", 6, "part"),
+        (b"4 ", 6, "part"),
+        (b"4 1", 6, "part"),
+        (b"4 1 1 2 3 4 5", 6, "part"),
+        (b"4 1 1 2 3 4 5 6", 6, "maybe whole"),
+        (b"4 1 1 2 3 4 5 6.5", 6, "maybe whole"),
+        (b"4 1 1 2 3 4 5 6.50", 6, "whole"),
+        (b"4 1 1.00", 6, "part"),
+        (b"4 0 ", 6, "whole"),
+        (b"4 1", 0, "maybe whole"),
+        (b"4 1 ", 0, "whole"),
+        (b"2 ", 6, "whole"),
+        (b"hello", 6, "whole"),
+        (b"4 1 " + b"1" * 77, 6, "whole"),
+    ],
+)
+def test_the_extent_of_a_reply_is_told_from_what_may_still_follow(data, words, extent):
+    assert reply_extent(data, Code.GET_JOINTS, words) == extent
 
 
 def test_numbers_of_a_reply_are_counted():

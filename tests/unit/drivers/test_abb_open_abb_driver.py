@@ -1,0 +1,300 @@
+"""The robot's conversation, against a scripted open_abb server that lives in memory."""
+
+import asyncio
+import math
+
+import pytest
+
+from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
+from drivers.api import MotionLimits, RobotController
+from drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    RemoteProtocolError,
+    TargetRefusedError,
+)
+from drivers.transports.memory import MemoryEnd, MemoryLink
+
+QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
+# The longest motion of the driver's argument takes 4 pi / 1e3 + 2e4 / 1e6 s = 0.03 s at this speed.
+FAST = MotionLimits(tool_speed_mm_s=1e6, orientation_speed_rad_s=1e3)
+HANG_UP = None
+TARGET = (0.1, -0.2, 0.3, 0.0, math.pi / 4, -1.0)
+
+
+class FakeController:
+    """Replies from a table and records the requests as text."""
+
+    def __init__(self, **replies: object) -> None:
+        self.replies: dict[int, object] = {0: "0 1 ", 2: "2 1 ", 8: "8 1 ", 9: "9 1 "}
+        self.replies |= {4: "4 1 10.00 -20.55 30.00 0.00 45.00 -0.01", 98: "98 1 120-1*6.08*IRB 120"}
+        self.replies |= {int(code.removeprefix("code_")): reply for code, reply in replies.items()}
+        self.requests: list[str] = []
+
+    async def serve(self, end: MemoryEnd) -> None:
+        pending = b""
+        while data := await end.receive():
+            pending += data
+            if b"#" not in pending:
+                continue
+            self.requests.append(pending.decode())
+            reply = self.replies.get(decode_request(pending).code, "")
+            pending = b""
+            if reply is HANG_UP:
+                return
+            if reply:
+                await end.send(str(reply).encode())
+
+
+async def connected_robot(fake: FakeController, chunk_bytes: int = 4096) -> OpenAbbRobot:
+    robot = OpenAbbRobot(MemoryLink(fake.serve, chunk_bytes=chunk_bytes), FixedClock(), time_outs=QUICK)
+    await robot.connect()
+    return robot
+
+
+class FixedClock:
+    async def now_s(self) -> float:
+        return 7.25
+
+    async def sleep(self, duration_s: float) -> None:
+        raise AssertionError("a robot driver never sleeps in cell time")
+
+
+def test_it_is_a_robot_controller_that_cannot_stop():
+    robot: RobotController = OpenAbbRobot(MemoryLink(None), FixedClock())
+
+    assert not robot.can_stop_motion
+    assert not robot.connected
+
+
+async def test_a_joint_target_goes_out_in_degrees_with_five_decimals():
+    fake = FakeController()
+    robot = await connected_robot(fake)
+    await robot.set_limits(FAST)
+
+    await robot.move_joints(TARGET)
+
+    assert fake.requests[-1] == "2 +0005.72958 -0011.45916 +0017.18873 +0000.00000 +0045.00000 -0057.29578 #"
+
+
+async def test_limits_are_sent_in_wire_units_with_a_fine_zone():
+    fake = FakeController()
+    robot = await connected_robot(fake)
+
+    await robot.set_limits(MotionLimits(tool_speed_mm_s=500.0, orientation_speed_rad_s=math.radians(20.0)))
+
+    assert fake.requests == ["8 500.0 20.00 #", "9 1 0 0 0 #"]
+
+
+async def test_the_first_motion_of_a_connection_never_runs_with_a_fly_by_zone():
+    fake = FakeController()
+    robot = await connected_robot(fake)
+    await robot.set_limits(FAST)
+    await robot.connect()  # the controller may have been restarted meanwhile
+    fake.requests.clear()
+
+    await robot.move_joints(TARGET)
+    await robot.move_joints(TARGET)
+
+    assert [request.split()[0] for request in fake.requests] == ["8", "9", "2", "2"]
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])
+async def test_joints_survive_any_split_of_the_stream(chunk_bytes):
+    robot = await connected_robot(FakeController(), chunk_bytes)
+
+    reading = await robot.read_joints()
+
+    assert tuple(map(math.degrees, reading.joints_rad)) == pytest.approx((10, -20.55, 30, 0, 45, -0.01))
+    assert math.degrees(reading.resolution_rad) == pytest.approx(REPLY_RESOLUTION_DEG)
+    assert reading.time_s == 7.25
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 4096])
+async def test_whole_degrees_may_come_without_decimals(chunk_bytes):
+    robot = await connected_robot(FakeController(code_4="4 1 10 -20.5 30 0 45 90"), chunk_bytes)
+
+    reading = await robot.read_joints()
+
+    assert tuple(map(math.degrees, reading.joints_rad)) == pytest.approx((10, -20.5, 30, 0, 45, 90))
+
+
+async def test_a_reply_without_its_trailing_space_is_taken():
+    robot = await connected_robot(FakeController(code_2="2 1", code_8="8 1", code_9="9 1\r\n"))
+    await robot.set_limits(FAST)
+
+    await robot.move_joints(TARGET)
+
+
+async def test_the_identity_names_serial_version_and_type():
+    robot = await connected_robot(FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6"))
+
+    identity = await robot.identify()
+
+    assert (identity.manufacturer, identity.model) == ("ABB", "IRB 120-3/0.6")
+    assert (identity.serial, identity.firmware) == ("120-500123", "6.08.01")
+
+
+async def test_an_identity_that_lacks_fields_says_unknown():
+    robot = await connected_robot(FakeController(code_98="98 1 120-500123"))
+
+    identity = await robot.identify()
+
+    assert (identity.serial, identity.firmware, identity.model) == ("120-500123", "unknown", "unknown")
+
+
+async def test_a_refused_target_is_named_in_degrees():
+    robot = await connected_robot(FakeController(code_2="2 0 "))
+    await robot.set_limits(FAST)
+
+    with pytest.raises(TargetRefusedError, match=r"5\.730, -11\.459"):
+        await robot.move_joints(TARGET)
+
+    assert robot.connected
+
+
+async def test_silence_sends_the_operator_to_the_pendant_and_closes_the_link():
+    robot = await connected_robot(FakeController(code_2=""))
+    await robot.set_limits(FAST)
+
+    with pytest.raises(NoReplyError, match="pendant"):
+        await robot.move_joints(TARGET)
+
+    assert not robot.connected
+
+
+async def test_a_dropped_connection_sends_the_operator_to_the_pendant():
+    robot = await connected_robot(FakeController(code_2=HANG_UP))
+    await robot.set_limits(FAST)
+
+    with pytest.raises(ConnectionLostError, match="pendant"):
+        await robot.move_joints(TARGET)
+
+    assert not robot.connected
+
+
+async def test_it_moves_again_after_connecting_again():
+    fake = FakeController(code_2=HANG_UP)
+    robot = await connected_robot(fake)
+    await robot.set_limits(FAST)
+    with pytest.raises(ConnectionLostError):
+        await robot.move_joints(TARGET)
+    fake.replies[2] = "2 1 "
+
+    await robot.connect()
+    await robot.move_joints(TARGET)
+
+    assert robot.connected
+
+
+@pytest.mark.parametrize(
+    "target", [(0.0,) * 5, (0.0,) * 7, (), (float("nan"),) * 6, (float("inf"), 0, 0, 0, 0, 0), (100.0,) * 6]
+)
+async def test_an_absurd_target_never_reaches_the_robot(target):
+    fake = FakeController()
+    robot = await connected_robot(fake)
+
+    with pytest.raises(TargetRefusedError):
+        await robot.move_joints(target)
+
+    assert fake.requests == []
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf")])
+async def test_an_absurd_speed_never_reaches_the_robot(speed):
+    fake = FakeController()
+    robot = await connected_robot(fake)
+
+    with pytest.raises(ConfigurationError, match="speed"):
+        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
+    with pytest.raises(ConfigurationError, match="speed"):
+        await robot.set_limits(MotionLimits(orientation_speed_rad_s=speed))
+
+    assert fake.requests == []
+
+
+async def test_a_reply_to_another_request_is_a_protocol_error():
+    robot = await connected_robot(FakeController(code_4="2 1 "))
+
+    with pytest.raises(RemoteProtocolError, match="replied to request 2"):
+        await robot.read_joints()
+
+    assert not robot.connected
+
+
+@pytest.mark.parametrize("reply", ["SSH-2.0-x\r\n", "4 x", "4 1 " + "9" * 100, "4 1 1 2 3 4 5 six.00"])
+async def test_garbage_is_a_protocol_error(reply):
+    robot = await connected_robot(FakeController(code_4=reply))
+
+    with pytest.raises(RemoteProtocolError):
+        await robot.read_joints()
+
+
+@pytest.mark.parametrize("reply", ["4", "4 1 10.00 20.00"])
+async def test_half_a_reply_is_silence(reply):
+    robot = await connected_robot(FakeController(code_4=reply))
+
+    with pytest.raises(NoReplyError):
+        await robot.read_joints()
+
+
+async def test_a_bad_message_answer_is_a_refusal():
+    robot = await connected_robot(FakeController(code_8="8 0 "))
+
+    with pytest.raises(DeviceRefusedError, match="SET_SPEED"):
+        await robot.set_limits(FAST)
+
+
+async def test_connecting_is_tried_again_while_the_server_is_between_two_clients():
+    class SlowServer(MemoryLink):
+        refusals = 2
+
+        async def open(self) -> None:
+            if self.refusals:
+                self.refusals -= 1
+                raise ConnectFailedError("refused")
+            await super().open()
+
+    robot = OpenAbbRobot(
+        SlowServer(FakeController().serve), FixedClock(), time_outs=TimeOuts(connect_s=5.0, retry_s=0.001)
+    )
+
+    await robot.connect()
+
+    assert robot.connected
+
+
+async def test_nobody_at_the_address_is_a_failed_connection_after_the_retries():
+    robot = OpenAbbRobot(MemoryLink(None), FixedClock(), time_outs=QUICK)
+
+    with pytest.raises(ConnectFailedError, match="server program"):
+        await robot.connect()
+
+
+async def test_closing_lets_the_server_listen_again():
+    fake = FakeController(code_99=HANG_UP)
+    robot = await connected_robot(fake)
+
+    await robot.close()
+    await robot.close()
+
+    assert not robot.connected
+
+
+async def test_an_abandoned_motion_closes_the_link():
+    fake = FakeController(code_2="")
+    robot = OpenAbbRobot(MemoryLink(fake.serve), FixedClock())
+    await robot.connect()
+    task = asyncio.create_task(robot.move_joints(TARGET))
+    while not fake.requests or not fake.requests[-1].startswith("2 "):
+        await asyncio.sleep(0)
+
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+
+    assert not robot.connected

@@ -1,0 +1,147 @@
+"""Which drivers there are, and what a broken or careless one does to the others."""
+
+import tomllib
+from dataclasses import replace
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from drivers.api import DriverPlugin
+from drivers.errors import ConfigurationError
+from drivers.leica_emscon.driver import PLUGIN as TRACKER
+from drivers.leica_emscon.driver import LaserTracker
+from drivers.registry import ENTRY_POINT_GROUP, load_registry
+
+PYPROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
+SHIPPED = [
+    EntryPoint(name, value, ENTRY_POINT_GROUP)
+    for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
+]
+
+
+class FakeEntryPoint:
+    """An entry point of a third party that loads to `candidate`, or raises it."""
+
+    value = "third_party.module:PLUGIN"
+
+    def __init__(self, name: str, candidate: object) -> None:
+        self.name = name
+        self._candidate = candidate
+
+    def load(self) -> object:
+        if isinstance(self._candidate, BaseException):
+            raise self._candidate
+        return self._candidate
+
+
+def named(name: str, **changes) -> FakeEntryPoint:
+    return FakeEntryPoint(name, replace(TRACKER, name=name, **changes))
+
+
+def test_every_shipped_driver_loads():
+    registry = load_registry(SHIPPED)
+
+    assert registry.broken == {}
+    assert registry.names() == ("abb_open_abb", "cell_clock", "leica_emscon", "monotonic_clock")
+    assert registry.names("clock") == ("cell_clock", "monotonic_clock")
+
+
+def test_what_is_installed_can_be_listed_without_an_argument():
+    registry = load_registry()
+
+    assert registry.broken == {}
+
+
+def test_a_driver_is_opened_by_its_name_and_connects_nothing():
+    registry = load_registry(SHIPPED)
+
+    tracker = registry.open("leica_emscon", {"host": "127.0.0.1", "reflector": "RRR"})
+
+    assert isinstance(tracker, LaserTracker)
+    assert not tracker.connected
+
+
+def test_every_shipped_driver_opens_with_its_own_options():
+    registry = load_registry(SHIPPED)
+
+    for name in registry.names():
+        options = {
+            option: 5000 if option == "port" else "127.0.0.1" for option in registry.plugin(name).options
+        }
+        registry.open(name, options)
+
+
+def test_an_unknown_name_lists_the_known_ones():
+    registry = load_registry(SHIPPED)
+
+    with pytest.raises(ConfigurationError, match="'leica'; installed drivers: abb_open_abb, cell_clock"):
+        registry.open("leica", {})
+
+
+def test_an_unknown_option_lists_the_known_ones():
+    registry = load_registry(SHIPPED)
+
+    with pytest.raises(ConfigurationError, match="no option hots; its options: host, port, reflector"):
+        registry.open("leica_emscon", {"hots": "127.0.0.1"})
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ({}, "host is None"),
+        ({"host": ""}, "host is ''"),
+        ({"host": 5}, "host is 5"),
+        ({"host": "127.0.0.1", "port": 0}, "port is 0"),
+        ({"host": "127.0.0.1", "port": 65_536}, "port is 65536"),
+        ({"host": "127.0.0.1", "port": "700"}, "port is '700'"),
+        ({"host": "127.0.0.1", "port": True}, "port is True"),
+        ({"host": "127.0.0.1", "reflector": 3}, "reflector is 3"),
+    ],
+)
+def test_a_wrong_option_is_named_with_driver_and_remedy(options, complaint):
+    registry = load_registry(SHIPPED)
+
+    with pytest.raises(ConfigurationError, match=f"driver leica_emscon: option {complaint}.*give"):
+        registry.open("leica_emscon", options)
+
+
+@pytest.mark.parametrize(
+    ("candidate", "reason"),
+    [
+        (ImportError("no module named serial"), "ImportError: no module named serial"),
+        (SystemExit(2), "SystemExit"),
+        (42, "int, not a DriverPlugin"),
+        (replace(TRACKER, name="other"), "calls itself 'other'"),
+        (replace(TRACKER, name="theirs", kind="oven"), "'oven'; known kinds: tracker"),
+        (replace(TRACKER, name="theirs", options=["host"]), "no mapping"),
+        (replace(TRACKER, name="theirs", options={"host": 1}), "no mapping"),
+        (replace(TRACKER, name="theirs", open="later"), "cannot be called"),
+    ],
+)
+def test_a_broken_driver_does_not_take_the_others_down(candidate, reason):
+    registry = load_registry([FakeEntryPoint("theirs", candidate), named("good")])
+
+    assert registry.names() == ("good",)
+    with pytest.raises(ConfigurationError, match=f"'theirs' is installed but cannot be used: .*{reason}"):
+        registry.open("theirs", {})
+
+
+def test_two_drivers_of_one_name_are_both_withdrawn():
+    registry = load_registry([named("twin"), named("good"), named("twin"), named("twin")])
+
+    assert registry.names() == ("good",)
+    with pytest.raises(ConfigurationError, match="two installed packages"):
+        registry.plugin("twin")
+
+
+def test_a_third_party_driver_needs_nothing_but_the_api():
+    class Tracker:
+        pass
+
+    plugin = DriverPlugin(
+        "theirs", "tracker", "own", {"usb": "serial number"}, lambda options, clock: Tracker()
+    )
+    registry = load_registry([FakeEntryPoint("theirs", plugin)])
+
+    assert isinstance(registry.open("theirs", {"usb": "A1"}), Tracker)

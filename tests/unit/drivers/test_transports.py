@@ -1,0 +1,175 @@
+"""Links: what a driver may rely on, over a loopback socket and in memory."""
+
+import asyncio
+import contextlib
+import socket
+
+import pytest
+
+from drivers.errors import ConnectFailedError, ConnectionLostError
+from drivers.transports.memory import MemoryEnd, MemoryLink
+from drivers.transports.tcp import TcpLink
+
+
+async def echo_then_hang_up(end) -> None:
+    """Echo until the word "bye"."""
+    while data := await end.receive():
+        if data == b"bye":
+            return
+        await end.send(data)
+
+
+class _SocketEnd:
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._reader, self._writer = reader, writer
+
+    async def receive(self) -> bytes:
+        return await self._reader.read(4096)
+
+    async def send(self, data: bytes) -> None:
+        self._writer.write(data)
+
+
+@contextlib.asynccontextmanager
+async def tcp_link():
+    async def serve(reader, writer):
+        await echo_then_hang_up(_SocketEnd(reader, writer))
+        writer.close()
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    link = TcpLink("127.0.0.1", server.sockets[0].getsockname()[1])
+    yield link
+    await link.close()
+    server.close()
+
+
+@contextlib.asynccontextmanager
+async def memory_link():
+    link = MemoryLink(echo_then_hang_up)
+    yield link
+    await link.close()
+
+
+links = pytest.mark.parametrize("made", [tcp_link, memory_link])
+
+
+@links
+async def test_bytes_go_there_and_back(made):
+    async with made() as link:
+        await link.open()
+        await link.send(b"hello")
+
+        assert await link.receive(5.0) == b"hello"
+        assert link.is_open
+
+
+@links
+@pytest.mark.parametrize("timeout_s", [0.0, 0.01])
+async def test_silence_is_none_and_leaves_the_link_open(made, timeout_s):
+    async with made() as link:
+        await link.open()
+
+        assert await link.receive(timeout_s) is None
+        assert link.is_open
+
+
+@links
+async def test_the_end_of_the_stream_is_a_lost_connection(made):
+    async with made() as link:
+        await link.open()
+        await link.send(b"bye")
+
+        with pytest.raises(ConnectionLostError, match="gone"):
+            await link.receive(5.0)
+
+        assert not link.is_open
+        with pytest.raises(ConnectionLostError, match="connect first"):
+            await link.send(b"hello")
+
+
+@links
+async def test_a_lost_link_can_be_opened_again(made):
+    async with made() as link:
+        await link.open()
+        await link.send(b"bye")
+        with pytest.raises(ConnectionLostError):
+            await link.receive(5.0)
+
+        await link.open()
+        await link.send(b"again")
+
+        assert await link.receive(5.0) == b"again"
+
+
+@links
+async def test_a_link_that_was_never_opened_says_so_and_closes_quietly(made):
+    async with made() as link:
+        with pytest.raises(ConnectionLostError, match="connect first"):
+            await link.receive(0.0)
+
+        await link.close()
+
+        assert not link.is_open
+
+
+async def test_what_arrived_is_there_without_waiting():
+    async with tcp_link() as link:
+        await link.open()
+        await link.send(b"hello")
+        while (data := await link.receive(0.0)) is None:
+            await asyncio.sleep(0.001)
+
+        assert data == b"hello"
+
+
+async def test_a_peer_that_hung_up_is_noticed_without_asking():
+    async with tcp_link() as link:
+        await link.open()
+        await link.send(b"bye")
+
+        async with asyncio.timeout(5.0):
+            while link.is_open:
+                await asyncio.sleep(0.001)
+
+
+async def test_a_refused_connection_names_address_and_remedy():
+    with socket.socket() as reserved:
+        reserved.bind(("127.0.0.1", 0))  # bound and not listening: nobody answers, nobody else takes it
+        link = TcpLink("127.0.0.1", reserved.getsockname()[1])
+
+        with pytest.raises(ConnectFailedError, match=r"127\.0\.0\.1:\d+ .*check power, cable and address"):
+            await link.open()
+
+
+async def test_a_host_that_accepts_nothing_runs_into_the_time_out():
+    with socket.socket() as full:
+        full.bind(("127.0.0.1", 0))
+        full.listen(0)
+        port = full.getsockname()[1]
+        waiting = [socket.socket() for _ in range(4)]
+        for client in waiting:  # fill the queue, so that the kernel leaves the next one unanswered
+            client.setblocking(False)
+            client.connect_ex(("127.0.0.1", port))
+        link = TcpLink("127.0.0.1", port, connect_timeout_s=0.05)
+
+        with pytest.raises(ConnectFailedError, match=r"within 0\.05 s"):
+            await link.open()
+
+        for client in waiting:
+            client.close()
+
+
+async def test_memory_splits_what_is_sent():
+    async def serve(end: MemoryEnd) -> None:
+        await end.send(await end.receive())
+
+    link = MemoryLink(serve, chunk_bytes=2)
+    await link.open()
+    await link.send(b"abcd")
+
+    assert await link.receive(1.0) == b"ab"
+
+
+async def test_without_a_server_nobody_answers():
+    with pytest.raises(ConnectFailedError):
+        await MemoryLink(None).open()
