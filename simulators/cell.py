@@ -141,7 +141,7 @@ class Cell:
         acceptance = math.radians(self.scenario.tool.acceptance_deg)
         frame = self.tracker.frame
         if not all(returns_beam(frame, *pair, acceptance) for pair in zip(positions, facing, strict=True)):
-            self.tracker.release(name)
+            self.tracker.release()
 
 
 def _certified(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.Generator) -> FloatArray:

@@ -86,8 +86,14 @@ class Tracker:
         self.face = 1
         self.aim_mm = _HOME_MM
         self.target: str | None = None
+        self.last_measured_mm: FloatArray | None = None
         self._cell_targets = targets
         self._rng = rng
+
+    @property
+    def home_mm(self) -> FloatArray:
+        """Where the home reflector is, tracker frame."""
+        return _HOME_MM
 
     @property
     def tilt_rad(self) -> tuple[float, float]:
@@ -122,10 +128,9 @@ class Tracker:
         self.target, self.aim_mm = target.name, target.position_mm
         return True
 
-    def release(self, name: str) -> None:
-        """Lose the beam on reflector `name`, when it is the one locked on."""
-        if self.target == name:
-            self.target = None
+    def release(self) -> None:
+        """Lose the reflector."""
+        self.target = None
 
     def locked_target(self) -> Target:
         """Return the reflector locked on as it is now; raises NoTargetError or BeamBrokenError."""
@@ -138,17 +143,28 @@ class Tracker:
         self.aim_mm = target.position_mm
         return target
 
-    def measure(self, duration_s: float) -> PointMeasured:
-        """Measure the reflector locked on; raises NoTargetError or BeamBrokenError."""
-        true_mm = self.locked_target().position_mm
+    def measure(self, duration_s: float, before_mm: FloatArray | None = None) -> PointMeasured:
+        """Measure the reflector locked on; raises NoTargetError or BeamBrokenError.
+
+        Parameters
+        ----------
+        duration_s : float
+            How long was averaged, up to now.
+        before_mm : ndarray, shape (3,), optional
+            Where the reflector was when the averaging began; it is smeared when it moved since.
+        """
+        now_mm = self.locked_target().position_mm
+        travel = now_mm - (now_mm if before_mm is None else before_mm)
+        true_mm = now_mm - travel / 2.0
         apriori = self.covariance_mm2(true_mm)
+        smear = np.outer(travel, travel) / 12.0  # variance of an even motion over that way
         samples = max(1, round(duration_s * _SAMPLE_RATE_HZ))
         if self._rng is None:
-            return PointMeasured(true_mm, apriori, apriori, samples)
+            return PointMeasured(true_mm, apriori + smear, apriori, samples)
         noise = np.linalg.cholesky(apriori) @ self._rng.standard_normal(3)
         shown = self._rng.chisquare(samples - 1) / (samples - 1) if samples > 1 else 1.0
         measured = true_mm + self._face_error_mm(true_mm) + noise
-        return PointMeasured(measured, apriori * shown, apriori, samples)
+        return PointMeasured(measured, apriori * shown + smear, apriori, samples)
 
     def covariance_mm2(self, position_mm: FloatArray) -> FloatArray:
         """Covariance that the accuracy model states for a reading there, tracker frame, shape (3, 3)."""

@@ -7,7 +7,7 @@ mechanics.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -101,8 +101,6 @@ class MotionProgram:
         return encode_reply(Reply(request.code, ReplyStatus.OK, text))
 
     async def _carry_out(self, request: Request) -> str:
-        if request.code in _QUESTIONS:
-            return _QUESTIONS[Code(request.code)](self)
         values = np.array(request.values)
         match request.code:
             case Code.MOVE_JOINTS:
@@ -116,6 +114,21 @@ class MotionProgram:
                     await self._move_through([pose], limits)
             case _:
                 self._set(request.code, values)
+                return self._report(request.code)
+        return ""
+
+    def _report(self, code: int) -> str:
+        match code:
+            case Code.GET_POSE:
+                return self._pose_text()
+            case Code.GET_JOINTS:
+                return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self._joints()))
+            case Code.GET_EXTERNAL_AXES:
+                return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
+            case Code.BUFFER_LENGTH:
+                return str(len(self._buffer))
+            case Code.CONTROLLER_INFO:
+                return f"SIM-{self._cell.seed}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
         return ""
 
     def _set(self, code: int, values: FloatArray) -> None:
@@ -172,30 +185,8 @@ class MotionProgram:
         quaternion = to_quaternion(frame[:3, :3])
         return " ".join([*numbers, *(rapid_number(float(value), 3) for value in quaternion)])
 
-    def _joints_text(self) -> str:
-        return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self._joints()))
-
-    def _external_text(self) -> str:
-        return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
-
-    def _buffer_text(self) -> str:
-        return str(len(self._buffer))
-
-    def _info_text(self) -> str:
-        return f"SIM-{self._cell.seed}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
-
     def _joints(self) -> FloatArray:
         return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
-
-
-_QUESTIONS: Mapping[Code, Callable[[MotionProgram], str]] = {
-    Code.PING: lambda _: "",
-    Code.GET_POSE: MotionProgram._pose_text,
-    Code.GET_JOINTS: MotionProgram._joints_text,
-    Code.GET_EXTERNAL_AXES: MotionProgram._external_text,
-    Code.BUFFER_LENGTH: MotionProgram._buffer_text,
-    Code.CONTROLLER_INFO: MotionProgram._info_text,
-}
 
 
 def _pose(values: FloatArray) -> FloatArray:

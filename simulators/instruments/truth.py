@@ -1,13 +1,13 @@
 """What only a simulator knows, as JSON lines; for the showcase, tests and whoever scripts a failure.
 
-| request | answer |
-|---|---|
-| `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` | `{"positions_mm": [[x, y, z], ...]}` |
-| `{"op": "plant"}` | link motions, springs, base, nests, tracker frame, effects |
-| `{"op": "aim"}` | `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, as an operator would aim by hand |
-| `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` | `{}` |
-| `{"op": "fault", "kind": ..., ...}` | `{}` |
-| `{"op": "attach"}` | `{"attachment": 2}`: the tool was taken off and mounted anew |
+- `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` gives
+  `{"positions_mm": [[x, y, z], ...]}`;
+- `{"op": "plant"}` gives link motions, springs, base, nests and the tracker's frame;
+- `{"op": "aim"}` gives `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, about as well as an
+  operator aims by hand;
+- `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change;
+- `{"op": "fault", "kind": ..., ...}` scripts a failure (the keys of a scenario's `[[fault]]`);
+- `{"op": "attach"}` gives `{"attachment": 2}`: the tool was taken off and mounted anew.
 
 Positions are nest centres in the world frame without noise and scatter, every joint approached from below,
 at cell time `time_s` (a number or one per row; now when absent). `nests` has one number per row; without

@@ -45,7 +45,7 @@ def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray
 
 
 def _missing(present: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Translation [mm] and rotation vector [rad] from the present frame to the wanted one, shape (6,)."""
+    """Return translation [mm] and rotation vector [rad] from present to wanted frame, shape (6,)."""
     quaternion = to_quaternion(wanted[:3, :3] @ present[:3, :3].T)
     sine = float(np.linalg.norm(quaternion[1:]))
     angle = 2.0 * np.arctan2(sine, quaternion[0])

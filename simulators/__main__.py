@@ -1,0 +1,102 @@
+"""`python -m simulators [SCENARIO]`: starts a simulated cell and announces its endpoints."""
+
+import argparse
+import asyncio
+import signal
+import sys
+from collections.abc import Sequence
+
+from simulators.cell import Cell
+from simulators.clock import CellClock, Pace
+from simulators.errors import EndpointUnavailableError, SimulatorError
+from simulators.instruments.cell_clock import clock_endpoint
+from simulators.instruments.endpoint import Endpoint
+from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
+from simulators.instruments.truth import truth_endpoint
+from simulators.scenario_file import load_scenario, shipped_scenarios
+
+_EXIT_UNUSABLE_INPUT = 2
+_EXIT_DEVICE_FAILED = 3
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a cell until interrupted; returns the exit status."""
+    options = _parse(arguments)
+    try:
+        scenario = load_scenario(options.scenario)
+        pace: Pace = 1 if options.pace == 1 else 0
+        cell = Cell(scenario, options.seed, CellClock(pace))
+        asyncio.run(_run(cell, options.host, options.port_base))
+    except EndpointUnavailableError as error:
+        return _fail(error, _EXIT_DEVICE_FAILED)
+    except SimulatorError as error:
+        return _fail(error, _EXIT_UNUSABLE_INPUT)
+    except KeyboardInterrupt:  # before the signal handlers were in place
+        return 0
+    return 0
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m simulators",
+        description="Start a simulated cell: laser tracker (emScon), robot controller (open_abb), clock.",
+        epilog="example: python -m simulators irb120-clean --seed 3 --port-base 7000 --pace 0",
+    )
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        default="irb120-tilted",
+        help=f"a scenario file or one of {', '.join(shipped_scenarios())} (default: %(default)s)",
+    )
+    parser.add_argument("--seed", type=_natural, default=0, help="which cell of that kind (default: 0)")
+    parser.add_argument(
+        "--port-base", type=_natural, default=0, help="first of the consecutive ports; 0: any free ones"
+    )
+    parser.add_argument(
+        "--pace", type=int, choices=(0, 1), default=1, help="1: real time (default); 0: waiting costs nothing"
+    )
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
+    return parser.parse_args(arguments)
+
+
+def _natural(text: str) -> int:
+    number = int(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError(f"{text} is negative")
+    return number
+
+
+async def _run(cell: Cell, host: str, port_base: int) -> None:
+    interrupted = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, interrupted.set)
+    endpoints = _endpoints(cell)
+    try:
+        for offset, endpoint in enumerate(endpoints):
+            address = await endpoint.open(host, port_base + offset if port_base else 0)
+            sys.stdout.write(address.as_json() + "\n")
+        sys.stdout.flush()
+        await interrupted.wait()
+    finally:
+        for endpoint in endpoints:
+            await endpoint.close()
+
+
+def _endpoints(cell: Cell) -> list[Endpoint]:
+    return [
+        tracker_endpoint(cell),
+        robot_endpoint(cell),
+        logger_endpoint(cell),
+        clock_endpoint(cell.clock),
+        truth_endpoint(cell),
+    ]
+
+
+def _fail(error: SimulatorError, status: int) -> int:
+    sys.stderr.write(f"{error}\n")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
