@@ -10,6 +10,7 @@ from service.domain.arrays import FloatArray
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from service.domain.session import PlannedStop, SessionPlan
 from service.kinematics.frames import vector_from_rotation
+from service.planning.work_space import widened
 from service.sequencing.errors import PlanRefusedError
 from service.sequencing.interlocks import joint_outside
 from service.sequencing.plans import session_sections
@@ -68,7 +69,8 @@ def _motion_times(
     """Duration of each move but the first [s]: the slower of the tool's path and its turn."""
     chain = nominal_chain(robot, base, targets)
     path = np.linalg.norm(np.diff(chain.points(tool_mm), axis=0), axis=1)
-    turn = np.swapaxes(chain.rotation[:-1, -1], -1, -2) @ chain.rotation[1:, -1]
+    last = chain.rotation[-1]
+    turn = np.swapaxes(last[:-1], -1, -2) @ last[1:]
     angle = np.linalg.norm(vector_from_rotation(turn), axis=1)
     times: FloatArray = np.maximum(path / plan.tool_speed_mm_s, angle / plan.orientation_speed_rad_s)
     return times
@@ -158,17 +160,14 @@ def motion_limits(
 ) -> tuple[JointRange, ...]:
     """Return what every move must keep to.
 
-    That is what the controller accepts, where the cell says it; else the robot's calibration ranges,
-    widened by the approach, which has to begin outside them for stops at their edge.
+    That is what the controller accepts, where cell or robot say it; else the calibration ranges, widened by
+    the approach. Raises PlanRefusedError where nothing is known.
     """
-    if joint_limits is not None:
-        return joint_limits
+    known = joint_limits or robot.joint_limits
+    if known is not None:
+        return known
     if robot.calibration_ranges is None:
         raise PlanRefusedError(
             "Neither the cell nor the robot states joint limits; nothing moves without them."
         )
-    offset = plan.approach_offset_rad or 0.0
-    return tuple(
-        JointRange(limit.lower_rad + min(0.0, offset), limit.upper_rad + max(0.0, offset))
-        for limit in robot.calibration_ranges
-    )
+    return widened(robot.calibration_ranges, plan.approach_offset_rad)

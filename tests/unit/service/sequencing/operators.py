@@ -6,7 +6,6 @@ from collections.abc import Callable
 from service.domain.session import SessionPlan, SessionState
 from service.sequencing.journal import SessionHistory
 from service.sequencing.runner import SessionRunner
-
 from tests.unit.service.sequencing.fakes import FakeCell
 
 _TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer waits for nobody

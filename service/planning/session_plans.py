@@ -1,0 +1,179 @@
+"""Plans of tracker sessions: which configurations, in which order, which of them again."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.campaign import Campaign, PointReadings, Stops
+from service.domain.session import PlannedStop, Role, SessionPlan
+from service.identification.evaluation import evaluate, position_jacobian
+from service.identification.problem import automatic_effects, build
+from service.planning.candidates import Candidates, draw_candidates
+from service.planning.exchange import Selection, choose_by_exchange
+from service.planning.work_space import WorkSpace, nominal_chain
+
+N_CANDIDATES: Final = 5000  # thesis of A. Nubiola, 2014, section 2.5.2
+REVISITED_SHARE: Final = 0.1
+FEWEST_REVISITS: Final = 5  # their spread is known to a third then, which is enough to see a lack of fit
+
+_READING_MM: Final = 0.015  # of a tracker in the work space; makes Jacobian and priors comparable
+
+
+def plan_calibration(
+    space: WorkSpace,
+    n: int,
+    seed: int,
+    *,
+    settings: SessionPlan | None = None,
+    effects: tuple[str, ...] | None = None,
+    n_candidates: int = N_CANDIDATES,
+) -> SessionPlan:
+    """Choose n configurations by observability, put them in random order, revisit some at the end.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    n : int
+        Number of different configurations; the revisits come on top.
+    seed : int
+    settings : SessionPlan, optional
+        Everything but role, stops and approach is taken from it.
+    effects : tuple of str, optional
+        What is to be identified; by default base, geometry, and compliance where masses are known.
+    n_candidates : int
+        Random candidates to choose from.
+
+    Raises
+    ------
+    WorkSpaceError, TooFewCandidatesError
+        The cell does not offer that many configurations.
+    """
+    rng = np.random.default_rng(seed)
+    candidates = draw_candidates(space, max(n, n_candidates), rng)
+    chosen = choose_calibration(space, candidates, n, rng, effects).indices
+    order = rng.permutation(chosen)  # a slow drift then looks like noise, not like a joint's error
+    stops = with_revisits(_stops(candidates.subset(order)), rng)
+    return _plan("calibration", stops, space, settings)
+
+
+def plan_validation(
+    space: WorkSpace, n: int, seed: int, *, settings: SessionPlan | None = None
+) -> SessionPlan:
+    """Draw n random configurations and visit them on short ways; parameters and errors as above."""
+    candidates = draw_candidates(space, n, np.random.default_rng(seed))
+    ordered = candidates.subset(short_tour(candidates.joints_rad))
+    return _plan("validation", _stops(ordered), space, settings)
+
+
+def choose_calibration(
+    space: WorkSpace,
+    candidates: Candidates,
+    n: int,
+    rng: np.random.Generator,
+    effects: tuple[str, ...] | None = None,
+) -> Selection:
+    """Choose n of the candidates by O1 of the parameters of `effects`."""
+    jacobians = scaled_jacobians(space, candidates, effects)
+    known = np.eye(jacobians.shape[2])  # in this scaling every prior has the variance 1
+    return choose_by_exchange(jacobians, n, rng, prior_information=known)
+
+
+def scaled_jacobians(
+    space: WorkSpace, candidates: Candidates, effects: tuple[str, ...] | None = None
+) -> FloatArray:
+    """Return the derivatives of the nest positions at the nominal robot.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    candidates : Candidates
+        n configurations.
+    effects : tuple of str, optional
+
+    Returns
+    -------
+    ndarray, shape (n, 3, P)
+        In standard uncertainties of a reading per prior width of each of the P parameters.
+    """
+    campaign = _nominal_campaign(space, candidates)
+    problem = build(campaign, effects or automatic_effects(campaign))
+    targets = problem.blocks[0].targets
+    state = evaluate(problem.structure, problem.start, targets)
+    scale = problem.structure.prior_widths / _READING_MM
+    return np.moveaxis(position_jacobian(state) * scale[:, None, None], 0, -1)
+
+
+def _nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
+    """Return the campaign that a robot without errors would give at the candidates."""
+    n = len(candidates)
+    centres = np.array([nest.centre_mm for nest in space.nests])
+    stops = Stops(config=np.arange(1, n + 1), joints_rad=candidates.joints_rad)
+    places = nominal_chain(space, candidates.joints_rad).points(centres[candidates.nest - 1])
+    readings = PointReadings(stops, candidates.nest, places, np.full(n, _READING_MM))
+    return Campaign(
+        robot=space.robot,
+        base_nominal=space.base,
+        nests=space.nests,
+        calibration=readings,
+        tracker_position_mm=space.tracker_position_mm,
+    )
+
+
+def _stops(candidates: Candidates) -> tuple[PlannedStop, ...]:
+    return tuple(
+        PlannedStop(config, tuple(float(q) for q in joints), int(nest))
+        for config, (joints, nest) in enumerate(
+            zip(candidates.joints_rad, candidates.nest, strict=True), start=1
+        )
+    )
+
+
+def with_revisits(stops: tuple[PlannedStop, ...], rng: np.random.Generator) -> tuple[PlannedStop, ...]:
+    """Return the stops and after them the revisits: a tenth, never fewer than five, in another order.
+
+    They come after all first visits, so that what changed meanwhile is in their differences. Fewer than
+    five stops are revisited more than once.
+    """
+    count = max(FEWEST_REVISITS, int(np.ceil(REVISITED_SHARE * len(stops))))
+    drawn = np.resize(rng.permutation(len(stops)), count)
+    if np.all(np.diff(drawn) > 0):  # by chance the order of the first visits
+        drawn = drawn[::-1]
+    again = (stops[index] for index in drawn)
+    first = max(stop.config for stop in stops) + 1
+    revisits = tuple(
+        PlannedStop(config, stop.joints_rad, stop.nest, repeat_of=stop.config)
+        for config, stop in enumerate(again, start=first)
+    )
+    return stops + revisits
+
+
+def short_tour(joints_rad: FloatArray) -> IntArray:
+    """Order configurations so that each is the nearest left to the one before, by its largest joint motion.
+
+    Parameters
+    ----------
+    joints_rad : ndarray, shape (n, J)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Indices, beginning with the configuration nearest to all joints at 0.
+    """
+    left = np.ones(len(joints_rad), dtype=bool)
+    order = np.empty(len(joints_rad), dtype=np.int64)
+    here = np.zeros(joints_rad.shape[1])
+    for k in range(len(order)):
+        way = np.where(left, np.max(np.abs(joints_rad - here), axis=1), np.inf)
+        order[k] = np.argmin(way)
+        left[order[k]] = False
+        here = joints_rad[order[k]]
+    return order
+
+
+def _plan(
+    role: Role, stops: tuple[PlannedStop, ...], space: WorkSpace, settings: SessionPlan | None
+) -> SessionPlan:
+    start = SessionPlan(role, stops) if settings is None else settings
+    return replace(start, role=role, stops=stops, approach_offset_rad=space.approach_offset_rad)
