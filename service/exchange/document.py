@@ -14,6 +14,7 @@ from service.exchange.errors import (
     WrongUnitError,
 )
 from service.exchange.json_text import KeyPath, line_of, parse_json
+from service.exchange.plausible import is_plausible
 from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 
@@ -100,6 +101,8 @@ class Node:
             number = math.inf
         if not math.isfinite(number):
             self.fail("the number is not finite")
+        if not is_plausible(number):
+            self.fail(f"{number:g} is too large for any quantity")
         if number <= above:
             self.fail(f"{number:g} must be greater than {above:g}")
         if not least <= number <= greatest:

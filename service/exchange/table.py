@@ -14,6 +14,7 @@ import numpy as np
 
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
+from service.exchange.plausible import GREATEST_NUMBER, is_plausible
 from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -264,14 +265,14 @@ def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[in
 
 
 def _all_numbers(cells: Sequence[str]) -> FloatArray | None:
-    """Return the numbers of a column in which every cell is a finite one, else None."""
+    """Return the numbers of a column in which every cell is a sound one, else None."""
     if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
         return None
     try:
         values = np.fromiter(map(float, cells), float, len(cells))
     except ValueError:  # a quoted cell of several lines
         return None
-    return values if np.isfinite(values).all() else None
+    return values if bool(np.all(np.abs(values) <= GREATEST_NUMBER)) else None
 
 
 def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:
@@ -300,7 +301,7 @@ def _fault(column: Column, cell: str) -> str | None:
     if cell.lower() in _NOT_FINITE or (_ONE_NUMBER.fullmatch(cell) and not np.isfinite(float(cell))):
         return f"{_shown(cell)} is not a finite number"
     if _ONE_NUMBER.fullmatch(cell):
-        return None
+        return None if is_plausible(float(cell)) else f"{_shown(cell)} is too large for any quantity"
     hint = "; the decimal point is ." if _ONE_NUMBER.fullmatch(cell.replace(",", ".")) else ""
     return f"{_shown(cell)} is not a number{hint}"
 

@@ -125,6 +125,13 @@ REFUSED = {
         "q2_deg",
         "the decimal point is .",
     ),
+    "a number beyond all quantities": (
+        second_row("2,5,15,25,1,110,1e200,310,0.02"),
+        BadValueError,
+        3,
+        "y_mm",
+        "is too large for any quantity",
+    ),
     "a cell of two lines": (
         second_row('2,5,"15\n5",25,1,110,210,310,0.02'),
         BadValueError,
@@ -182,7 +189,7 @@ REFUSED = {
         "must not be below 0",
     ),
     "a configuration beyond whole numbers": (
-        second_row("1e300,5,15,25,1,110,210,310,0.02"),
+        second_row("1e20,5,15,25,1,110,210,310,0.02"),
         BadValueError,
         3,
         "config",
