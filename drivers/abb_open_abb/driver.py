@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from drivers import options as option
 from drivers.abb_open_abb.protocol import (
     MOTION_PORT,
-    REPLY_RESOLUTION_DEG,
     Code,
     OpenAbbProtocolError,
     Reply,
@@ -24,6 +23,7 @@ from drivers.abb_open_abb.protocol import (
     decode_reply,
     encode_joint_target,
     encode_request,
+    joint_resolution_deg,
     reply_extent,
     reply_numbers,
 )
@@ -43,7 +43,7 @@ from drivers.transports.tcp import TcpLink
 _JOINTS = 6
 _INFO_FIELDS = ("serial number", "RobotWare version", "robot type")
 _UNKNOWN = "unknown"
-# Longest motion between two configurations: all joints by two turns, the tool along 20 m.
+# Longest motion between two configurations: a wrist joint by two turns, or the tool along 20 m.
 _LONGEST_TURN_RAD = 4.0 * math.pi
 _LONGEST_PATH_MM = 20_000.0
 
@@ -60,7 +60,7 @@ class TimeOuts:
     connect_s: float = 1.5  # it looks for a new client every 0.5 s
     retry_s: float = 0.25
     reply_s: float = 10.0
-    motion_s: float = 60.0  # in addition to the longest motion at the speed set
+    motion_s: float = 20.0  # in addition to the longest motion at the speed set
     rest_of_reply_s: float = 0.05  # nothing ends a reply: how long its last segment may lag behind
 
 
@@ -149,19 +149,19 @@ class OpenAbbRobot:
             raise TargetRefusedError(f"the robot refused the joint target ({shown}) deg") from error
 
     async def read_joints(self) -> JointReading:
-        """Ask where the joints are; the protocol rounds to 0.01 deg."""
+        """Ask where the joints are; stock servers round to 0.01 deg."""
         reply = await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
         joints_deg = reply_numbers(reply, _JOINTS)
         return JointReading(
             joints_rad=tuple(map(math.radians, joints_deg)),
-            resolution_rad=math.radians(REPLY_RESOLUTION_DEG),
+            resolution_rad=math.radians(joint_resolution_deg(reply)),
             time_s=await self._clock.now_s(),
         )
 
     def _motion_timeout_s(self) -> float:
         turning_s = _LONGEST_TURN_RAD / self._limits.orientation_speed_rad_s
         path_s = _LONGEST_PATH_MM / self._limits.tool_speed_mm_s
-        return self._time_outs.motion_s + turning_s + path_s
+        return self._time_outs.motion_s + max(turning_s, path_s)
 
     async def _ask(
         self, request: bytes, code: Code, *, words: int = 0, timeout_s: float | None = None

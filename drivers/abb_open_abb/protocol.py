@@ -28,7 +28,6 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 
 
 _REPLY_START = re.compile(rb"(?P<code>\d{0,3})( (?P<status>\d?)([ \r\n](?P<text>.*))?)?", re.DOTALL)
-_TWO_DECIMALS = re.compile(rb"\.\d\d$")
 
 ReplyExtent: TypeAlias = Literal["part", "maybe whole", "whole"]
 
@@ -165,9 +164,9 @@ def decode_reply(data: bytes) -> Reply:
 def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
     """Tell whether a stream delivered all of the reply to `code`, whose text has at least `words` words.
 
-    A number with two decimals, or the space behind the status where no text belongs, ends a reply for
-    certain; any other last word may still grow. What can never become that reply counts as whole, so
-    that it is refused at once.
+    A last number with as many decimals as the others, at least two, ends a reply for certain, and so does
+    the space behind the status where no text belongs; any other last word may still grow. What can never
+    become that reply counts as whole, so that it is refused at once.
     """
     head = _REPLY_START.fullmatch(data)
     if head is None or len(data) > LONGEST_MESSAGE_CHARS:
@@ -179,9 +178,16 @@ def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
         return "part"
     if words == 0 or status != b"1":
         return "maybe whole" if text is None else "whole"
-    if len((text or b"").split()) < words:
+    numbers = (text or b"").split()
+    if len(numbers) < words:
         return "part"
-    return "whole" if _TWO_DECIMALS.search(data) else "maybe whole"
+    return "whole" if _decimals(numbers[-1]) >= max(2, *map(_decimals, numbers)) else "maybe whole"
+
+
+def joint_resolution_deg(reply: Reply) -> float:
+    """Return the step of the angles in a reply to GET_JOINTS: 0.01, finer if it has more decimals."""
+    most = max(_decimals(word.encode()) for word in reply.text.split())
+    return min(REPLY_RESOLUTION_DEG, 10.0**-most)
 
 
 def reply_numbers(reply: Reply, count: int) -> tuple[float, ...]:
@@ -251,6 +257,10 @@ def _number(word: str) -> float:
     if _NUMBER.fullmatch(word) is None:
         raise OpenAbbProtocolError(f"{word!r} is no number")
     return float(word)
+
+
+def _decimals(word: bytes) -> int:
+    return len(word.partition(b".")[2])
 
 
 def _is_count(word: str) -> bool:

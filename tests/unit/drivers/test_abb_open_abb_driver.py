@@ -20,7 +20,7 @@ from drivers.errors import (
 from drivers.transports.memory import MemoryEnd, MemoryLink
 
 QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
-# The longest motion of the driver's argument takes 4 pi / 1e3 + 2e4 / 1e6 s = 0.03 s at this speed.
+# The longest motion of the driver's argument takes 2e4 / 1e6 s = 0.02 s at this speed.
 FAST = MotionLimits(tool_speed_mm_s=1e6, orientation_speed_rad_s=1e3)
 HANG_UP = None
 TARGET = (0.1, -0.2, 0.3, 0.0, math.pi / 4, -1.0)
@@ -121,6 +121,17 @@ async def test_whole_degrees_may_come_without_decimals(chunk_bytes):
     reading = await robot.read_joints()
 
     assert tuple(map(math.degrees, reading.joints_rad)) == pytest.approx((10, -20.5, 30, 0, 45, 90))
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 4096])
+async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(chunk_bytes):
+    fake = FakeController(code_4="4 1 10.12345 -20.55000 30 0.1 45.00000 90.12345")
+    robot = await connected_robot(fake, chunk_bytes)
+
+    reading = await robot.read_joints()
+
+    assert math.degrees(reading.joints_rad[5]) == pytest.approx(90.12345, abs=1e-9)
+    assert math.degrees(reading.resolution_rad) == pytest.approx(1e-5)
 
 
 async def test_a_reply_without_its_trailing_space_is_taken():

@@ -154,6 +154,8 @@ def test_what_is_no_reply_is_refused(text):
         (b"4 1 1 2 3 4 5 6.5", 6, "maybe whole"),
         (b"4 1 1 2 3 4 5 6.50", 6, "whole"),
         (b"4 1 1.00", 6, "part"),
+        (b"4 1 1.12345 2 3 4 5 6.12", 6, "maybe whole"),
+        (b"4 1 1.12345 2 3 4 5 6.12345", 6, "whole"),
         (b"4 0 ", 6, "whole"),
         (b"4 1", 0, "maybe whole"),
         (b"4 1 ", 0, "whole"),
