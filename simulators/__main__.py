@@ -12,6 +12,7 @@ from simulators.errors import EndpointUnavailableError, SimulatorError
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
 from simulators.instruments.truth import truth_endpoint
 from simulators.scenario_file import load_scenario, shipped_scenarios
@@ -84,10 +85,11 @@ async def _run(cell: Cell, host: str, port_base: int) -> None:
 
 
 def _endpoints(cell: Cell) -> list[Endpoint]:
+    program = MotionProgram(cell)
     return [
         tracker_endpoint(cell),
-        robot_endpoint(cell),
-        logger_endpoint(cell),
+        robot_endpoint(cell, program),
+        logger_endpoint(cell, program),
         clock_endpoint(cell.clock),
         truth_endpoint(cell),
     ]

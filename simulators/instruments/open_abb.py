@@ -31,7 +31,6 @@ from simulators.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
 _BUFFER_POSES = 512
 _LINE_STEP_MM = 20.0
 _NO_AXIS = 9e9  # RAPID's value of an external axis that is not connected
-_CORRUPT_CODE = 255  # no code could be read
 _ROBOTWARE = "5.61.0100"
 
 # Numbers of parameters that the program accepts.
@@ -74,12 +73,17 @@ class MotionProgram:
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew, as somebody starts a stopped program; variables outlive clients but not this."""
         self._tool = np.eye(4)
         self._work_object = np.eye(4)
         self._limits = SpeedLimits()
         self._external_axes = [_NO_AXIS] * 6
         self._circle_point: FloatArray | None = None
         self._buffer: list[tuple[FloatArray, SpeedLimits]] = []
+        self._last_code = 0
 
     async def answer(self, data: bytes) -> bytes | None:
         """Carry out what one receive delivered and return the reply, None for the wish to close (code 99).
@@ -89,7 +93,9 @@ class MotionProgram:
         try:
             request = decode_request(data)
         except OpenAbbProtocolError:
-            return encode_reply(Reply(_CORRUPT_CODE, ReplyStatus.BAD_MESSAGE))
+            # The program keeps the code of the message before, and says that one is bad.
+            return encode_reply(Reply(self._last_code, ReplyStatus.BAD_MESSAGE))
+        self._last_code = request.code
         if request.code == Code.CLOSE:
             return None
         if len(request.values) not in _COUNTS.get(request.code, ()):
@@ -120,9 +126,11 @@ class MotionProgram:
     def _report(self, code: int) -> str:
         match code:
             case Code.GET_POSE:
-                return self._pose_text()
+                numbers = self.pose()
+                position = [rapid_number(value, 2) for value in numbers[:3]]
+                return " ".join([*position, *(rapid_number(value, 3) for value in numbers[3:])])
             case Code.GET_JOINTS:
-                return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self._joints()))
+                return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self.joints()))
             case Code.GET_EXTERNAL_AXES:
                 return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
             case Code.BUFFER_LENGTH:
@@ -178,14 +186,14 @@ class MotionProgram:
     def _stopped(self, reason: str) -> ProgramStoppedError:
         return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
 
-    def _pose_text(self) -> str:
-        flange = nominal_flange(self._cell.plant.arm, self._joints()[np.newaxis])[0]
+    def pose(self) -> list[float]:
+        """Return x y z [mm] and the quaternion, w first, of the present tool in the present work object."""
+        flange = nominal_flange(self._cell.plant.arm, self.joints()[np.newaxis])[0]
         frame = inverse(self._work_object) @ flange @ self._tool
-        numbers = [rapid_number(float(value), 2) for value in frame[:3, 3]]
-        quaternion = to_quaternion(frame[:3, :3])
-        return " ".join([*numbers, *(rapid_number(float(value), 3) for value in quaternion)])
+        return [*frame[:3, 3].tolist(), *to_quaternion(frame[:3, :3]).tolist()]
 
-    def _joints(self) -> FloatArray:
+    def joints(self) -> FloatArray:
+        """Return the joint angles now, shape (6,) [rad]."""
         return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
 
 

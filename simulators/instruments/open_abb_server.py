@@ -15,8 +15,6 @@ from drivers.abb_open_abb.protocol import LogLine, encode_log_line
 from simulators.cell import Cell
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.open_abb import MotionProgram, ProgramStoppedError
-from simulators.physics.rigid import to_quaternion
-from simulators.robot import nominal_flange
 
 _ACCEPT_PAUSE_S = 0.5
 _LOG_PERIOD_S = 0.1  # of a virtual controller
@@ -51,9 +49,8 @@ class OneClientEndpoint:
             await self.endpoint.listen_again()
 
 
-def robot_endpoint(cell: Cell) -> Endpoint:
+def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
     """Build the motion server of a cell's robot."""
-    program = MotionProgram(cell)
 
     async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         while data := await reader.read(_CHUNK_BYTES):
@@ -62,6 +59,7 @@ def robot_endpoint(cell: Cell) -> Endpoint:
             except ProgramStoppedError as stop:
                 if not stop.drops:
                     await _until_client_leaves(reader)
+                program.restart()
                 return
             if reply is None:
                 return
@@ -71,7 +69,7 @@ def robot_endpoint(cell: Cell) -> Endpoint:
     return _one_client("robot", "open_abb", attend, cell)
 
 
-def logger_endpoint(cell: Cell) -> Endpoint:
+def logger_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
     """Build the logger of a cell's robot: poses and joint angles in turn, as long as somebody listens."""
     date, clock_time = time.strftime("%Y-%m-%d"), time.strftime("%H:%M:%S")
 
@@ -81,8 +79,8 @@ def logger_endpoint(cell: Cell) -> Endpoint:
         try:
             while not gone.done():
                 elapsed_s = cell.clock.now_s
-                line = LogLine(kind, date, clock_time, elapsed_s, _logged(kind, cell))
-                writer.write(encode_log_line(line) + b" ")
+                numbers = program.pose() if kind == 0 else np.degrees(program.joints()).tolist()
+                writer.write(encode_log_line(LogLine(kind, date, clock_time, elapsed_s, tuple(numbers))))
                 await writer.drain()
                 kind = 1 - kind
                 # A stream cannot run in cell time that stands still: its period is wall time.
@@ -102,11 +100,3 @@ def _one_client(device: str, protocol: str, attend: Attend, cell: Cell) -> Endpo
 async def _until_client_leaves(reader: asyncio.StreamReader) -> None:
     while await reader.read(_CHUNK_BYTES):
         pass
-
-
-def _logged(kind: int, cell: Cell) -> tuple[float, ...]:
-    joints = cell.robot.motion.joints_at(cell.clock.now_s)
-    if kind == 1:
-        return tuple(np.degrees(joints).tolist())
-    flange = nominal_flange(cell.plant.arm, joints[np.newaxis])[0]
-    return (*flange[:3, 3].tolist(), *to_quaternion(flange[:3, :3]).tolist())
