@@ -1,6 +1,7 @@
 """Dull sessions and readings."""
 
-from service.domain.robot import FixedNest, FramePlacement, JointRow, Nest, Robot
+from service.domain.cell import Cell, DeviceEntry
+from service.domain.robot import FixedNest, JointRow, Nest, Robot
 from service.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan
 from service.storage.records import SessionSetup
 
@@ -8,11 +9,14 @@ from service.storage.records import SessionSetup
 def make_setup():
     row = JointRow(0.0, 0.0, 0.0, 0.0)
     return SessionSetup(
-        cell="bench",
-        robot=Robot("arm", (row,) * 2),
-        base=FramePlacement(),
-        nests=(Nest((0.0, 0.0, 100.0), 0.002),),
-        fixed_nests=(FixedNest((600.0, 0.0, 0.0), 0.002),),
+        Cell(
+            name="bench",
+            robot_key="arm",
+            robot=Robot("arm", (row,) * 2),
+            nests=(Nest((0.0, 0.0, 100.0), 0.002),),
+            fixed_nests=(FixedNest((600.0, 0.0, 0.0), 0.002),),
+            devices=(DeviceEntry("tracker", "leica_emscon", {"host": "127.0.0.1", "port": 700}),),
+        )
     )
 
 

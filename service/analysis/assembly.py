@@ -1,6 +1,6 @@
 """From sessions to a campaign: pure, no storage, no clock."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,17 +42,16 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         _check_measured(session)
     if validation is not None:
         _check_same_setup(calibration, validation)
-    setup, registration = calibration.setup, calibration.registration
+    cell, registration = calibration.setup.cell, calibration.registration
     return Campaign(
-        robot=setup.robot,
-        base_nominal=setup.base,
-        nests=setup.nests,
-        gravity_m_s2=setup.gravity_m_s2,
+        robot=cell.robot,
+        base_nominal=cell.base_nominal,
+        nests=cell.nests,
         calibration=point_readings(calibration.points),
         validation=None if validation is None else point_readings(validation.points),
         reference=_reference([taken for session in sessions for taken in session.fixed_nests]),
         tracker_position_mm=_tracker_position(registration),
-        fixed_nests=setup.fixed_nests,
+        fixed_nests=cell.fixed_nests,
         registration=None if registration is None else WorldRegistration(registration.covariance),
         notes=tuple(_notes(calibration, validation)),
     )
@@ -106,22 +105,25 @@ def _check_measured(session: MeasuredSession) -> None:
 def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession) -> None:
     for word, name in (
         ("robot", "robot"),
-        ("base placement", "base"),
+        ("base placement", "base_nominal"),
         ("tool nests", "nests"),
         ("fixed nests", "fixed_nests"),
     ):
-        if getattr(calibration.setup, name) != getattr(validation.setup, name):
+        if getattr(calibration.setup.cell, name) != getattr(validation.setup.cell, name):
             raise SessionsDifferError(
                 f"Sessions {calibration.id} and {validation.id} differ in their {word}; "
                 "a campaign is one robot in one set-up."
             )
 
 
-def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> list[str]:
-    setup = calibration.setup
-    notes = [f"Calibration readings are those of session {calibration.id} on cell {setup.cell}."]
+def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> Iterator[str]:
+    cell = calibration.setup.cell
+    yield f"Calibration readings are those of session {calibration.id} on {cell.name}."
     if validation is not None:
-        notes.append(f"Validation readings are those of session {validation.id}.")
-    if setup.simulated:
-        notes.append("SIMULATED: no robot and no instrument took part.")
-    return notes + [f"{condition.name}: {condition.value}" for condition in setup.conditions]
+        yield f"Validation readings are those of session {validation.id}."
+    if cell.simulated is not None:
+        yield "SIMULATED: no robot and no instrument took part."
+    for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
+        if text:
+            yield f"{what}: {text}"
+    yield from cell.conditions.notes

@@ -99,7 +99,7 @@ class JobDesk:
 
         request = {
             "name": name,
-            "role": task.role,
+            "role": task.template.role,
             "configurations": task.n_configurations,
             "seed": task.seed,
         }

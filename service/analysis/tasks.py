@@ -6,13 +6,18 @@ imports this module for the task classes, must not wait for it.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from service.analysis.errors import NothingMeasuredError
 from service.domain.campaign import Campaign, LegReadings, PointReadings
+from service.domain.cell import Cell
+from service.domain.errors import ConfigurationError
 from service.domain.results import Identification, Model, Validation
-from service.domain.session import Role, SessionPlan
+from service.domain.session import SessionPlan
 from service.storage.records import SessionSetup
+
+if TYPE_CHECKING:
+    from service.planning.work_space import WorkSpace
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 
@@ -57,13 +62,38 @@ class PlanTask:
     """Choose the configurations of a session: by observability, or at random to validate."""
 
     setup: SessionSetup
-    role: Role
+    template: SessionPlan  # role, speeds and limits; its stops are chosen here
     n_configurations: int
     seed: int
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
-        raise NotImplementedError
+        from service.planning.session_plans import plan_calibration, plan_validation
+
+        report(0.0, f"choosing {self.n_configurations} configurations")
+        choose = plan_calibration if self.template.role == "calibration" else plan_validation
+        space = _work_space(self.setup.cell, self.template)
+        return choose(space, self.n_configurations, self.seed, settings=self.template)
+
+
+def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
+    from service.planning.work_space import WorkSpace
+
+    ranges = cell.limits.calibration or cell.robot.calibration_ranges
+    if ranges is None:
+        raise ConfigurationError(
+            f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
+            "give them under [limits] of the cell file, or give the stops."
+        )
+    return WorkSpace(
+        robot=cell.robot,
+        base=cell.base_nominal,
+        nests=cell.nests,
+        ranges=ranges,
+        tracker_position_mm=cell.tracker_position_mm,
+        joint_limits=cell.limits.joints or cell.robot.joint_limits,
+        approach_offset_rad=template.approach_offset_rad,
+    )
 
 
 Task: TypeAlias = IdentifyTask | ValidateTask | PlanTask

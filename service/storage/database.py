@@ -6,7 +6,6 @@ cannot write. SQLite's calls block, so both sides live on threads, off the event
 """
 
 import asyncio
-import contextlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -66,15 +65,19 @@ class Database:
         """Run `work` on the last committed state; it cannot write."""
         return await asyncio.get_running_loop().run_in_executor(self._readers, self._read, work)
 
-    async def committed(self, timeout_s: float) -> None:
-        """Wait for the next commit, or until the time is over."""
-        with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._commit.wait(), timeout_s)
+    @property
+    def next_commit(self) -> asyncio.Event:
+        """What the next commit sets; take it before a query, so that no commit falls between."""
+        return self._commit
+
+    def wake(self) -> None:
+        """Wake everybody who waits for a commit."""
+        self._commit.set()
+        self._commit = asyncio.Event()
 
     def _announce(self, write: "asyncio.Future[Any]") -> None:
         if not write.cancelled() and write.exception() is None:
-            self._commit.set()
-            self._commit = asyncio.Event()
+            self.wake()
 
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:

@@ -1,8 +1,8 @@
 """Frozen dataclasses as JSON documents and back, guided by their type hints.
 
 Storage keeps whole nouns (plans, readings, results) in one column each, under their own field
-names. NaN becomes null, since JSON has no word for it; a field that an older document lacks takes
-its default, so nouns may grow.
+names. JSON has no word for NaN and infinity: they become null and "inf". A field that an older
+document lacks takes its default, so nouns may grow.
 """
 
 import dataclasses
@@ -42,9 +42,8 @@ def _scalar(value: object) -> Any:
     raise TypeError(f"{type(value).__name__} has no JSON form")
 
 
-def _not_finite(value: float) -> None:
-    if math.isinf(value):
-        raise TypeError("an infinite number has no JSON form")
+def _not_finite(value: float) -> str | None:
+    return None if math.isnan(value) else str(value)
 
 
 def from_document(kind: type[T], document: Any) -> T:

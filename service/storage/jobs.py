@@ -64,6 +64,11 @@ class JobRepository:
         query = _records().where(jobs.c.id > page.after).order_by(jobs.c.id).limit(page.limit)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
+    async def newest(self, count: int) -> list[JobRecord]:
+        """Return the latest jobs, newest first."""
+        query = _records().order_by(jobs.c.id.desc()).limit(count)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
     async def unfinished(self) -> list[JobRecord]:
         """Return the jobs that no final state ended, oldest first."""
         open_states = (JobState.QUEUED, JobState.RUNNING)

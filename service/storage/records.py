@@ -4,36 +4,24 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
+from service.domain.cell import Cell
 from service.domain.results import Identification, Model, Validation
-from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
-from service.domain.session import FixedNestTaken, PointTaken, Role, SessionState, Vector
+from service.domain.session import FixedNestTaken, PointTaken, Role, SessionState
 
 ReadingKind = Literal["point", "fixed_nest"]
-
-
-@dataclass(frozen=True, slots=True)
-class Condition:
-    """One thing a report must say of the circumstances: an instrument, a certificate, the load."""
-
-    name: str
-    value: str
 
 
 @dataclass(frozen=True, slots=True)
 class SessionSetup:
     """What a session was measured with, kept with it: the cell file may say something else tomorrow."""
 
-    cell: str
-    robot: Robot
-    base: FramePlacement
-    nests: tuple[Nest, ...]
-    fixed_nests: tuple[FixedNest, ...]
-    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)
-    tracker_position_mm: Vector | None = None
-    joint_limits: tuple[JointRange, ...] | None = None
-    attachment: int = 1
-    simulated: bool = False
-    conditions: tuple[Condition, ...] = ()
+    cell: Cell
+    attachment: int = 1  # how often the tool has been mounted
+
+    @property
+    def simulated(self) -> bool:
+        """Whether no robot and no instrument took part."""
+        return self.cell.simulated is not None
 
 
 @dataclass(frozen=True, slots=True)

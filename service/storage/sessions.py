@@ -75,6 +75,11 @@ class SessionRepository:
         query = _records().where(sessions.c.id > page.after).order_by(sessions.c.id).limit(page.limit)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
+    async def newest(self, count: int) -> list[SessionRecord]:
+        """Return the latest sessions, newest first."""
+        query = _records().order_by(sessions.c.id.desc()).limit(count)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
     async def in_state(self, *states: SessionState) -> list[SessionRecord]:
         """Return the sessions that stand in one of `states`, oldest first."""
         query = _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)

@@ -7,15 +7,20 @@ import pytest
 
 from service.analysis.assembly import MeasuredSession, assemble_campaign
 from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.domain.cell import Conditions, SimulatedCell
 from service.domain.robot import FramePlacement
 from service.domain.session import Registration
-from service.storage.records import Condition
+from service.storage.records import SessionSetup
 from tests.measured_sessions import make_fixed_nest, make_point, make_setup
 
 
 def measured(number=1, points=None, **changes):
     points = (make_point(1), make_point(2)) if points is None else points
     return dataclasses.replace(MeasuredSession(number, make_setup(), points), **changes)
+
+
+def changed_cell(**changes):
+    return SessionSetup(dataclasses.replace(make_setup().cell, **changes))
 
 
 def test_rows_are_the_points_in_the_order_they_were_taken():
@@ -67,12 +72,12 @@ def test_the_tracker_stands_where_its_registration_says_and_its_covariance_is_ca
 
 
 def test_a_simulated_session_says_so_in_the_notes_with_its_conditions():
-    setup = dataclasses.replace(make_setup(), simulated=True, conditions=(Condition("load", "2.7 kg"),))
+    setup = changed_cell(simulated=SimulatedCell("irb120-tilted", 1), conditions=Conditions(load="2.7 kg"))
 
     notes = assemble_campaign(measured(setup=setup)).notes
 
     assert any("SIMULATED" in note for note in notes)
-    assert "load: 2.7 kg" in notes
+    assert "Load: 2.7 kg" in notes
 
 
 def test_a_session_without_readings_is_named():
@@ -81,7 +86,7 @@ def test_a_session_without_readings_is_named():
 
 
 def test_sessions_of_different_set_ups_are_not_joined():
-    moved = dataclasses.replace(make_setup(), base=FramePlacement(x_mm=10.0))
+    moved = changed_cell(base_nominal=FramePlacement(x_mm=10.0))
 
     with pytest.raises(SessionsDifferError, match="Sessions 1 and 2 differ in their base placement"):
         assemble_campaign(measured(1), measured(2, setup=moved))

@@ -1,0 +1,67 @@
+"""Campaigns into the storage: from an uploaded zip, or from sessions."""
+
+import asyncio
+from collections.abc import Sized
+
+from service.analysis.assembly import MeasuredSession, assemble_campaign
+from service.domain.campaign import Campaign
+from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from service.storage.campaigns import CampaignRepository, NewCampaign
+from service.storage.readings import ReadingRepository
+from service.storage.records import CampaignSummary, RequestKey
+from service.storage.sessions import SessionRepository
+
+
+class CampaignDesk:
+    """Checks a campaign before it is stored; what is stored can be read."""
+
+    def __init__(
+        self, campaigns: CampaignRepository, sessions: SessionRepository, readings: ReadingRepository
+    ) -> None:
+        self._campaigns = campaigns
+        self._sessions = sessions
+        self._readings = readings
+
+    async def upload(self, archive: bytes, name: str, key: RequestKey | None = None) -> int:
+        """Store an uploaded zip as it is and return its number; raises InputFileError."""
+        campaign = await asyncio.to_thread(read_campaign_zip, archive, name)
+        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive)
+        return await self._campaigns.add(stored, key)
+
+    async def from_sessions(
+        self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
+    ) -> int:
+        """Store the campaign of one or two sessions; raises as `assemble_campaign`, and NotFoundError."""
+        calibration = await self._measured(calibration_id)
+        validation = None if validation_id is None else await self._measured(validation_id)
+        campaign = assemble_campaign(calibration, validation)
+        archive = await asyncio.to_thread(write_campaign_zip, campaign)
+        numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
+        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
+        return await self._campaigns.add(stored, key)
+
+    async def _measured(self, session_id: int) -> MeasuredSession:
+        return MeasuredSession(
+            id=session_id,
+            setup=await self._sessions.setup(session_id),
+            points=tuple(await self._readings.points(session_id)),
+            fixed_nests=tuple(await self._readings.fixed_nests(session_id)),
+            registration=await self._sessions.registration(session_id),
+        )
+
+
+def summary_of(campaign: Campaign) -> CampaignSummary:
+    """Return how much a campaign holds."""
+    return CampaignSummary(
+        calibration_points=_rows(campaign.calibration),
+        validation_points=_rows(campaign.validation),
+        calibration_legs=_rows(campaign.legs),
+        validation_legs=_rows(campaign.validation_legs),
+        reference_readings=_rows(campaign.reference),
+        ignored=campaign.ignored,
+        notes=campaign.notes,
+    )
+
+
+def _rows(table: Sized | None) -> int:
+    return 0 if table is None else len(table)

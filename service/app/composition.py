@@ -1,0 +1,183 @@
+"""Joins everything: opens what the settings name, hands it to the routes, closes it in reverse order."""
+
+import asyncio
+import contextlib
+import dataclasses
+from collections.abc import AsyncIterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Final
+
+from fastapi import FastAPI
+
+from drivers.api import Clock
+from drivers.registry import DriverRegistry, load_registry
+from service.analysis.campaigns import CampaignDesk
+from service.analysis.jobs import JobDesk
+from service.app.errors import StartError
+from service.app.simulation import Simulation, running_simulation
+from service.domain.cell import Cell, DeviceEntry
+from service.exchange.cell_file import read_cell, simulated_cell
+from service.operation.devices import MountedDevice, Rack
+from service.operation.sessions import SessionDesk
+from service.settings import Settings
+from service.storage.campaigns import CampaignRepository
+from service.storage.database import Database
+from service.storage.events import EventRepository
+from service.storage.jobs import JobRepository
+from service.storage.readings import ReadingRepository
+from service.storage.results import ResultRepository
+from service.storage.sessions import SessionRepository
+from service.web.application import create_application
+from service.web.context import Context, Endpoint
+
+_REAL_CLOCK: Final = "monotonic_clock"
+_NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
+_RESTARTED: Final = "The service ended before the job did; start it again."
+
+
+def create_app(settings: Settings, registry: DriverRegistry | None = None) -> FastAPI:
+    """Return the service as an ASGI application; its lifespan opens and closes everything it works with.
+
+    Parameters
+    ----------
+    settings : Settings
+    registry : DriverRegistry, optional
+        Which drivers there are; by default the installed ones.
+    """
+
+    @contextlib.asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with open_context(settings, registry) as context:
+            app.state.context = context
+            yield
+
+    return create_application(program_version(), lifespan)
+
+
+def program_version() -> str:
+    """Return the version of the program; a checkout that was never installed has none."""
+    try:
+        return version("truepose")
+    except PackageNotFoundError:
+        return "0+checkout"
+
+
+@contextlib.asynccontextmanager
+async def open_context(settings: Settings, registry: DriverRegistry | None = None) -> AsyncIterator[Context]:
+    """Open storage, simulated cell and drivers, and find what an earlier service left unfinished.
+
+    Raises
+    ------
+    StorageError
+        The database cannot be used, or another service has it.
+    InputFileError
+        The cell file is wrong.
+    StartError
+        The simulated cell did not come up.
+    DriverError
+        A device of the cell cannot be what the cell file says.
+    """
+    drivers = load_registry() if registry is None else registry
+    async with contextlib.AsyncExitStack() as stack:
+        cell = _cell(settings)
+        database = await asyncio.to_thread(Database, settings.database_url)
+        stack.callback(database.close)
+        simulation = await _simulation(cell, settings, stack)
+        cell = _with_simulated_devices(cell, simulation, drivers)
+        rack = _rack(cell, simulation, drivers)
+        stack.push_async_callback(rack.close)
+        context = _context(cell, database, rack, simulation)
+        await context.session_desk.recover()
+        await context.job_desk.mark_interrupted(_RESTARTED)
+        stack.push_async_callback(context.job_desk.close)
+        stack.push_async_callback(context.session_desk.close)
+        stack.callback(stop_streams, context)
+        yield context
+
+
+def stop_streams(context: Context) -> None:
+    """End every event stream, so that their connections can close."""
+    context.stopping.set()
+    context.database.wake()
+
+
+def _cell(settings: Settings) -> Cell:
+    if settings.cell_file is not None:
+        return read_cell(settings.cell_file)
+    return simulated_cell(settings.simulated_scenario, settings.simulated_seed)
+
+
+async def _simulation(cell: Cell, settings: Settings, stack: contextlib.AsyncExitStack) -> Simulation | None:
+    if cell.simulated is None:
+        return None
+    return await stack.enter_async_context(running_simulation(cell.simulated, settings.simulated_pace))
+
+
+def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:
+    """Return the cell with a device for each instrument of its simulation that a driver speaks to."""
+    if simulation is None:
+        return cell
+    entries = []
+    for endpoint in simulation.endpoints:
+        if endpoint.device not in _NOT_DEVICES:
+            for name in _drivers_of(endpoint, drivers):
+                options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
+                entries.append(DeviceEntry(endpoint.device, name, options))
+    return dataclasses.replace(cell, devices=tuple(entries))
+
+
+def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
+    return [name for name, plugin in drivers.plugins.items() if plugin.protocol == endpoint.protocol][:1]
+
+
+def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Rack:
+    clock = _clock(simulation, drivers)
+    mounted = [
+        MountedDevice(
+            entry=entry,
+            kind=drivers.plugin(entry.driver).kind,
+            protocol=drivers.plugin(entry.driver).protocol,
+            device=drivers.open(entry.driver, entry.options, clock),
+        )
+        for entry in cell.devices
+    ]
+    return Rack(mounted, clock)
+
+
+def _clock(simulation: Simulation | None, drivers: DriverRegistry) -> Clock:
+    if simulation is None:
+        opened = drivers.open(_REAL_CLOCK, {})
+    else:
+        endpoint = next(e for e in simulation.endpoints if e.device == "clock")
+        (name,) = _drivers_of(endpoint, drivers) or [endpoint.protocol]
+        opened = drivers.open(name, {"host": endpoint.host, "port": endpoint.port})
+    if not isinstance(opened, Clock):
+        raise StartError("The driver of the clock does not open a clock.")
+    return opened
+
+
+def _context(cell: Cell, database: Database, rack: Rack, simulation: Simulation | None) -> Context:
+    sessions, readings = SessionRepository(database), ReadingRepository(database)
+    campaigns, jobs, results = (
+        CampaignRepository(database),
+        JobRepository(database),
+        ResultRepository(database),
+    )
+    return Context(
+        version=program_version(),
+        cell=cell,
+        endpoints=() if simulation is None else simulation.endpoints,
+        database=database,
+        sessions=sessions,
+        readings=readings,
+        campaigns=campaigns,
+        jobs=jobs,
+        results=results,
+        events=EventRepository(database),
+        rack=rack,
+        session_desk=SessionDesk(sessions, readings, rack),
+        job_desk=JobDesk(jobs, campaigns, results),
+        campaign_desk=CampaignDesk(campaigns, sessions, readings),
+        stopping=asyncio.Event(),
+        fault=lambda: None if simulation is None else simulation.fault,
+    )

@@ -1,0 +1,20 @@
+"""Errors of starting a service.
+
+StartError
+├── SimulationFailedError   the simulated cell did not come up
+└── PortInUseError          somebody listens at that address already
+"""
+
+from service.domain.errors import TrueposeError
+
+
+class StartError(TrueposeError):
+    """Base of every error of starting a service."""
+
+
+class SimulationFailedError(StartError):
+    """The simulated cell did not come up."""
+
+
+class PortInUseError(StartError):
+    """Somebody listens at that address already, or it is not ours to listen at."""

@@ -1,0 +1,126 @@
+"""Runs the service until it is asked to end: SIGINT or SIGTERM, once politely, twice at once."""
+
+import asyncio
+import contextlib
+import json
+import logging
+import signal
+import socket
+import sys
+from collections.abc import AsyncIterator, Callable, Iterator
+from typing import Final
+
+import uvicorn
+from fastapi import FastAPI
+
+from drivers.errors import DriverError
+from service.app.composition import open_context, program_version, stop_streams
+from service.app.errors import PortInUseError
+from service.domain.errors import TrueposeError
+from service.exchange.errors import ExchangeError
+from service.settings import Settings
+from service.web.application import create_application
+
+_UNUSABLE_INPUT: Final = 2
+_SERVICE_FAILED: Final = 3
+_GRACE_S: Final = 5  # for requests under way when the service ends
+
+
+def serve(settings: Settings) -> int:
+    """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
+
+    A start that fails writes one sentence to standard error: status 2 for a cell file that cannot be used,
+    3 for a database, a port or a simulated cell that cannot.
+    """
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.getLogger("alembic").setLevel(logging.WARNING)
+    try:
+        asyncio.run(_serve(settings))
+    except ExchangeError as error:
+        return _refuse(error, _UNUSABLE_INPUT)
+    except (TrueposeError, DriverError) as error:
+        return _refuse(error, _SERVICE_FAILED)
+    return 0
+
+
+def _refuse(error: Exception, status: int) -> int:
+    sys.stderr.write(f"{error}\n")
+    return status
+
+
+async def _serve(settings: Settings) -> None:
+    # The port first: a service that nobody can reach must not hold the database or start a cell.
+    with _listening(settings.host, settings.port) as listener:
+        async with open_context(settings) as context:
+
+            @contextlib.asynccontextmanager
+            async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+                app.state.context = context
+                yield
+
+            config = uvicorn.Config(
+                create_application(program_version(), lifespan),
+                log_config=None,
+                log_level=logging.WARNING,
+                timeout_graceful_shutdown=_GRACE_S,
+            )
+            server = _Server(config, _url(listener), lambda: stop_streams(context))
+            with _ended_by_signals(server):
+                await server.serve([listener])
+
+
+class _Server(uvicorn.Server):
+    """Says when it is ready, and ends streams before it waits for connections to close."""
+
+    def __init__(self, config: uvicorn.Config, url: str, before_shutdown: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._url = url
+        self._before_shutdown = before_shutdown
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        sys.stdout.write(json.dumps({"url": self._url}) + "\n")
+        sys.stdout.flush()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._before_shutdown()
+        await super().shutdown(sockets)
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        # The base class raises the signal again at the end, which would skip our own closing.
+        yield
+
+
+@contextlib.contextmanager
+def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
+    def end() -> None:
+        server.force_exit = server.should_exit
+        server.should_exit = True
+
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, end)
+    try:
+        yield
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.remove_signal_handler(number)
+
+
+@contextlib.contextmanager
+def _listening(host: str, port: int) -> Iterator[socket.socket]:
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        listener = socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise PortInUseError(
+            f"Nothing can listen at {host}:{port} ({error}); stop what does, or choose another --port."
+        ) from error
+    with listener:
+        yield listener
+
+
+def _url(listener: socket.socket) -> str:
+    host, port = listener.getsockname()[:2]
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}"

@@ -1,0 +1,134 @@
+"""The devices of the cell: opened by the drivers, connected on request, lent to one session at a time."""
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+from drivers.api import AnyDevice, Clock, DeviceIdentity, DeviceKind, PointTracker, RobotController
+from drivers.errors import DriverError
+from service.domain.cell import DeviceEntry
+from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+
+
+@dataclass(frozen=True, slots=True)
+class MountedDevice:
+    """A device that a driver has opened, not necessarily connected."""
+
+    entry: DeviceEntry
+    kind: DeviceKind
+    protocol: str
+    device: AnyDevice
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceStatus:
+    """What is known of a device without asking it."""
+
+    mounted: MountedDevice
+    connected: bool
+    identity: DeviceIdentity | None  # as it last said itself
+    fault: str | None  # of the last attempt to connect
+    session_id: int | None  # which session holds it
+
+
+class Rack:
+    """All devices of the cell but its clock."""
+
+    def __init__(self, mounted: Sequence[MountedDevice], clock: Clock) -> None:
+        self.clock = clock
+        self._mounted = {device.entry.name: device for device in mounted}
+        self._identities: dict[str, DeviceIdentity] = {}
+        self._faults: dict[str, str] = {}
+        self._turns = {name: asyncio.Lock() for name in self._mounted}
+        self._session_id: int | None = None
+
+    def statuses(self) -> list[DeviceStatus]:
+        """Return every device in the order of the cell file."""
+        return [self.status(name) for name in self._mounted]
+
+    def status(self, name: str) -> DeviceStatus:
+        """Return a device by name; raises UnknownDeviceError."""
+        mounted = self._find(name)
+        return DeviceStatus(
+            mounted=mounted,
+            connected=_link(mounted).connected,
+            identity=self._identities.get(name),
+            fault=self._faults.get(name),
+            session_id=self._session_id,
+        )
+
+    async def connect(self, name: str) -> DeviceStatus:
+        """Open the link and ask the device who it is.
+
+        Raises UnknownDeviceError, DeviceInUseError, or what the driver raises.
+        """
+        device = self._idle(name)
+        async with self._turns[name]:
+            try:
+                if not device.connected:
+                    await device.connect()
+                self._identities[name] = await device.identify()
+                self._faults.pop(name, None)
+            except DriverError as error:
+                self._faults[name] = str(error)
+                raise
+        return self.status(name)
+
+    async def disconnect(self, name: str) -> DeviceStatus:
+        """Close the link; raises UnknownDeviceError, DeviceInUseError."""
+        device = self._idle(name)
+        async with self._turns[name]:
+            await device.close()
+        return self.status(name)
+
+    def lend(self, session_id: int) -> None:
+        """Give all devices to a session; raises DeviceInUseError where another has them."""
+        if self._session_id not in {None, session_id}:
+            raise DeviceInUseError(
+                f"Session {self._session_id} holds the devices of this cell; end it first."
+            )
+        self._session_id = session_id
+
+    def take_back(self) -> None:
+        """End the loan."""
+        self._session_id = None
+
+    @property
+    def tracker(self) -> PointTracker:
+        """The instrument that measures points; raises MissingDeviceError."""
+        return cast(PointTracker, self._of_kind("tracker"))
+
+    @property
+    def robot(self) -> RobotController:
+        """The robot's controller; raises MissingDeviceError."""
+        return cast(RobotController, self._of_kind("robot"))
+
+    async def close(self) -> None:
+        """Close every link."""
+        for mounted in self._mounted.values():
+            await _link(mounted).close()
+
+    def _of_kind(self, kind: DeviceKind) -> AnyDevice:
+        for mounted in self._mounted.values():
+            if mounted.kind == kind:
+                return mounted.device
+        raise MissingDeviceError(f"The cell file lists no {kind}; a session needs one.")
+
+    def _find(self, name: str) -> MountedDevice:
+        try:
+            return self._mounted[name]
+        except KeyError:
+            known = ", ".join(self._mounted) or "none"
+            raise UnknownDeviceError(f"The cell has no device '{name}'; it has: {known}.") from None
+
+    def _idle(self, name: str) -> PointTracker | RobotController:
+        mounted = self._find(name)
+        if self._session_id is not None:
+            raise DeviceInUseError(f"Session {self._session_id} holds the device '{name}'; end it first.")
+        return _link(mounted)
+
+
+def _link(mounted: MountedDevice) -> PointTracker | RobotController:
+    # The clock, the one device without a link of its own, is never mounted here.
+    return cast(PointTracker | RobotController, mounted.device)

@@ -1,0 +1,25 @@
+"""Errors of operating a cell.
+
+OperationError
+├── UnknownDeviceError   the cell has no device of that name
+├── MissingDeviceError   a session needs a kind of device that the cell file does not list
+└── DeviceInUseError     a session holds the device
+"""
+
+from service.domain.errors import TrueposeError
+
+
+class OperationError(TrueposeError):
+    """Base of every error of operating a cell."""
+
+
+class UnknownDeviceError(OperationError):
+    """The cell has no device of that name."""
+
+
+class MissingDeviceError(OperationError):
+    """A session needs a kind of device that the cell file does not list."""
+
+
+class DeviceInUseError(OperationError):
+    """A session holds the device."""

@@ -1,0 +1,188 @@
+"""Sessions under way: one at a time, each a task of the service, found again after a restart.
+
+The runner decides what a session does; here is who runs it. What was running when the service ended is
+found awaiting confirmation: nothing moves until a named person has confirmed.
+"""
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from service.domain.session import SessionPlan, SessionState
+from service.operation.devices import Rack
+from service.operation.errors import DeviceInUseError
+from service.sequencing.cell import SessionCell
+from service.sequencing.errors import NotNowError
+from service.sequencing.journal import SessionHistory
+from service.sequencing.runner import SessionRunner
+from service.sequencing.states import after_restart, has_ended, words
+from service.storage.journal import StoredJournal
+from service.storage.readings import ReadingRepository
+from service.storage.records import SessionRecord, SessionSetup
+from service.storage.sessions import SessionRepository
+
+_LOG = logging.getLogger(__name__)
+_MOVABLE = tuple(
+    state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
+)
+_RESTARTED = "The service was restarted during the session; look at the cell, then confirm."
+_STOPPED = "The service was stopped during the session; start it again, look at the cell, then confirm."
+MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
+
+
+@dataclass(frozen=True, slots=True)
+class _UnderWay:
+    session_id: int
+    runner: SessionRunner
+    task: asyncio.Task[None]
+
+
+class SessionDesk:
+    """Starts sessions and passes on what persons ask of them."""
+
+    def __init__(
+        self,
+        sessions: SessionRepository,
+        readings: ReadingRepository,
+        rack: Rack,
+        make_runner: MakeRunner = SessionRunner,
+    ) -> None:
+        self._sessions = sessions
+        self._readings = readings
+        self._rack = rack
+        self._make_runner = make_runner
+        self._under_way: _UnderWay | None = None
+        self._turn = asyncio.Lock()  # two clients that start at once must not start two sessions
+
+    async def recover(self) -> None:
+        """Set the state of sessions that an earlier service left running; nothing moves."""
+        await self._leave(_RESTARTED)
+
+    async def start(self, session_id: int) -> str:
+        """Start a planned session and return what a person is asked before anything moves.
+
+        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError.
+        """
+        async with self._turn:
+            record = await self._sessions.get(session_id)
+            if record.state is not SessionState.PLANNED:
+                raise NotNowError(
+                    f"Session {session_id} is {words(record.state)}; only a planned one starts."
+                )
+            await self._refuse_beside_another(session_id)
+            return await self._launch(record)
+
+    async def confirm(self, session_id: int, person: str) -> str:
+        """Confirm what the session asks; takes up a session that a restart interrupted."""
+        async with self._turn:
+            record = await self._sessions.get(session_id)
+            orphaned = self._running(session_id) is None
+            if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
+                await self._launch(record)
+        return await self._require(record).confirm(person)
+
+    async def pause(self, session_id: int, person: str | None) -> str:
+        """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError."""
+        return await self._require(await self._sessions.get(session_id)).request_pause(person)
+
+    async def resume(self, session_id: int, person: str) -> str:
+        """Continue a paused session. Raises NotFoundError, NotNowError, PersonMissingError."""
+        return await self._require(await self._sessions.get(session_id)).resume(person)
+
+    async def abort(self, session_id: int, person: str | None) -> str:
+        """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError."""
+        async with self._turn:
+            record = await self._sessions.get(session_id)
+            runner = self._running(session_id)
+            if runner is None and not has_ended(record.state):
+                # Planned, or left by an earlier service: nobody runs it, so nothing is in motion.
+                reason = "The end was asked for."
+                await self._sessions.change_state(session_id, SessionState.ABORTED, reason, person)
+                return "The session has ended; nothing was in motion."
+        return await self._require(record).request_abort(person)
+
+    def question(self, session_id: int) -> str | None:
+        """Return what the session asks a person now."""
+        runner = self._running(session_id)
+        return None if runner is None else runner.question
+
+    async def close(self) -> None:
+        """Stop what is under way; a motion in progress ends by itself, nothing follows it."""
+        if self._under_way is not None:
+            self._under_way.task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._under_way.task
+        await self._leave(_STOPPED)
+
+    async def _leave(self, reason: str) -> None:
+        for record in await self._sessions.in_state(*_MOVABLE):
+            state = after_restart(record.state)
+            if state is not record.state:
+                await self._sessions.change_state(record.id, state, reason)
+
+    async def _refuse_beside_another(self, session_id: int) -> None:
+        for other in await self._sessions.in_state(*_MOVABLE):
+            if other.id != session_id:
+                raise DeviceInUseError(
+                    f"Session {other.id} is {words(other.state)}; one session runs at a time, end it first."
+                )
+
+    async def _launch(self, record: SessionRecord) -> str:
+        plan = await self._sessions.plan(record.id)
+        cell = self._cell(await self._sessions.setup(record.id))
+        journal = StoredJournal(record.id, self._sessions, self._readings)
+        runner = self._make_runner(plan, cell, journal, await self._history(record))
+        self._rack.lend(record.id)
+        task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
+        self._under_way = _UnderWay(record.id, runner, task)
+        while runner.question is None and not task.done():
+            await asyncio.sleep(0.001)  # one write to the journal, then the runner asks
+        return runner.question or ""
+
+    async def _run(self, session_id: int, runner: SessionRunner) -> None:
+        try:
+            await runner.run()
+        except Exception:
+            # The runner has recorded the failure where the disk let it; the log keeps the traceback.
+            _LOG.exception("session %d failed", session_id)
+        finally:
+            self._rack.take_back()
+            self._under_way = None
+
+    def _cell(self, setup: SessionSetup) -> SessionCell:
+        cell = setup.cell
+        return SessionCell(
+            tracker=self._rack.tracker,
+            robot_controller=self._rack.robot,
+            clock=self._rack.clock,
+            robot=cell.robot,
+            base=cell.base_nominal,
+            nests=cell.nests,
+            fixed_nests=cell.fixed_nests,
+            tracker_position_mm=cell.tracker_position_mm,
+            fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
+            joint_limits=cell.limits.joints or cell.robot.joint_limits,
+            attachment=setup.attachment,
+        )
+
+    async def _history(self, record: SessionRecord) -> SessionHistory:
+        progress = await self._sessions.progress(record.id)
+        return SessionHistory(
+            state=record.state,
+            points=tuple(await self._readings.points(record.id)),
+            skipped=tuple(await self._sessions.skipped(record.id)),
+            registration=await self._sessions.registration(record.id),
+            elapsed_s=0.0 if progress is None else progress.elapsed_s,
+        )
+
+    def _running(self, session_id: int) -> SessionRunner | None:
+        under_way = self._under_way
+        return under_way.runner if under_way is not None and under_way.session_id == session_id else None
+
+    def _require(self, record: SessionRecord) -> SessionRunner:
+        runner = self._running(record.id)
+        if runner is None:
+            raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
+        return runner

@@ -1,0 +1,37 @@
+"""What a service is started with; read by the composition root and the command line only."""
+
+import os
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+
+def data_folder() -> Path:
+    """Return the folder of the user's own data, where the platform keeps such things.
+
+    Not the working directory: measurements must not depend on where somebody happened to stand.
+    """
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "truepose"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "truepose"
+    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "truepose"
+
+
+def default_database_url() -> str:
+    """Return the URL of the database in the user's data folder."""
+    return f"sqlite:///{data_folder() / 'truepose.sqlite3'}"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Where the service stores, where it listens, and which cell it works with."""
+
+    database_url: str = field(default_factory=default_database_url)
+    host: str = "127.0.0.1"
+    port: int = 8000  # 0: any free one
+    cell_file: Path | None = None  # None: the simulated cell
+    simulated_pace: Literal[0, 1] = 1  # wall time per cell time; 0: waiting costs nothing
+    simulated_scenario: str = "irb120-tilted"  # without a cell file
+    simulated_seed: int = 0

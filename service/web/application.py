@@ -1,0 +1,87 @@
+"""The web application: routes, problems, limits, and an OpenAPI document that hides nothing."""
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any, Final
+
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from service.web import (
+    campaigns,
+    cells,
+    devices,
+    events,
+    health,
+    identifications,
+    jobs,
+    models,
+    pages,
+    problems,
+    readings,
+    robots,
+    sessions,
+    validations,
+)
+from service.web.limits import RequestLimits
+
+Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
+_RESOURCES: Final = (
+    cells,
+    devices,
+    robots,
+    sessions,
+    readings,
+    jobs,
+    identifications,
+    validations,
+    models,
+    campaigns,
+    events,
+)
+_DESCRIPTION: Final = (
+    "Measures industrial robots, identifies what their nominal model gets wrong, and validates the result. "
+    "Every quantity names its unit; angles are in degrees. Errors are problem documents (RFC 9457) with one "
+    "sentence in `detail`. This software is not the safety function: nothing moves before a named person has "
+    "confirmed, and the emergency stop stays in reach."
+)
+
+
+def create_application(version: str, lifespan: Lifespan) -> FastAPI:
+    """Return the application; `lifespan` puts a `Context` into `app.state.context`."""
+    app = FastAPI(
+        title="truepose",
+        version=version,
+        description=_DESCRIPTION,
+        lifespan=lifespan,
+        # FastAPI's own pages load their scripts from a content network; a shop floor has none.
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
+    )
+    api = APIRouter(prefix="/api/v1")
+    for resource in _RESOURCES:
+        api.include_router(resource.router)
+    app.include_router(health.router)
+    app.include_router(api)
+    app.include_router(pages.router)
+    problems.install(app)
+    app.add_middleware(RequestLimits)
+    _complete_openapi(app)
+    return app
+
+
+def _complete_openapi(app: FastAPI) -> None:
+    """Let the document define the problem schema that every route refers to."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = get_openapi(
+                title=app.title, version=app.version, description=app.description, routes=app.routes
+            )
+            schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
+            schemas["Problem"] = problems.Problem.model_json_schema()
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]  # the framework's own way to extend it

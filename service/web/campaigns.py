@@ -1,0 +1,116 @@
+"""Campaigns: upload, make from sessions, download."""
+
+from pathlib import PurePath
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response, status
+from fastapi.exceptions import RequestValidationError
+from starlette.datastructures import UploadFile
+
+from service.web.context import Here
+from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
+from service.web.problems import problems
+from service.web.schemas.campaigns import CampaignReply, FromSessionsRequest, campaign_reply
+
+router = APIRouter(prefix="/campaigns", tags=["campaigns"])
+_BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
+_FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}}
+_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/zip": {"schema": _BINARY}, "multipart/form-data": {"schema": _FORM}},
+    }
+}
+_ZIP = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
+CampaignName = Annotated[
+    str | None,
+    Query(
+        min_length=1, max_length=200, pattern=r"\S", description="Else the file's name.", examples=["left"]
+    ),
+]
+
+
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 409, 413, 415, 422, 503),
+    openapi_extra=_BODY,
+)
+async def upload_campaign(
+    here: Here,
+    request: Request,
+    response: Response,
+    name: CampaignName = None,
+    key: IdempotencyKey = None,
+) -> CampaignReply:
+    """Upload the zip of a campaign folder, as the body or as the file of a form; it brings its own robot."""
+    archive, file_name = await _received(request)
+    stored_as = name or PurePath(file_name).stem or "campaign"
+    by_key = None if key is None else request_key(request, key, archive)
+    number = await here.campaign_desk.upload(archive, stored_as, by_key)
+    response.headers["Location"] = f"/api/v1/campaigns/{number}"
+    return campaign_reply(await here.campaigns.get(number))
+
+
+@router.post(
+    "/from-sessions",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def make_campaign(
+    here: Here, wanted: FromSessionsRequest, response: Response, key: OptionalKey
+) -> CampaignReply:
+    """Make a campaign of a calibration session and, if there is one, a validation session."""
+    number = await here.campaign_desk.from_sessions(
+        wanted.name, wanted.calibration_session_id, wanted.validation_session_id, key
+    )
+    response.headers["Location"] = f"/api/v1/campaigns/{number}"
+    return campaign_reply(await here.campaigns.get(number))
+
+
+@router.get("", responses=problems(422, 503))
+async def list_campaigns(here: Here, page: PageQuery) -> list[CampaignReply]:
+    """List campaigns, oldest first."""
+    return [campaign_reply(record) for record in await here.campaigns.page(page)]
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_campaign(here: Here, id: Id) -> CampaignReply:
+    """Show what a campaign holds."""
+    return campaign_reply(await here.campaigns.get(id))
+
+
+@router.get(
+    "/{id}/archive",
+    response_class=Response,
+    responses={
+        200: {"description": "Zip of the campaign folder.", "content": _ZIP},
+        **problems(404, 422, 503),
+    },
+)
+async def download_campaign(here: Here, id: Id) -> Response:
+    """Download the zip of a campaign folder: an upload as it came, byte for byte."""
+    archive = await here.campaigns.archive(id)
+    saved_as = {"Content-Disposition": f'attachment; filename="campaign-{id}.zip"'}
+    return Response(archive, media_type="application/zip", headers=saved_as)
+
+
+async def _received(request: Request) -> tuple[bytes, str]:
+    """Return the archive and the name of its file; raises RequestValidationError where there is none."""
+    if not request.headers.get("content-type", "").lower().startswith("multipart/form-data"):
+        archive, file_name = await request.body(), ""
+    else:
+        async with request.form() as form:
+            sent = form.get("file")
+            if isinstance(sent, UploadFile):
+                archive, file_name = await sent.read(), sent.filename or ""
+            else:
+                archive, file_name = b"", ""
+    if not archive:
+        fault = {
+            "loc": ("body", "file"),
+            "msg": "the zip of a campaign folder is required",
+            "type": "missing",
+        }
+        raise RequestValidationError([fault])
+    return archive, file_name

@@ -1,0 +1,76 @@
+"""Pages for people: the start page and the API's reference, both rendered here, without scripts.
+
+The usual OpenAPI pages need megabytes of script, from a content network or a package that lags years behind.
+A reference that names every route, field, unit and error needs none.
+"""
+
+from pathlib import Path
+from typing import Any, Final
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from service.web.context import Here
+
+router = APIRouter(include_in_schema=False)
+_TEMPLATES: Final = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined
+)
+_SHOWN: Final = 20
+
+
+@router.get("/", response_class=HTMLResponse)
+async def start_page(here: Here) -> HTMLResponse:
+    """Show the cell, its devices and the latest sessions."""
+    page = _TEMPLATES.get_template("start.html").render(
+        here=here,
+        devices=here.rack.statuses(),
+        sessions=await here.sessions.newest(_SHOWN),
+        jobs=await here.jobs.newest(_SHOWN),
+    )
+    return HTMLResponse(page)
+
+
+@router.get("/docs", response_class=HTMLResponse)
+async def api_page(request: Request, here: Here) -> HTMLResponse:
+    """Show the reference of the API, from the document at /openapi.json."""
+    document = request.app.openapi()
+    page = _TEMPLATES.get_template("api.html").render(
+        here=here, document=document, operations=list(_operations(document)), base=str(request.base_url)
+    )
+    return HTMLResponse(page)
+
+
+def _operations(document: dict[str, Any]) -> Any:
+    """Yield method, path and operation with its parameters and replies ready to print."""
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            yield {
+                "method": method.upper(),
+                "path": path,
+                "summary": operation.get("description") or operation["summary"],
+                "parameters": operation.get("parameters", []),
+                "bodies": _contents(operation.get("requestBody", {})),
+                "replies": [
+                    (status, reply["description"], _contents(reply))
+                    for status, reply in operation["responses"].items()
+                ],
+            }
+
+
+def _contents(holder: dict[str, Any]) -> list[tuple[str, list[str]]]:
+    """Return media type and names of schemas, of a body or a reply."""
+    return [
+        (media, sorted(set(_schema_names(content.get("schema", {})))))
+        for media, content in holder.get("content", {}).items()
+    ]
+
+
+def _schema_names(schema: Any) -> list[str]:
+    if isinstance(schema, dict):
+        found = [schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else []
+        return found + [name for part in schema.values() for name in _schema_names(part)]
+    if isinstance(schema, list):
+        return [name for part in schema for name in _schema_names(part)]
+    return []

@@ -1,0 +1,143 @@
+"""Errors as problem documents (RFC 9457): a status, one sentence, and nothing else to parse."""
+
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException
+from starlette.routing import Match
+
+from drivers.errors import DeviceRefusedError, DriverError
+from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.domain.errors import TrueposeError
+from service.exchange.errors import InputFileError, UnknownRobotError
+from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
+from service.storage.errors import ConflictError, KeyReusedError, NotFoundError, StorageUnavailableError
+
+MEDIA_TYPE = "application/problem+json"
+
+# The first class that fits counts, so a subclass stands before its base.
+_STATUS: Mapping[type[Exception], HTTPStatus] = {
+    NotFoundError: HTTPStatus.NOT_FOUND,
+    UnknownDeviceError: HTTPStatus.NOT_FOUND,
+    UnknownRobotError: HTTPStatus.NOT_FOUND,
+    KeyReusedError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    ConflictError: HTTPStatus.CONFLICT,
+    NotNowError: HTTPStatus.CONFLICT,
+    DeviceInUseError: HTTPStatus.CONFLICT,
+    MissingDeviceError: HTTPStatus.CONFLICT,
+    NothingMeasuredError: HTTPStatus.CONFLICT,
+    SessionsDifferError: HTTPStatus.CONFLICT,
+    DeviceRefusedError: HTTPStatus.CONFLICT,
+    PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    PlanRefusedError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
+    DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
+    TrueposeError: HTTPStatus.UNPROCESSABLE_ENTITY,
+}
+_MEANING: Mapping[int, str] = {
+    400: "The request cannot be read.",
+    404: "There is no such thing.",
+    409: "Not in the present state.",
+    413: "The body is too large.",
+    415: "The body has a type that is not understood here.",
+    422: "The request is readable and wrong; the sentence names the field.",
+    503: "A device or the disk does not answer.",
+}
+
+
+class Problem(BaseModel):
+    """What went wrong, where, and what to do."""
+
+    type: str = Field(
+        description="Identifies the kind of problem.", examples=["urn:truepose:problem:not-found"]
+    )
+    title: str = Field(description="The HTTP status in words.", examples=["Not Found"])
+    status: int = Field(description="The HTTP status.", examples=[404])
+    detail: str = Field(description="One sentence for whoever reads it.", examples=["There is no session 7."])
+    instance: str = Field(description="The path that was asked for.", examples=["/api/v1/sessions/7"])
+
+
+def problem_response(
+    request: Request, status: int, detail: str, headers: Mapping[str, str] | None = None
+) -> JSONResponse:
+    """Return a problem document."""
+    title = HTTPStatus(status).phrase
+    kind = title.lower().replace(" ", "-")
+    body = Problem(
+        type=f"urn:truepose:problem:{kind}",
+        title=title,
+        status=status,
+        detail=detail,
+        instance=request.url.path,
+    )
+    return JSONResponse(body.model_dump(), status, headers, media_type=MEDIA_TYPE)
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Return what a route lists under `responses` for the problems it may answer with."""
+    schema = {"$ref": "#/components/schemas/Problem"}
+    return {
+        status: {"description": _MEANING[status], "content": {MEDIA_TYPE: {"schema": schema}}}
+        for status in statuses
+    }
+
+
+def install(app: FastAPI) -> None:
+    """Let every error of `app` leave as a problem document."""
+    app.add_exception_handler(RequestValidationError, _on_invalid)
+    app.add_exception_handler(HTTPException, _on_http)
+    app.add_exception_handler(TrueposeError, _on_refusal)
+    app.add_exception_handler(DriverError, _on_refusal)
+
+
+async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
+    status = next(status for kind, status in _STATUS.items() if isinstance(error, kind))
+    return problem_response(request, status, str(error))
+
+
+async def _on_http(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, HTTPException):
+        raise error
+    detail, headers = str(error.detail), dict(error.headers or {})
+    if error.status_code == HTTPStatus.NOT_FOUND:
+        detail = f"There is nothing at {request.url.path}; /openapi.json lists what there is."
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(_allowed_methods(request))
+        detail = f"{request.method} is not possible at {request.url.path}; {headers['Allow']} is."
+    return problem_response(request, error.status_code, detail, headers)
+
+
+def _allowed_methods(request: Request) -> list[str]:
+    """Return the methods of every route at this path; the framework names those of the first one only."""
+    methods: set[str] = set()
+    for route in request.app.routes:
+        if route.matches(request.scope)[0] is not Match.NONE:
+            methods |= getattr(route, "methods", None) or set()
+    return sorted(methods)
+
+
+async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, RequestValidationError):
+        raise error
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(error.errors()))
+
+
+def _sentence(faults: Any) -> str:
+    """Return one sentence on the first fault: where, what, and how many more there are."""
+    first = faults[0]
+    where = ".".join(str(part) for part in first["loc"] if part != "body") or "the body"
+    if first["type"] == "json_invalid":
+        return f"The body is not JSON: {first['ctx']['error']} at character {first['loc'][-1]}."
+    more = f" ({len(faults) - 1} more like this.)" if len(faults) > 1 else ""
+    return f"{where}: {_lowered(first['msg'])}.{more}"
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:].rstrip(".")

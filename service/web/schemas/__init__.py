@@ -1,0 +1,1 @@
+"""What travels over REST: every quantity names its unit, angles are in degrees."""

@@ -1,0 +1,52 @@
+"""What all schemas share."""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
+
+RecordId = Annotated[int, Field(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
+RecordedAt = Annotated[
+    str, Field(description="When it was recorded: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
+]
+Point = Annotated[list[float], Field(min_length=3, max_length=3, examples=[[512.4, -33.1, 640.2]])]
+PersonName = Annotated[
+    str,
+    Field(
+        min_length=1,
+        max_length=200,
+        pattern=r"\S",
+        description="Who looked at the cell.",
+        examples=["Ada Byron"],
+    ),
+]
+
+
+class Request(BaseModel):
+    """A body that a client sends: unknown keys are refused, numbers are finite."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+
+
+class Reply(BaseModel):
+    """A body that the service sends."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+def example(document: dict[str, Any]) -> ConfigDict:
+    """Return the settings of a schema with an example."""
+    return ConfigDict(json_schema_extra={"examples": [document]})
+
+
+def known(number: float) -> float | None:
+    """Return `number`, or None where it is NaN: JSON has no word for it."""
+    return number if math.isfinite(number) else None
+
+
+def degrees(angles_rad: tuple[float, ...]) -> list[float]:
+    """Return angles in degrees, without the noise of the conversion."""
+    # 1e-9 deg turns a 2 m arm by 35 fm: far below anything, far above the rounding of the product.
+    return [round(math.degrees(angle), 9) for angle in angles_rad]

@@ -1,0 +1,58 @@
+"""Campaigns: the folder of one measured robot, as a zip."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from service.storage.records import CampaignRecord
+from service.web.schemas.base import NUMBER_LIMIT, RecordedAt, RecordId, Reply, Request, example
+
+Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
+
+
+class FromSessionsRequest(Request):
+    """Sessions to make a campaign of."""
+
+    model_config = example({"name": "left arm", "calibration_session_id": 1, "validation_session_id": 2})
+
+    name: str = Field(min_length=1, max_length=200, pattern=r"\S", examples=["left arm"])
+    calibration_session_id: Number = Field(description="Its readings identify.")
+    validation_session_id: Number | None = Field(None, description="Its readings never identify, only judge.")
+
+
+class CampaignReply(Reply):
+    """A stored campaign."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    name: str = Field(examples=["left arm"])
+    robot: str = Field(description="As the campaign names it; it brings its own table.")
+    session_ids: list[int] = Field(description="It was made of these; empty for an upload.")
+    calibration_points: int = Field(examples=[55])
+    validation_points: int = Field(examples=[1000])
+    calibration_legs: int
+    validation_legs: int
+    reference_readings: int = Field(description="Looks at fixed nests.")
+    ignored: list[str] = Field(description="Columns and keys kept but not understood, a sentence each.")
+    notes: list[str]
+    archive_url: str = Field(examples=["/api/v1/campaigns/3/archive"])
+
+
+def campaign_reply(record: CampaignRecord) -> CampaignReply:
+    """Return a campaign as it travels."""
+    summary = record.summary
+    return CampaignReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        name=record.name,
+        robot=record.robot,
+        session_ids=list(record.session_ids),
+        calibration_points=summary.calibration_points,
+        validation_points=summary.validation_points,
+        calibration_legs=summary.calibration_legs,
+        validation_legs=summary.validation_legs,
+        reference_readings=summary.reference_readings,
+        ignored=list(summary.ignored),
+        notes=list(summary.notes),
+        archive_url=f"/api/v1/campaigns/{record.id}/archive",
+    )

@@ -1,0 +1,172 @@
+"""Sessions: plan, start, confirm, pause, resume, abort, watch."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body, Response, status
+
+from service.analysis.tasks import PlanTask
+from service.domain.session import Registration, SessionPlan, StopSkipped
+from service.sequencing.dry_run import check_plan, motion_limits
+from service.storage.records import SessionSetup
+from service.web.context import Context, Here
+from service.web.parameters import Id, OptionalKey, PageQuery
+from service.web.problems import problems
+from service.web.schemas.jobs import JobReply, job_reply
+from service.web.schemas.sessions import (
+    ActionReply,
+    GivenStops,
+    PersonRequest,
+    PlanReply,
+    ProgressReply,
+    RegistrationReply,
+    RequestOfPerson,
+    SessionDetailReply,
+    SessionReply,
+    SessionRequest,
+    SkippedStopReply,
+    given_plan,
+    plan_reply,
+    plan_template,
+    progress_reply,
+    session_reply,
+    state_reply,
+)
+
+router = APIRouter(prefix="/sessions", tags=["sessions"])
+_READ = problems(404, 422, 503)
+_ACT = problems(400, 404, 409, 413, 415, 422, 503)
+Anybody = Annotated[RequestOfPerson | None, Body()]
+
+
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    response_model=SessionReply | JobReply,
+    responses={
+        201: {"model": SessionReply, "description": "The session is planned; nothing has moved."},
+        202: {
+            "model": JobReply,
+            "description": "A worker chooses the configurations; the job's result is the session.",
+        },
+        **problems(400, 409, 413, 415, 422, 503),
+    },
+)
+async def plan_session(
+    here: Here, wanted: SessionRequest, response: Response, key: OptionalKey
+) -> SessionReply | JobReply:
+    """Plan a session: with configurations given (201), or to be chosen by a job (202). Nothing moves."""
+    setup = SessionSetup(here.cell, wanted.attachment)
+    template = plan_template(wanted, here.cell)
+    if isinstance(wanted.plan, GivenStops):
+        plan = given_plan(template, wanted.plan)
+        _refuse_unfit(here, plan)
+        number = await here.sessions.add(wanted.name, setup, plan, key)
+        response.headers["Location"] = f"/api/v1/sessions/{number}"
+        return await _shown(here, number)
+    task = PlanTask(setup, template, wanted.plan.configurations, wanted.plan.seed)
+    number = await here.job_desk.plan(wanted.name, task, key)
+    response.status_code = status.HTTP_202_ACCEPTED
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return job_reply(await here.jobs.get(number))
+
+
+@router.get("", responses=problems(422, 503))
+async def list_sessions(here: Here, page: PageQuery) -> list[SessionReply]:
+    """List sessions, oldest first."""
+    return [
+        session_reply(record, here.session_desk.question(record.id))
+        for record in await here.sessions.page(page)
+    ]
+
+
+@router.get("/{id}", responses=_READ)
+async def get_session(here: Here, id: Id) -> SessionDetailReply:
+    """Show a session with its progress and history."""
+    shown = await _shown(here, id)
+    progress = await here.sessions.progress(id)
+    registration = await here.sessions.registration(id)
+    return SessionDetailReply(
+        **shown.model_dump(),
+        progress=None if progress is None else progress_reply(progress),
+        states=[state_reply(change) for change in await here.sessions.states(id)],
+        skipped_stops=[_skipped(stop) for stop in await here.sessions.skipped(id)],
+        registration=None if registration is None else _registration(registration),
+        notes=await here.sessions.notes(id),
+    )
+
+
+@router.get("/{id}/plan", responses=_READ)
+async def get_plan(here: Here, id: Id) -> PlanReply:
+    """List what the session does, in order."""
+    return plan_reply(await here.sessions.plan(id))
+
+
+@router.get("/{id}/progress", responses=_READ)
+async def get_progress(here: Here, id: Id) -> ProgressReply:
+    """Say how far the session is; follow `events` instead of asking again and again."""
+    record = await here.sessions.get(id)
+    progress = await here.sessions.progress(id)
+    if progress is not None:
+        return progress_reply(progress)
+    return ProgressReply(
+        done=0, skipped=0, planned=record.planned, elapsed_s=0.0, remaining_s=None, doing=record.reason
+    )
+
+
+@router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def start_session(here: Here, id: Id) -> ActionReply:
+    """Start a planned session; it asks a person to confirm before anything moves."""
+    return await _decided(here, id, await here.session_desk.start(id))
+
+
+@router.post("/{id}/confirm", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def confirm_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
+    """Confirm, as a named person who looked at the cell, what the session asks; then it moves."""
+    return await _decided(here, id, await here.session_desk.confirm(id, by.person))
+
+
+@router.post("/{id}/pause", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def pause_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
+    """Ask for a pause; the sentence says when it takes effect, since a motion may have to end first."""
+    return await _decided(here, id, await here.session_desk.pause(id, by.person if by else None))
+
+
+@router.post("/{id}/resume", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def resume_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
+    """Continue a paused session, as a named person who looked at the cell."""
+    return await _decided(here, id, await here.session_desk.resume(id, by.person))
+
+
+@router.post("/{id}/abort", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def abort_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
+    """Ask for the end; the readings taken so far stay. The sentence says when it takes effect."""
+    return await _decided(here, id, await here.session_desk.abort(id, by.person if by else None))
+
+
+def _refuse_unfit(here: Context, plan: SessionPlan) -> None:
+    """Raise PlanRefusedError for a plan that this cell cannot do, now and not at its start."""
+    cell = here.cell
+    limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
+    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
+
+
+async def _shown(here: Context, number: int) -> SessionReply:
+    return session_reply(await here.sessions.get(number), here.session_desk.question(number))
+
+
+async def _decided(here: Context, number: int, sentence: str) -> ActionReply:
+    return ActionReply(sentence=sentence, session=await _shown(here, number))
+
+
+def _skipped(stop: StopSkipped) -> SkippedStopReply:
+    return SkippedStopReply(config=stop.config, time_s=stop.time_s, reason=stop.reason)
+
+
+def _registration(found: Registration) -> RegistrationReply:
+    return RegistrationReply(
+        tracker_position_mm=found.translation_mm.tolist(),
+        rms_mm=found.rms_mm,
+        two_face_mm=found.two_face_mm,
+        scale=found.scale,
+        scale_standard_uncertainty=found.scale_standard_uncertainty,
+    )
