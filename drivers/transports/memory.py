@@ -27,10 +27,14 @@ class MemoryEnd:
         """Return the next piece that arrived, empty at the end of the stream."""
         return await self._incoming.get()
 
-    async def send(self, data: bytes) -> None:
-        """Send `data` in pieces; returns after the other end had a chance to read."""
+    def write(self, data: bytes) -> None:
+        """Send `data` in pieces without giving way."""
         for start in range(0, len(data), self._chunk_bytes):
             self._outgoing.put_nowait(data[start : start + self._chunk_bytes])
+
+    async def send(self, data: bytes) -> None:
+        """Send `data` in pieces; returns after the other end had a chance to read."""
+        self.write(data)
         await asyncio.sleep(0)
 
     def close(self) -> None:

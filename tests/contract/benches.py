@@ -1,0 +1,140 @@
+"""A bench for every registered driver: the simulated device it must get on with, in memory or on a socket."""
+
+import asyncio
+import tomllib
+from collections.abc import Awaitable, Callable
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import numpy as np
+
+from drivers.abb_open_abb.driver import OpenAbbRobot
+from drivers.api import Clock
+from drivers.cell_clock.driver import CellClock
+from drivers.leica_emscon.driver import LaserTracker
+from drivers.monotonic_clock import MonotonicClock
+from drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
+from drivers.transports.link import Link
+from drivers.transports.memory import MemoryEnd, MemoryLink
+from simulators.cell import Cell
+from simulators.clock import CellClock as SimulatedClock
+from simulators.instruments.cell_clock import clock_endpoint
+from simulators.instruments.endpoint import Endpoint
+from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.open_abb import MotionProgram
+from simulators.instruments.open_abb_server import robot_endpoint
+from simulators.scenario_file import load_scenario
+from simulators.tracker import seen_from
+
+PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
+    "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
+    "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
+    "cell_clock": lambda new_link, clock: CellClock(new_link),
+}
+WITHOUT_A_DEVICE = frozenset({"monotonic_clock"})
+
+
+def registry() -> DriverRegistry:
+    table = tomllib.loads(PYPROJECT.read_text())["project"]["entry-points"][ENTRY_POINT_GROUP]
+    return load_registry(EntryPoint(name, value, ENTRY_POINT_GROUP) for name, value in table.items())
+
+
+class _MemoryWriter:
+    """What a simulated device needs of a stream writer, on a memory link."""
+
+    def __init__(self, end: MemoryEnd) -> None:
+        self._end = end
+        self._closing = False
+
+    def write(self, data: bytes) -> None:
+        self._end.write(data)
+
+    async def drain(self) -> None:
+        await asyncio.sleep(0)
+
+    def is_closing(self) -> bool:
+        return self._closing
+
+    def close(self) -> None:
+        self._closing = True
+        self._end.close()
+
+
+def in_memory(endpoint: Endpoint, ends: list[MemoryEnd]) -> Callable[[MemoryEnd], Awaitable[None]]:
+    """Serve an endpoint's clients from a memory link instead of a socket; lists them in `ends`."""
+
+    async def feed(end: MemoryEnd, reader: asyncio.StreamReader) -> None:
+        while data := await end.receive():
+            reader.feed_data(data)
+        reader.feed_eof()
+
+    async def serve(end: MemoryEnd) -> None:
+        ends.append(end)
+        reader = asyncio.StreamReader()
+        feeding = asyncio.create_task(feed(end, reader))
+        try:
+            await endpoint._serve(reader, _MemoryWriter(end))
+        finally:
+            feeding.cancel()
+
+    return serve
+
+
+class Bench:
+    """A simulated cell with its instruments, and drivers connected to them one way or the other."""
+
+    def __init__(self, way: str) -> None:
+        self.cell = Cell(load_scenario("irb120-clean"), 1, SimulatedClock(0))
+        self.clock = MonotonicClock()
+        self.endpoints = {
+            "leica_emscon": tracker_endpoint(self.cell),
+            "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
+            "cell_clock": clock_endpoint(self.cell.clock),
+        }
+        self._way = way
+        self._ports: dict[str, int] = {}
+        self._ends: list[MemoryEnd] = []
+        self._opened: list[object] = []
+
+    async def listen(self) -> None:
+        if self._way == "socket":
+            for name, endpoint in self.endpoints.items():
+                self._ports[name] = (await endpoint.open("127.0.0.1", 0)).port
+
+    async def close(self) -> None:
+        for driver in self._opened:
+            await driver.close()
+        if self._way == "socket":
+            for endpoint in self.endpoints.values():
+                await endpoint.close()
+
+    async def hang_up(self, name: str) -> None:
+        """Let the device drop its connections, as one that is switched off and on again."""
+        for end in self._ends:
+            end.close()
+        if self._way == "socket":
+            await self.endpoints[name].close()
+            await self.endpoints[name].open("127.0.0.1", self._ports[name])
+
+    def driver(self, name: str):
+        """Return a driver by its configuration name, on this bench's device, not connected."""
+        if self._way == "socket":
+            options = {"host": "127.0.0.1", "port": self._ports[name]}
+            driver = registry().open(name, options, self.clock)
+        else:
+            chunk_bytes = 7  # no packet of any protocol fits
+            serve = in_memory(self.endpoints[name], self._ends)
+            driver = LINKS[name](lambda: MemoryLink(serve, chunk_bytes=chunk_bytes), self.clock)
+        self._opened.append(driver)
+        return driver
+
+    def fixed_nest_mm(self, number: int) -> tuple[float, float, float]:
+        """Where a fixed nest is, in the tracker's frame; the simulator's knowledge."""
+        x, y, z = seen_from(self.cell.tracker.frame, self.cell.fixed_nests_mm())[number - 1]
+        return float(x), float(y), float(z)
+
+    def spread_mm(self, point_mm: tuple[float, float, float]) -> float:
+        """Largest standard deviation that the tracker's noise model states there."""
+        covariance = self.cell.tracker.covariance_mm2(np.array(point_mm))
+        return float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))

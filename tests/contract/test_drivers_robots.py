@@ -1,0 +1,106 @@
+"""What a robot driver promises, against the simulated controller."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from drivers.api import MotionLimits
+from drivers.errors import ConnectionLostError, DriverError, LinkError, TargetRefusedError
+from simulators.faults import RobotRefuses
+from tests.contract.benches import registry
+
+robots = pytest.mark.parametrize("name", registry().names("robot"))
+TARGET_RAD = tuple(map(math.radians, (10.0, -20.123456, 15.0, 30.0, 40.0, -50.0)))
+
+
+async def ready(bench, name):
+    robot = bench.driver(name)
+    await robot.connect()
+    await robot.set_limits(MotionLimits())
+    return robot
+
+
+@robots
+async def test_the_arm_goes_where_it_is_told(bench, name):
+    robot = await ready(bench, name)
+
+    await robot.move_joints(TARGET_RAD)
+    reading = await robot.read_joints()
+
+    # the protocol's own step, rounded either way; the simulated controller knows no other error
+    tolerance_rad = 0.5 * reading.resolution_rad + 1e-7
+    assert reading.joints_rad == pytest.approx(TARGET_RAD, abs=tolerance_rad, rel=0.0)
+
+
+@robots
+async def test_the_arm_rests_when_the_motion_returns(bench, name):
+    robot = await ready(bench, name)
+
+    await robot.move_joints(TARGET_RAD)
+
+    assert not bench.cell.robot.moving(bench.cell.clock.now_s)
+
+
+@robots
+async def test_a_slower_limit_takes_more_cell_time(bench, name):
+    robot = await ready(bench, name)
+    durations_s = []
+
+    for speed_rad_s in (0.349, 0.1745):
+        await robot.set_limits(MotionLimits(tool_speed_mm_s=1e5, orientation_speed_rad_s=speed_rad_s))
+        await robot.move_joints((0.0,) * 6)
+        start_s = bench.cell.clock.now_s
+        await robot.move_joints(TARGET_RAD)
+        durations_s.append(bench.cell.clock.now_s - start_s)
+
+    # half the speed takes longer; how much depends on the controller's own ramps
+    assert durations_s[1] > 1.5 * durations_s[0] > 0.0
+
+
+@robots
+async def test_a_motion_that_cannot_be_made_is_an_error_and_the_link_comes_back(bench, name):
+    robot = await ready(bench, name)
+    bench.cell.scenario = _dropping(bench.cell.scenario)
+    bench.cell.faults.add(RobotRefuses(move=1))
+
+    with pytest.raises((TargetRefusedError, LinkError), match="pendant"):
+        await robot.move_joints(TARGET_RAD)
+    await robot.connect()
+    await robot.move_joints(TARGET_RAD)
+
+    assert (await robot.read_joints()).joints_rad == pytest.approx(TARGET_RAD, abs=1e-3)
+
+
+@robots
+async def test_a_target_out_of_range_never_passes_in_silence(bench, name):
+    robot = await ready(bench, name)
+    bench.cell.scenario = _dropping(bench.cell.scenario)
+
+    with pytest.raises((TargetRefusedError, ConnectionLostError)):
+        await robot.move_joints((math.radians(359.0), 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@robots
+@pytest.mark.parametrize("target", [(), (0.0,) * 5, (math.nan,) * 6])
+async def test_a_target_that_is_none_is_refused_before_anything_moves(bench, name, target):
+    robot = await ready(bench, name)
+
+    with pytest.raises(TargetRefusedError):
+        await robot.move_joints(target)
+
+    assert (await robot.read_joints()).joints_rad
+
+
+@robots
+@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
+async def test_a_speed_that_is_none_is_refused(bench, name, speed):
+    robot = await ready(bench, name)
+
+    with pytest.raises(DriverError):
+        await robot.set_limits(MotionLimits(tool_speed_mm_s=speed))
+
+
+def _dropping(scenario):
+    """The scenario with a controller that drops the connection instead of falling silent."""
+    return replace(scenario, arm=replace(scenario.arm, refusal="drop"))

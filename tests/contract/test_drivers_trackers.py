@@ -1,0 +1,127 @@
+"""What a tracker driver promises, against the simulated tracker."""
+
+import math
+
+import pytest
+
+from drivers.errors import BeamBrokenError, ConnectionLostError, NotInitialisedError, ReflectorNotFoundError
+from simulators.faults import BeamBroken, TrackerBlinded, TrackerCut
+from tests.contract.benches import registry
+
+trackers = pytest.mark.parametrize("name", registry().names("tracker"))
+RADIUS_MM = 10.0
+
+
+async def ready(bench, name):
+    tracker = bench.driver(name)
+    await tracker.connect()
+    await tracker.initialise()
+    return tracker
+
+
+@trackers
+async def test_a_fixed_nest_is_found_and_measured_where_it_is(bench, name):
+    tracker = await ready(bench, name)
+    nest_mm = bench.fixed_nest_mm(1)
+
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+    reading = await tracker.measure_point(duration_s=1.0)
+
+    # 5 sigma of the worst direction: 1 of 600,000 readings would miss; the two-face error adds microns
+    assert math.dist(reading.point_mm, nest_mm) < 5.0 * bench.spread_mm(nest_mm) + 0.005
+    assert reading.face == 1
+    assert all(0.0 < deviation < 0.1 for deviation in reading.standard_deviation_mm)
+    assert reading.rms_mm == pytest.approx(math.hypot(*reading.standard_deviation_mm), rel=1e-6)
+
+
+@trackers
+async def test_a_measurement_takes_cell_time_and_is_stamped_by_the_cells_clock(bench, name):
+    bench.clock = bench.driver("cell_clock")
+    tracker = await ready(bench, name)
+    await tracker.find_reflector(bench.fixed_nest_mm(1), search_radius_mm=RADIUS_MM)
+    before_s = await bench.clock.now_s()
+
+    reading = await tracker.measure_point(duration_s=2.5)
+
+    assert reading.time_s >= before_s + 2.5
+    assert reading.time_s <= await bench.clock.now_s()
+
+
+@trackers
+async def test_the_other_face_sees_the_same_reflector(bench, name):
+    tracker = await ready(bench, name)
+    nest_mm = bench.fixed_nest_mm(2)
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+
+    await tracker.change_face()
+    reading = await tracker.measure_point(duration_s=1.0)
+
+    assert reading.face == 2
+    # as above, with the collimation and index errors of 0.5 urad each, twice, at less than 5 m
+    assert math.dist(reading.point_mm, nest_mm) < 5.0 * bench.spread_mm(nest_mm) + 0.02
+
+
+@trackers
+async def test_an_empty_place_is_no_reflector(bench, name):
+    tracker = await ready(bench, name)
+    x, y, z = bench.fixed_nest_mm(1)
+
+    with pytest.raises(ReflectorNotFoundError):
+        await tracker.find_reflector((x, y, z + 800.0), search_radius_mm=RADIUS_MM)
+
+    await tracker.find_reflector((x, y, z), search_radius_mm=RADIUS_MM)
+    assert tracker.connected
+
+
+@trackers
+async def test_a_blinded_tracker_finds_nothing(bench, name):
+    tracker = await ready(bench, name)
+    bench.cell.faults.add(TrackerBlinded())
+
+    with pytest.raises(ReflectorNotFoundError):
+        await tracker.find_reflector(bench.fixed_nest_mm(1), search_radius_mm=RADIUS_MM)
+
+
+@trackers
+async def test_a_broken_beam_is_reported_and_the_next_reading_succeeds(bench, name):
+    tracker = await ready(bench, name)
+    nest_mm = bench.fixed_nest_mm(1)
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+    bench.cell.faults.add(BeamBroken(reading=1))
+
+    with pytest.raises(BeamBrokenError, match="line of sight"):
+        await tracker.measure_point(duration_s=1.0)
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+    reading = await tracker.measure_point(duration_s=1.0)
+
+    assert math.dist(reading.point_mm, nest_mm) < 1.0  # the right reflector, not another one
+
+
+@trackers
+async def test_a_link_cut_in_the_middle_of_a_packet_is_lost_and_comes_back(bench, name):
+    tracker = await ready(bench, name)
+    nest_mm = bench.fixed_nest_mm(1)
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+    bench.cell.faults.add(TrackerCut(reading=1))
+
+    with pytest.raises(ConnectionLostError, match="middle of a packet"):
+        await tracker.measure_point(duration_s=1.0)
+    assert not tracker.connected
+    await tracker.connect()
+    with pytest.raises(NotInitialisedError):
+        await tracker.measure_point(duration_s=1.0)
+    await tracker.initialise()
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+
+    assert math.dist((await tracker.measure_point(duration_s=1.0)).point_mm, nest_mm) < 1.0
+
+
+@trackers
+async def test_the_weather_station_is_read_in_house_units(bench, name):
+    tracker = await ready(bench, name)
+
+    air = await tracker.environment()
+
+    assert 5.0 < air.temperature_c < 40.0
+    assert 800.0 < air.pressure_hpa < 1100.0
+    assert 0.0 < air.humidity_percent < 100.0
