@@ -101,9 +101,8 @@ class Model:
     nominal_base: FramePlacement  # nominal model with only base and unknown nests fitted
     nominal_nests: tuple[NestCentre, ...]
     nominal_tool_rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    anchors: tuple[Anchor, ...] = ()
+    instrument_mm: tuple[float, float, float] | None = None  # place of the instrument in the world
     torques_measured: bool = False  # compliance was identified from measured joint torques
-    leg_offset_mm: float = 0.0
     nominal_leg_offset_mm: float = 0.0
     nominal_anchors: tuple[Anchor, ...] = ()
     identified_from: dict[str, str | int | float] = field(default_factory=dict)

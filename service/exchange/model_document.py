@@ -66,8 +66,7 @@ def model_document(model: Model) -> dict[str, Json]:
         "base_in_world": placement_document(model.base),
         "tool_nests": _nests_document(model.nests),
         "tool_rotation_deg": _degrees(model.tool_rotation_rad),
-        "leg_offset_mm": model.leg_offset_mm,
-        "anchors": _anchors_document(model.anchors),
+        "instrument_in_world_mm": None if model.instrument_mm is None else list(model.instrument_mm),
         "repeatability_mm": number_or_null(model.repeatability_mm),
         "discrepancy_mm": number_or_null(model.discrepancy_mm),
         "torques_measured": model.torques_measured,
@@ -138,9 +137,8 @@ def read_model_document(root: Node) -> Model:
         nominal_base=read_placement(nominal.key("base_in_world")),
         nominal_nests=_read_nests(nominal.key("tool_nests")),
         nominal_tool_rotation_rad=_read_rotation(nominal.key("tool_rotation_deg")),
-        anchors=_read_anchors(root.key("anchors")),
+        instrument_mm=_read_instrument(root.key("instrument_in_world_mm")),
         torques_measured=root.key("torques_measured").truth(),
-        leg_offset_mm=root.key("leg_offset_mm").number(),
         nominal_leg_offset_mm=nominal.key("leg_offset_mm").number(),
         nominal_anchors=_read_anchors(nominal.key("anchors")),
         identified_from=_read_origin(root.key("identified_from")),
@@ -210,6 +208,10 @@ def _read_anchors(node: Node) -> tuple[Anchor, ...]:
         Anchor(e.key("placement").whole(), e.key("base_point").whole(), e.key("centre_mm").vector())
         for e in node.items()
     )
+
+
+def _read_instrument(node: Node) -> Vector | None:
+    return None if node.is_null else node.vector()
 
 
 def _read_origin(node: Node) -> dict[str, str | int | float]:

@@ -20,6 +20,7 @@ from service.kinematics.chain import Chain
 from service.kinematics.frames import rotation_from_vector
 
 _STARTS = 200
+_FEW_STARTS = 24
 _DESCENT_STEPS = 30
 _ROBUST_ROUNDS = 25
 
@@ -82,20 +83,28 @@ def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -
     return form.placement(rotation, weights)
 
 
-def _best_rotation(form: "_Form", weights: FloatArray) -> FloatArray:
-    ends = form.descend(_rotation_starts(), weights)
+def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -> float:
+    """Median residual of the least-squares placement, without robust weights: to compare hypotheses [mm]."""
+    form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
+    weights = np.ones(len(nest))
+    rotation = _best_rotation(form, weights, _FEW_STARTS) if known.base is None else known.base[0]
+    return form.robust_cost(rotation, weights)
+
+
+def _best_rotation(form: "_Form", weights: FloatArray, starts: int = _STARTS) -> FloatArray:
+    ends = form.descend(_rotation_starts(starts), weights)
     costs = form.cost(ends, weights)
     return np.asarray(ends[int(np.argmin(costs))])
 
 
-def _rotation_starts() -> FloatArray:
+def _rotation_starts(count: int) -> FloatArray:
     """Rotations spread evenly over SO(3), shape (S, 3, 3).
 
     Super-Fibonacci spiral (M. Alexa, Proc. CVPR 2022, 8291-8300).
     """
     phi, psi = np.sqrt(2.0), 1.533751168755204288118041
-    s = np.arange(_STARTS) + 0.5
-    small, large = np.sqrt(s / _STARTS), np.sqrt(1.0 - s / _STARTS)
+    s = np.arange(count) + 0.5
+    small, large = np.sqrt(s / count), np.sqrt(1.0 - s / count)
     alpha, beta = 2 * np.pi * s / phi, 2 * np.pi * s / psi
     quaternion = np.stack(
         [large * np.cos(beta), small * np.sin(alpha), small * np.cos(alpha), large * np.sin(beta)], -1

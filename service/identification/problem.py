@@ -7,7 +7,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from service.domain.errors import ConfigurationError
-from service.domain.robot import Robot
+from service.domain.robot import FramePlacement, Robot
 from service.effects.ports import ParameterSpec, Setting
 from service.effects.registry import effect_named
 from service.identification.evaluation import Targets
@@ -28,6 +28,7 @@ from service.kinematics.frames import (
     placement_rotation,
     placement_translation,
     rotation_from_quaternion,
+    rotation_from_vector,
     vector_from_rotation,
 )
 from service.kinematics.gravity import gravity_torques
@@ -121,14 +122,15 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     search = replace(known, base=None) if fitted_base else known
     placement = place(chain, points.nest, points.position_mm, search)
     tool = _tool_rotation(chain, placement, points)
-    structure, start = _structure(campaign, effects, placement, tool, _setting(campaign, points.stops))
+    structure, start = _structure(campaign, effects, placement, tool, setting_of(campaign, points.stops))
     blocks: list[Block] = [position_block(points, campaign)]
     if points.quaternion is not None:
-        blocks.append(_orientation_block(points))
+        blocks.append(_orientation_block(points, points.quaternion))
     return Problem(structure, tuple(blocks), start, placement.residual_mm)
 
 
-def _setting(campaign: Campaign, stops: Stops) -> Setting:
+def setting_of(campaign: Campaign, stops: Stops) -> Setting:
+    """Return what effects choose their parameters from."""
     source = torque_source(campaign)
     largest = np.zeros(campaign.robot.n_joints)
     if source == "measured" and stops.torque_n_mm is not None:
@@ -153,8 +155,6 @@ def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) ->
 
 
 def _mean_turn(turns: FloatArray) -> FloatArray:
-    from service.kinematics.frames import rotation_from_vector
-
     return rotation_from_vector(np.median(vector_from_rotation(turns), axis=0))
 
 
@@ -252,13 +252,10 @@ def position_block(points: PointReadings, campaign: Campaign) -> PositionBlock:
     return block.prepared()
 
 
-def _orientation_block(points: PointReadings) -> OrientationBlock:
+def _orientation_block(points: PointReadings, quaternion: FloatArray) -> OrientationBlock:
     stated = points.rotation_uncertainty_rad
     uncertainty = np.zeros(len(points)) if stated is None else np.nan_to_num(stated)
-    assert_quaternions = points.quaternion
-    if assert_quaternions is None:
-        raise ConfigurationError("Orientations are missing.")
-    measured = rotation_from_quaternion(assert_quaternions)
+    measured = rotation_from_quaternion(quaternion)
     start = 1e-3 if not uncertainty.any() else 0.0  # replaced by the residuals' own scatter
     return OrientationBlock(
         Targets(points.stops, points.nest), measured, uncertainty, np.ones(len(points)), start
@@ -296,8 +293,8 @@ def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]
         chain, legs.nest, index, legs.length_mm, known.nests_mm, known.nest_unknown, with_offset=with_offset
     )
     placement = Placement(np.eye(3), np.zeros(3), found.nests_mm, np.zeros((0, 3)), np.zeros(0))
-    setting = _setting(campaign, legs.stops)
-    structure, start = _structure(replace_base(campaign), effects, placement, np.eye(3), setting)
+    setting = setting_of(campaign, legs.stops)
+    structure, start = _structure(_with_base(campaign), effects, placement, np.eye(3), setting)
     structure, start = _with_anchors(structure, start, anchors, found.anchors_mm, found.offset_mm, with_offset)
     block = leg_block(legs, campaign, anchors)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
@@ -306,12 +303,10 @@ def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]
     return Problem(structure, (block,), start, residual)
 
 
-def replace_base(campaign: Campaign) -> Campaign:
+def _with_base(campaign: Campaign) -> Campaign:
     """Return the campaign with the world at the nominal base: legs alone cannot tell them apart."""
     if campaign.base_nominal is not None:
         return campaign
-    from service.domain.robot import FramePlacement
-
     return replace(campaign, base_nominal=FramePlacement())
 
 

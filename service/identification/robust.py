@@ -221,14 +221,14 @@ def _discrepancy(
     largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
     if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
         return smallest
-    return min(float(brentq(excess, smallest, largest, rtol=1e-4)), _by_median(block, result, dof))
+    return max(smallest, min(float(brentq(excess, smallest, largest, rtol=1e-4)), _by_median(block, result, dof)))
 
 
 def _by_median(block: Block, result: BlockResult, dof: float) -> float:
     """Discrepancy that brings the median squared residual to its place: blind to heavy tails."""
     n, d = result.residual.shape
     typical = float(np.median((result.residual**2).sum(axis=1))) / _median_of_chi2(d) * n * d / dof
-    return float(np.sqrt(max(typical - block.stated_sigma() ** 2, 1e-12)))
+    return float(np.sqrt(max(typical - block.stated_sigma() ** 2, 0.0)))
 
 
 def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:

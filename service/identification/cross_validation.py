@@ -1,0 +1,77 @@
+"""Cross-validation by configuration: every configuration is predicted by a model that never saw it.
+
+All readings of a configuration, and of its revisits, are left out together. The folds start from the
+full solution and keep its weights, so that a fold costs a step or two of the solver.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+from service.identification.observations import Block
+from service.identification.robust import fit
+from service.identification.structure import Structure
+
+_LEAVE_ONE_OUT = 40  # up to so many configurations one is left out at a time, beyond it a tenth
+_FOLDS = 10
+
+
+def held_out_residuals(
+    structure: Structure, blocks: tuple[Block, ...], values: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Residuals of the first block's readings, each predicted without its configuration.
+
+    Parameters
+    ----------
+    structure : Structure
+    blocks : tuple of Block
+        With the weights of the full fit.
+    values : ndarray, shape (P,)
+        The full solution.
+
+    Returns
+    -------
+    residual : ndarray, shape (n, d)
+    variance : ndarray, shape (n,)
+        What the uncertainty of the fold's parameters adds per component.
+    """
+    first = blocks[0]
+    n = len(first.weights)
+    residual: FloatArray | None = None
+    variance = np.zeros(n)
+    owners = [_sites(block) for block in blocks]
+    for held in _folds(owners[0]):
+        kept = tuple(
+            block.subset(np.flatnonzero(~np.isin(owner, held)))
+            for block, owner in zip(blocks, owners, strict=True)
+        )
+        out = np.flatnonzero(np.isin(owners[0], held))
+        solution = fit(structure, kept, values)
+        result = first.subset(out).result(structure, solution.values, None)
+        if residual is None:
+            residual = np.zeros((n, result.residual.shape[1]))
+        residual[out] = result.residual
+        jacobian, covariance = result.jacobian, solution.covariance
+        spread = np.einsum("pni,pq,qni->n", jacobian, covariance, jacobian, optimize=True)
+        variance[out] = spread / result.residual.shape[1]
+    if residual is None:
+        residual = np.zeros((n, 1))
+    return residual, variance
+
+
+def _sites(block: Block) -> IntArray:
+    """Number of the configuration, a revisit counting as the one it revisits, shape (n,)."""
+    stops = block.targets.stops
+    if stops.repeat_of is None:
+        return stops.config
+    return np.where(stops.repeat_of >= 0, stops.repeat_of, stops.config)
+
+
+def _folds(sites: IntArray) -> Iterator[IntArray]:
+    distinct = np.unique(sites)
+    if len(distinct) <= _LEAVE_ONE_OUT:
+        yield from distinct[:, None]
+    else:
+        shuffled = np.random.default_rng(0).permutation(distinct)
+        yield from np.array_split(shuffled, _FOLDS)

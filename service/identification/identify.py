@@ -1,0 +1,271 @@
+"""The identification of a campaign, from its readings to the answer: the one function that others call."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from service import __version__
+from service.domain.arrays import BoolArray, FloatArray
+from service.domain.campaign import Campaign, LegReadings, PointReadings
+from service.domain.results import (
+    Counts,
+    Identification,
+    Model,
+    NominalAndIdentified,
+    NotIdentifiable,
+    PureError,
+    Status,
+)
+from service.identification import verdict
+from service.identification.considered import considered
+from service.identification.cross_validation import held_out_residuals
+from service.identification.gross import outliers
+from service.identification.identifiability import not_identifiable
+from service.identification.models import Fits, model_of
+from service.identification.observations import PositionBlock
+from service.identification.prediction import predict, predict_lengths, predict_nominal
+from service.identification.problem import (
+    NOMINAL_EFFECTS,
+    Problem,
+    automatic_effects,
+    build,
+    leg_block,
+    position_block,
+    setting_of,
+)
+from service.identification.pure_error import pure_error
+from service.identification.robust import RobustFit, fit, robust_fit
+from service.identification.solver import posterior_covariance
+from service.identification.statistics import expected_noise_mm, statistics
+
+_MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
+
+Progress = Callable[[float, str], None]
+
+
+def identify(
+    campaign: Campaign, effects: tuple[str, ...] | list[str] | None = None, progress: Progress | None = None
+) -> Identification:
+    """Identify the robot of a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : sequence of str, optional
+        Names of effects; None chooses base, tool as far as unknown, geometry, and compliance where
+        masses or torques are known.
+    progress : callable, optional
+        Told the fraction done and what is being done.
+
+    Returns
+    -------
+    Identification
+        Whatever the status; `model` is None where nothing could be fitted.
+
+    Raises
+    ------
+    UnknownEffectError, ConfigurationError
+        The request cannot be understood.
+    """
+    tell = progress or _silent
+    chosen = tuple(effects) if effects is not None else automatic_effects(campaign)
+    tell(0.05, "placing the nominal robot")
+    too_few = verdict.too_few_data(campaign, chosen)
+    if too_few:
+        return _unfitted(campaign, chosen, Status.TOO_FEW_DATA, too_few)
+    problem = build(campaign, chosen)
+    collapsed = verdict.before_fitting(campaign, problem)
+    if collapsed:
+        return _unfitted(campaign, chosen, Status.WRONG_NOMINAL_MODEL, collapsed)
+    tell(0.2, "identifying")
+    identified = robust_fit(problem.structure, problem.blocks, problem.start)
+    nominal = _nominal_fit(problem, identified)
+    tell(0.5, "judging the model on configurations it has not seen")
+    return _answer(campaign, problem, identified, nominal, tell)
+
+
+def _silent(_fraction: float, _doing: str) -> None:
+    return None
+
+
+def _nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
+    """Nominal robot with only base and unknown nests fitted, without the readings found gross."""
+    left = tuple(
+        name for name in problem.structure.effects if name not in NOMINAL_EFFECTS
+    )
+    structure = problem.structure.without(left)
+    blocks = tuple(
+        block.weighted(np.where(flags, 0.0, 1.0), block.discrepancy)
+        for block, flags in zip(identified.blocks, identified.gross, strict=True)
+    )
+    start = np.array(
+        [problem.start[problem.structure.index_of(name)] for name in structure.names]
+    )
+    solution = fit(structure, blocks, start)
+    return RobustFit(structure, blocks, solution, identified.gross, float("nan"))
+
+
+@dataclass(frozen=True, slots=True)
+class _HeldOut:
+    """Residuals of readings that the parameters never saw."""
+
+    statistics: NominalAndIdentified
+    residual_mm: FloatArray  # (n, d) identified
+    parameter_variance_mm2: FloatArray  # (n,)
+    noise_variance_mm2: FloatArray  # (n,) readings and scatter
+
+
+def _answer(
+    campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit, tell: Progress
+) -> Identification:
+    carried = considered(campaign, identified)
+    fits = Fits(campaign, identified, nominal, carried.total)
+    draft = model_of(fits, discrepancy_mm=0.0, program_version=__version__)
+    validation = _validation(campaign, draft)
+    crossed = None if validation else _crossed(identified, nominal)
+    held_out = validation or crossed
+    model = draft if held_out is None else replace(draft, discrepancy_mm=_discrepancy_mm(held_out, identified))
+    tell(0.9, "naming what the data leave open")
+    gross = outliers(identified)
+    status, message = verdict.judge(campaign, problem, identified, nominal)
+    named = _not_identifiable(campaign, problem, identified)
+    kept = ~identified.gross[0]
+    return Identification(
+        status=status,
+        message=message,
+        effects=problem.structure.effects,
+        counts=_counts(problem, identified),
+        parameters=model.parameters,
+        not_identifiable=named,
+        outliers=gross,
+        quantity=_quantity(problem),
+        calibration=_pair(nominal, identified, np.ones(len(kept), dtype=bool)),
+        validation=validation.statistics if validation else None,
+        cross_validation=crossed.statistics if crossed else None,
+        calibration_without_outliers=_pair(nominal, identified, kept) if gross else None,
+        chi2_per_dof=identified.chi2_per_dof,
+        pure_error=_pure_error(identified),
+        model=model,
+    )
+
+
+def _quantity(problem: Problem) -> Literal["position", "length"]:
+    return "position" if isinstance(problem.blocks[0], PositionBlock) else "length"
+
+
+def _counts(problem: Problem, identified: RobustFit) -> Counts:
+    sizes = [result.residual.size for result in identified.results]
+    return Counts(
+        configurations=len(np.unique(problem.blocks[0].targets.stops.config)),
+        observations=int(sum(sizes)),
+        parameters=len(problem.structure.specs),
+        outliers=int(sum(flags.sum() for flags in identified.gross)),
+    )
+
+
+def _pair(nominal: RobustFit, identified: RobustFit, rows: BoolArray) -> NominalAndIdentified:
+    noise = expected_noise_mm(identified.blocks[0].subset(np.flatnonzero(rows)))
+    return NominalAndIdentified(
+        statistics(nominal.results[0].residual[rows], noise),
+        statistics(identified.results[0].residual[rows], noise),
+    )
+
+
+def _validation(campaign: Campaign, model: Model) -> _HeldOut | None:
+    if campaign.calibration is not None:
+        return _point_validation(campaign, model, campaign.validation)
+    return _leg_validation(campaign, model, campaign.validation_legs)
+
+
+def _point_validation(campaign: Campaign, model: Model, points: PointReadings | None) -> _HeldOut | None:
+    if points is None or len(points) == 0:
+        return None
+    block = position_block(points, campaign)
+    noise = expected_noise_mm(block)
+    predicted, uncertainty = predict(replace(model, repeatability_mm=0.0), points.stops, points.nest)
+    residual = points.position_mm - predicted
+    nominal = points.position_mm - predict_nominal(model, points.stops, points.nest)
+    pair = NominalAndIdentified(statistics(nominal, noise), statistics(residual, noise))
+    return _HeldOut(pair, residual, uncertainty**2, block.component_variance() + block.scatter_mm**2)
+
+
+def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) -> _HeldOut | None:
+    if legs is None or len(legs) == 0:
+        return None
+    anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
+    block = leg_block(legs, campaign, anchors)
+    noise = expected_noise_mm(block)
+    residual = (legs.length_mm - predict_lengths(model, legs))[:, None]
+    nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
+    pair = NominalAndIdentified(statistics(nominal, noise), statistics(residual, noise))
+    return _HeldOut(
+        pair, residual, np.zeros(len(legs)), block.component_variance() + block.scatter_mm**2
+    )
+
+
+def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut:
+    residual, variance = held_out_residuals(identified.structure, identified.blocks, identified.values)
+    before, _ = held_out_residuals(nominal.structure, nominal.blocks, nominal.values)
+    stated = identified.blocks[0].weighted(identified.blocks[0].weights, 0.0)
+    noise = expected_noise_mm(stated)
+    pair = NominalAndIdentified(statistics(before, noise), statistics(residual, noise))
+    return _HeldOut(pair, residual, variance, stated.component_variance() + stated.scatter_mm**2)
+
+
+def _discrepancy_mm(held_out: _HeldOut, identified: RobustFit) -> float:
+    """What held-out residuals show per axis beyond noise, scatter and the parameters' own uncertainty [mm].
+
+    Readings as far out as those found gross do not count: they say nothing of the model.
+    """
+    squared = (held_out.residual_mm**2).mean(axis=1)
+    typical = float(np.median(squared))
+    usual = squared < 25.0 * typical
+    expected = held_out.noise_variance_mm2 + held_out.parameter_variance_mm2
+    return float(np.sqrt(max(float((squared - expected)[usual].mean()), 0.0)))
+
+
+def _pure_error(identified: RobustFit) -> PureError | None:
+    block = identified.blocks[0]
+    if not isinstance(block, PositionBlock):
+        return None
+    return pure_error(block, identified.results[0].residual, len(identified.structure.specs))
+
+
+def _not_identifiable(
+    campaign: Campaign, problem: Problem, identified: RobustFit
+) -> tuple[NotIdentifiable, ...]:
+    jacobian = identified.solution.final.jacobian
+    covariance = posterior_covariance(jacobian, 1.0 / problem.structure.prior_widths**2)
+    stops = problem.blocks[0].targets.stops
+    moved = np.ptp(stops.joints_rad, axis=0) > _MOVED_RAD
+    return not_identifiable(
+        problem.structure, covariance, jacobian, campaign, setting_of(campaign, stops), moved
+    )
+
+
+def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: str) -> Identification:
+    readings = campaign.calibration or campaign.legs
+    rows = 0 if readings is None else len(readings)
+    configurations = 0 if readings is None else len(np.unique(readings.stops.config))
+    position = campaign.calibration is not None
+    return Identification(
+        status=status,
+        message=message,
+        effects=effects,
+        counts=Counts(configurations, 3 * rows if position else rows, 0, 0),
+        parameters=(),
+        not_identifiable=(),
+        outliers=(),
+        quantity="position" if position else "length",
+        calibration=None,
+        validation=None,
+        cross_validation=None,
+        calibration_without_outliers=None,
+        chi2_per_dof=float("nan"),
+        pure_error=None,
+        model=None,
+    )
+
+

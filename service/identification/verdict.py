@@ -1,0 +1,175 @@
+"""What an identification may claim: enough data, the right table, few enough gross readings, an end."""
+
+import numpy as np
+
+from service.domain.campaign import Campaign, PointReadings
+from service.domain.results import Status
+from service.effects.geometry import GEOMETRY_EFFECTS
+from service.effects.registry import effect_named
+from service.identification.conventions import (
+    Evidence,
+    change_that_fits,
+    plausible_mm,
+    reach_mm,
+)
+from service.identification.problem import Problem, known_placement, nominal_chain, setting_of
+from service.identification.robust import RobustFit
+from service.kinematics.frames import placement_rotation, placement_translation
+
+_SAME_RAD = 1e-6
+_TOO_MANY_GROSS = 0.2
+_IMPLAUSIBLE_WIDTHS = 10.0
+_IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
+_SUSPICIOUS_CHI2 = 2.0
+
+
+def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
+    """Return the sentence that says what is missing, None where there is enough to fit."""
+    readings = campaign.calibration or campaign.legs
+    if readings is None:
+        return None
+    parameters = sum(len(effect_named(name).specs(setting_of(campaign, readings.stops))) for name in effects)
+    configurations = len(np.unique(np.round(readings.stops.joints_rad / _SAME_RAD), axis=0))
+    per_reading = 3 if isinstance(readings, PointReadings) else 1
+    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), readings.nest])
+    observations = per_reading * len(np.unique(pairs, axis=0))
+    if configurations == 1:
+        return f"All {len(readings)} readings were taken in one configuration: move every joint between readings."
+    if observations < parameters:
+        return (
+            f"{configurations} different configurations give {observations} observations for {parameters} "
+            f"parameters: measure at least {int(np.ceil(1.5 * parameters / per_reading))} configurations, "
+            "or ask for fewer effects."
+        )
+    return None
+
+
+def before_fitting(campaign: Campaign, problem: Problem) -> str | None:
+    """Return the sentence of a wrong convention where the nominal robot cannot be placed at all."""
+    points = campaign.calibration
+    if points is None:
+        return None
+    typical = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
+    evidence = _evidence(points)
+    if typical < plausible_mm(campaign.robot) and not _collapsed(campaign, evidence):
+        return None
+    change = change_that_fits(campaign.robot, evidence, known_placement(campaign))
+    if change:
+        return _would_fit(typical, change)
+    return None
+
+
+def _would_fit(typical_mm: float, change: str) -> str:
+    return (
+        f"The nominal robot misses the readings by typically {typical_mm:.3g} mm. "
+        f"One change would make it fit: {change}."
+    )
+
+
+def _collapsed(campaign: Campaign, evidence: Evidence) -> bool:
+    flange = nominal_chain(campaign.robot, evidence.joints_rad).origin[-1]
+    return bool(np.ptp(evidence.position_mm, axis=0).max() < 0.02 * np.ptp(flange, axis=0).max())
+
+
+def _evidence(points: PointReadings) -> Evidence:
+    return Evidence(points.stops.joints_rad, points.nest, points.position_mm)
+
+
+def judge(
+    campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit
+) -> tuple[Status, str]:
+    """Return status and message of a fit."""
+    share = float(np.mean(identified.gross[0]))
+    typical = _typical(identified)
+    gross = int(identified.gross[0].sum())
+    n = len(identified.gross[0])
+    if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
+        return Status.OUTLIERS_DOMINATE, (
+            f"{gross} of {n} readings do not fit the others: no model can be trusted; "
+            "check reflectors, nest labels and the order of the rows first."
+        )
+    wrong = _wrong_model(campaign, problem, identified, typical)
+    if wrong:
+        return Status.WRONG_NOMINAL_MODEL, wrong
+    if not identified.solution.converged:
+        return Status.NOT_CONVERGED, (
+            f"The identification did not settle in {identified.solution.iterations} steps: "
+            "ask for fewer effects, or measure configurations that differ more."
+        )
+    return Status.CONVERGED, _converged_message(problem, identified, gross)
+
+
+def _typical(fit: RobustFit) -> float:
+    return float(np.median(np.linalg.norm(fit.results[0].residual, axis=1)))
+
+
+def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
+    """A sizeable part agrees with the nominal robot where the base is known, yet the whole does not."""
+    base, points = campaign.base_nominal, campaign.calibration
+    if base is None or points is None or typical_mm < plausible_mm(campaign.robot):
+        return False
+    known = known_placement(campaign)
+    if known.nest_unknown.any():
+        return False
+    chain = nominal_chain(campaign.robot, points.stops.joints_rad)
+    here = chain.points(known.nests_mm[points.nest - 1])
+    seen = (points.position_mm - placement_translation(base)) @ placement_rotation(base)
+    close = np.linalg.norm(seen - here, axis=1) < 2.0 * plausible_mm(campaign.robot)
+    return bool(close.mean() > 0.15)
+
+
+def _wrong_model(
+    campaign: Campaign, problem: Problem, identified: RobustFit, typical_mm: float
+) -> str | None:
+    points = campaign.calibration
+    nominal_mm = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
+    # A wrong table leaves tens of millimetres; where the nominal robot fits, a large error of the geometry
+    # stands for something else that the model lacks, and is said so in the message.
+    strange = nominal_mm > plausible_mm(campaign.robot) and implausible_parameter(problem, identified)
+    unfit = typical_mm > _IDENTIFIED_SHARE * reach_mm(campaign.robot)
+    if points is not None and (strange or unfit or identified.chi2_per_dof > _SUSPICIOUS_CHI2):
+        change = change_that_fits(
+            campaign.robot, _evidence(points), known_placement(campaign), search_zeros=bool(strange or unfit)
+        )
+        if change:
+            return _would_fit(nominal_mm, change)
+    if unfit:
+        return (
+            f"The identified model still misses the readings by typically {typical_mm:.3g} mm and no single change "
+            "of convention makes the nominal robot fit: check that the table is that of the measured robot."
+        )
+    if strange:
+        return (
+            f"The data ask for {strange}, far beyond what a robot of this make can be off by: "
+            "check that the table is that of the measured robot."
+        )
+    return None
+
+
+def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None:
+    """Name a geometric error that is certainly larger than any robot's."""
+    uncertainty = np.sqrt(np.diag(identified.solution.covariance))
+    for spec, owner, value, u in zip(
+        problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
+    ):
+        certain = abs(value) - 3.0 * u > _IMPLAUSIBLE_WIDTHS * spec.prior_width
+        if owner in GEOMETRY_EFFECTS and certain:
+            shown = f"{np.rad2deg(value):.2f} deg" if spec.unit == "rad" else f"{value:.1f} mm"
+            return f"{spec.name} = {shown}"
+    return None
+
+
+def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> str:
+    parts = [f"Converged with {len(problem.structure.specs)} parameters"]
+    if gross:
+        parts.append(f"{gross} reading{'s' if gross > 1 else ''} without weight")
+    strange = implausible_parameter(problem, identified)
+    if strange:
+        parts.append(f"{strange} is larger than any robot's error: it stands for something the model lacks")
+    lacking = identified.blocks[0].discrepancy
+    if lacking > 0.0:
+        parts.append(
+            f"the model lacks about {lacking:.2g} mm per axis beyond the stated noise, "
+            "which the uncertainties include"
+        )
+    return "; ".join(parts) + "."

@@ -1,0 +1,122 @@
+"""Held-out statistics: errors of position, and of the distances between all pairs of points."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.campaign import LegReadings, PointReadings
+from service.domain.errors import ConfigurationError
+from service.domain.results import Model, NominalAndIdentified, Statistics, Validation
+from service.identification import predict, predict_lengths, predict_nominal
+from service.identification.statistics import mean_norm, statistics
+
+_PAIRS_AT_ONCE = 2_000_000
+
+
+def validate(
+    model: Model, readings: PointReadings | LegReadings, *, limit_mm: float | None = None
+) -> Validation:
+    """Judge a model on readings it was not made from.
+
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings or LegReadings
+        n >= 1 readings.
+    limit_mm : float, optional
+        Largest error that passes; without it the model passes when its mean error is below the nominal
+        model's.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    ConfigurationError
+        The readings do not fit the model, or there are none.
+    """
+    if len(readings) == 0:
+        raise ConfigurationError("There is no reading to validate with.")
+    if isinstance(readings, LegReadings):
+        return _validate_legs(model, readings, limit_mm)
+    predicted, _ = predict(model, readings.stops, readings.nest)
+    nominal = predict_nominal(model, readings.stops, readings.nest)
+    noise = _noise_mm(model, readings)
+    position = NominalAndIdentified(
+        statistics(readings.position_mm - nominal, noise), statistics(readings.position_mm - predicted, noise)
+    )
+    distance = _distances(readings, nominal, predicted)
+    return Validation("position", position, distance, limit_mm, _passes(position, limit_mm))
+
+
+def _passes(position: NominalAndIdentified, limit_mm: float | None) -> bool:
+    if limit_mm is None:
+        return position.identified.mean_mm <= position.nominal.mean_mm
+    return position.identified.max_mm <= limit_mm
+
+
+def _noise_mm(model: Model, readings: PointReadings) -> float:
+    covariance = readings.covariance_mm2
+    if covariance is None:
+        covariance = readings.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
+    return mean_norm(covariance + model.repeatability_mm**2 * np.eye(3))
+
+
+def _validate_legs(model: Model, legs: LegReadings, limit_mm: float | None) -> Validation:
+    sigma = np.sqrt(legs.standard_uncertainty_mm**2 + model.repeatability_mm**2)
+    noise = float(np.sqrt(2.0 / np.pi) * sigma.mean())
+    nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
+    identified = (legs.length_mm - predict_lengths(model, legs))[:, None]
+    pair = NominalAndIdentified(statistics(nominal, noise), statistics(identified, noise))
+    return Validation("length", pair, None, limit_mm, _passes(pair, limit_mm))
+
+
+def _distances(
+    readings: PointReadings, nominal: FloatArray, predicted: FloatArray
+) -> NominalAndIdentified | None:
+    if len(readings) < 2:
+        return None
+    noise = float(np.sqrt(2.0 / np.pi) * np.sqrt(2.0 * np.mean(readings.standard_uncertainty_mm**2)))
+    before, after = _Running(), _Running()
+    for first, second in _pairs(len(readings)):
+        seen = _lengths(readings.position_mm, first, second)
+        before.add(seen - _lengths(nominal, first, second))
+        after.add(seen - _lengths(predicted, first, second))
+    return NominalAndIdentified(before.statistics(noise), after.statistics(noise))
+
+
+def _lengths(points: FloatArray, first: "slice | FloatArray", second: "slice | FloatArray") -> FloatArray:
+    return np.asarray(np.linalg.norm(points[first] - points[second], axis=1))
+
+
+def _pairs(n: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """All pairs i < j in blocks that fit in memory."""
+    rows = max(1, _PAIRS_AT_ONCE // n)
+    for start in range(0, n, rows):
+        first, second = np.meshgrid(np.arange(start, min(start + rows, n)), np.arange(n), indexing="ij")
+        chosen = first < second
+        yield first[chosen], second[chosen]
+
+
+class _Running:
+    """Statistics of absolute errors over blocks of pairs."""
+
+    def __init__(self) -> None:
+        self._n, self._sum, self._squares, self._largest = 0, 0.0, 0.0, 0.0
+
+    def add(self, errors: FloatArray) -> None:
+        """Take another block."""
+        if errors.size == 0:
+            return
+        self._n += errors.size
+        self._sum += float(np.abs(errors).sum())
+        self._squares += float(errors @ errors)
+        self._largest = max(self._largest, float(np.abs(errors).max()))
+
+    def statistics(self, noise_mm: float) -> Statistics:
+        """Return the statistics of all blocks."""
+        mean = self._sum / self._n
+        variance = max(self._squares / self._n - mean**2, 0.0) * self._n / max(self._n - 1, 1)
+        return Statistics(self._n, mean, float(np.sqrt(self._squares / self._n)), float(np.sqrt(variance)), self._largest, noise_mm)
