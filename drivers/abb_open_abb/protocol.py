@@ -124,14 +124,14 @@ def decode_request(data: bytes) -> Request:
     """Read a request as the controller does; raises OpenAbbProtocolError when it is corrupt.
 
     What stands behind the end mark is lost, as in RAPID, which reads one string a request. A value that
-    runs into the mark without a space is not counted.
+    runs into the mark without a space is not counted; two spaces in a row enclose a value that is none.
     """
     text = data.decode("ascii", errors="replace")[:LONGEST_MESSAGE_CHARS]
     body, mark, _ = text.partition("#")
     if not mark:
         raise OpenAbbProtocolError(f"{text!r} has no end mark # within {LONGEST_MESSAGE_CHARS} characters")
     words = body.split(" ")[:-1]
-    numbers = [_number(word) for word in words if word]
+    numbers = [_number(word) for word in words]
     if not numbers:
         raise OpenAbbProtocolError(f"{text!r} has no code")
     if len(numbers) - 1 > MOST_PARAMETERS:

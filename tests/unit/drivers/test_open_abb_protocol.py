@@ -88,9 +88,7 @@ def test_a_request_of_eleven_values_is_refused():
         encode_request(2, ["1"] * 11)
 
 
-@pytest.mark.parametrize(
-    "text", ["02 1 #", "2 1 #", "002 1 #", "2  1  #", " 2 1 #", "2 +1.0 # 4 #", "2.0 1 #"]
-)
+@pytest.mark.parametrize("text", ["02 1 #", "2 1 #", "002 1 #", "2 +1.0 # 4 #", "2.0 1 #"])
 def test_the_code_is_a_number_and_what_follows_the_mark_is_lost(text):
     assert decode_request(text.encode()) == Request(2, (1.0,))
 
@@ -108,6 +106,8 @@ def test_a_value_that_runs_into_the_mark_is_not_counted():
         "#",
         " #",
         "4#",
+        " 4 #",
+        "2  1 #",
         "x #",
         "4 nan #",
         "4 1_0 #",
@@ -122,9 +122,9 @@ def test_a_corrupt_request_is_refused(text):
 
 
 def test_a_mark_behind_the_80th_character_is_not_seen():
-    assert decode_request(b"4 " + b" " * 77 + b"#").code == Code.GET_JOINTS
+    assert decode_request(b"4 " + b"1" * 76 + b" #").code == Code.GET_JOINTS
     with pytest.raises(OpenAbbProtocolError, match="80"):
-        decode_request(b"4 " + b" " * 78 + b"#")
+        decode_request(b"4 " + b"1" * 77 + b" #")
 
 
 @given(data=st.binary(max_size=100))
