@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Any
+from typing import Any, Final
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -19,7 +19,8 @@ from service.operation.errors import DeviceInUseError, MissingDeviceError, Unkno
 from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
 from service.storage.errors import ConflictError, KeyReusedError, NotFoundError, StorageUnavailableError
 
-MEDIA_TYPE = "application/problem+json"
+MEDIA_TYPE: Final = "application/problem+json"
+_METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
 
 # The first class that fits counts, so a subclass stands before its base.
 _STATUS: Mapping[type[Exception], HTTPStatus] = {
@@ -116,11 +117,13 @@ async def _on_http(request: Request, error: Exception) -> JSONResponse:
 
 def _allowed_methods(request: Request) -> list[str]:
     """Return the methods of every route at this path; the framework names those of the first one only."""
-    methods: set[str] = set()
-    for route in request.app.routes:
-        if route.matches(request.scope)[0] is not Match.NONE:
-            methods |= getattr(route, "methods", None) or set()
-    return sorted(methods)
+    return [
+        method
+        for method in _METHODS
+        if any(
+            route.matches({**request.scope, "method": method})[0] is Match.FULL for route in request.app.routes
+        )
+    ]
 
 
 async def _on_invalid(request: Request, error: Exception) -> JSONResponse:

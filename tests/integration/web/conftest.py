@@ -1,0 +1,48 @@
+"""The whole service over ASGI, on fake devices and a real database."""
+
+import asyncio
+
+import httpx
+import pytest
+
+from service.app import create_app
+from service.settings import Settings
+from tests.integration.web.bench import CELL, Bench
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+@pytest.fixture
+def settings(tmp_path, database_url):
+    cell_file = tmp_path / "cell.toml"
+    cell_file.write_text(CELL)
+    return Settings(database_url=database_url, cell_file=cell_file)
+
+
+@pytest.fixture
+async def app(settings, bench):
+    application = create_app(settings, bench.registry())
+    async with application.router.lifespan_context(application):
+        yield application
+
+
+@pytest.fixture
+async def client(app):
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service") as opened:
+        yield opened
+
+
+@pytest.fixture
+def until(client):
+    """Ask a resource until a key has one of the values given; fails after ten seconds."""
+
+    async def ask(path, key, *values):
+        async with asyncio.timeout(10):
+            while (found := (await client.get(path)).json())[key] not in values:
+                await asyncio.sleep(0.005)
+        return found
+
+    return ask

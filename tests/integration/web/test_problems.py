@@ -1,0 +1,95 @@
+"""Whatever goes wrong leaves as a problem document with one sentence."""
+
+import json
+
+import pytest
+
+from service.web.limits import JSON_LIMIT_BYTES
+from tests.integration.web.bench import session_request
+
+SESSIONS = "/api/v1/sessions"
+
+
+def detail_of(answer, status):
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    problem = answer.json()
+    assert problem["status"] == status
+    assert problem["detail"].endswith((".", ".)"))
+    return problem["detail"]
+
+
+async def test_a_path_that_is_not_there(client):
+    assert "nothing at /api/v1/nothing" in detail_of(await client.get("/api/v1/nothing"), 404)
+
+
+async def test_a_method_that_is_not_possible_names_all_that_are(client):
+    refused = await client.delete(SESSIONS)
+
+    assert "GET, POST" in detail_of(refused, 405)
+    assert refused.headers["Allow"] == "GET, POST"
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"role": "both"}, "role"),
+        ({"name": ""}, "name"),
+        ({"settle_s": "4"}, "settle_s"),
+        ({"speed_mm_s": 1}, "speed_mm_s"),
+        ({"plan": {"method": "given", "stops": []}}, "stops"),
+        ({"plan": {"method": "guess"}}, "plan"),
+    ],
+)
+async def test_a_field_that_is_wrong_is_named(client, change, field):
+    refused = await client.post(SESSIONS, json=session_request(**change))
+
+    assert field in detail_of(refused, 422)
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "1e999"])
+async def test_a_number_that_is_none_is_refused(client, number):
+    body = json.dumps(session_request()).replace('"registration_readings": 2', f'"settle_s": {number}')
+
+    refused = await client.post(SESSIONS, content=body, headers={"Content-Type": "application/json"})
+
+    assert "settle_s" in detail_of(refused, 422)
+
+
+async def test_a_body_that_is_not_json(client):
+    refused = await client.post(SESSIONS, content="{", headers={"Content-Type": "application/json"})
+
+    assert "not JSON" in detail_of(refused, 422)
+
+
+async def test_a_body_of_another_type(client):
+    refused = await client.post(SESSIONS, content="name: x", headers={"Content-Type": "text/yaml"})
+
+    assert "text/yaml; application/json is understood" in detail_of(refused, 415)
+
+
+@pytest.mark.parametrize("declared", [True, False])
+async def test_a_body_that_is_too_large(client, declared):
+    async def chunks():
+        for _ in range(JSON_LIMIT_BYTES // 2**20 + 1):
+            yield b" " * 2**20
+
+    content = b" " * (JSON_LIMIT_BYTES + 1) if declared else chunks()
+
+    refused = await client.post(SESSIONS, content=content, headers={"Content-Type": "application/json"})
+
+    assert "larger than 8 MB" in detail_of(refused, 413)
+
+
+@pytest.mark.parametrize("number", ["0", "-1", "abc", "9999999999999999999999"])
+async def test_a_number_that_no_record_can_have(client, number):
+    assert "id" in detail_of(await client.get(f"{SESSIONS}/{number}"), 422)
+
+
+@pytest.mark.parametrize(
+    "resource", ["sessions", "readings", "jobs", "identifications", "validations", "models", "campaigns"]
+)
+async def test_a_record_that_is_not_there_is_named(client, resource):
+    refused = await client.get(f"/api/v1/{resource}/7")
+
+    assert detail_of(refused, 404) == f"There is no {resource.rstrip('s')} 7."

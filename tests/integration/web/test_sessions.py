@@ -1,0 +1,189 @@
+"""Sessions over REST: planned, confirmed by a person, paused, ended, found again."""
+
+import asyncio
+
+import httpx
+import pytest
+
+from service.app import create_app
+from tests.integration.web.bench import Bench, session_request, stops
+
+SESSIONS = "/api/v1/sessions"
+
+
+async def planned(client, **changes):
+    answer = await client.post(SESSIONS, json=session_request(**changes))
+    assert answer.status_code == 201, answer.text
+    return answer.headers["Location"]
+
+
+async def running(client, bench):
+    """A session whose first motion has begun and does not end yet."""
+    bench.robot.gate.clear()
+    path = await planned(client)
+    await client.post(f"{path}/start")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await asyncio.wait_for(bench.robot.sent.wait(), 10)
+    return path
+
+
+async def test_a_session_runs_from_plan_to_readings(client, until):
+    path = await planned(client, n=3)
+    await client.post(f"{path}/start")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+
+    session = await until(path, "state", "finished", "failed", "paused")
+    readings = (await client.get(f"{path}/readings", params={"kind": "point"})).json()
+
+    assert session["state"] == "finished", session["reason"]
+    assert (session["planned"], session["measured"], session["skipped"]) == (3, 3, 0)
+    assert [reading["point"]["config"] for reading in readings] == [1, 2, 3]
+    assert readings[1]["point"]["commanded_deg"] == stops(3)[1]["joints_deg"]
+    assert session["progress"]["done"] == 3
+    assert session["registration"]["tracker_position_mm"] == pytest.approx([0, 0, 0], abs=1e-6)
+
+
+async def test_nothing_moves_before_a_named_person_has_confirmed(client, bench):
+    path = await planned(client)
+
+    started = await client.post(f"{path}/start")
+    nameless = await client.post(f"{path}/confirm", json={"person": "  "})
+    await asyncio.sleep(0.05)
+
+    assert started.json()["session"]["state"] == "awaiting_confirmation"
+    assert "Is the cell clear" in started.json()["session"]["question"]
+    assert nameless.status_code == 422
+    assert bench.robot.moves == 0
+
+
+async def test_a_pause_says_that_the_motion_ends_first_and_then_holds(client, bench, until):
+    path = await running(client, bench)
+
+    answer = await client.post(f"{path}/pause", json={"person": "Ada"})
+    bench.robot.gate.set()
+    await until(path, "state", "paused")
+    moves = bench.robot.moves
+    await asyncio.sleep(0.05)
+
+    assert "ends first" in answer.json()["sentence"]
+    assert bench.robot.moves == moves
+    assert (await client.post(f"{path}/resume", json={"person": "Ada"})).status_code == 202
+    assert (await until(path, "state", "finished"))["measured"] == 3
+
+
+async def test_an_aborted_session_keeps_its_readings(client, bench, until):
+    path = await running(client, bench)
+
+    await client.post(f"{path}/abort")
+    bench.robot.gate.set()
+    session = await until(path, "state", "aborted")
+
+    assert session["state"] == "aborted"
+    assert (await client.get(f"{path}/readings")).json() != []
+
+
+async def test_a_planned_session_can_be_ended_without_ever_moving(client, bench):
+    path = await planned(client)
+
+    answer = await client.post(f"{path}/abort", json={"person": "Ada"})
+
+    assert answer.json()["session"]["state"] == "aborted"
+    assert answer.json()["session"]["person"] == "Ada"
+    assert (await client.post(f"{path}/start")).status_code == 409
+
+
+async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(settings, bench):
+    bench.robot.gate.clear()
+    first = create_app(settings, bench.registry())
+    async with first.router.lifespan_context(first), connected(first) as client:
+        path = await running(client, bench)
+
+    later = Bench()
+    second = create_app(settings, later.registry())
+    async with second.router.lifespan_context(second), connected(second) as client:
+        found = (await client.get(path)).json()
+        await asyncio.sleep(0.05)
+        moves_before = later.robot.moves
+        await client.post(f"{path}/confirm", json={"person": "Grace"})
+        async with asyncio.timeout(10):
+            while (session := (await client.get(path)).json())["state"] != "finished":
+                await asyncio.sleep(0.005)
+
+    assert found["state"] == "awaiting_confirmation"
+    assert "service was stopped" in found["reason"]
+    assert moves_before == 0
+    assert session["measured"] == 3
+
+
+def connected(app):
+    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service")
+
+
+async def test_one_session_runs_at_a_time(client):
+    first, second = await planned(client), await planned(client)
+    await client.post(f"{first}/start")
+
+    refused = await client.post(f"{second}/start")
+
+    assert refused.status_code == 409
+    assert refused.json()["detail"].startswith(
+        "Session 1 is awaiting confirmation; one session runs at a time"
+    )
+
+
+async def test_a_device_under_a_session_is_not_disconnected(client, bench):
+    await running(client, bench)
+
+    refused = await client.post("/api/v1/devices/tracker/disconnect")
+
+    assert refused.status_code == 409
+    assert "Session 1 holds the device 'tracker'" in refused.json()["detail"]
+
+
+@pytest.mark.parametrize("action", ["pause", "resume", "confirm"])
+async def test_what_cannot_be_asked_now_is_refused_with_the_state(client, action):
+    path = await planned(client)
+
+    refused = await client.post(f"{path}/{action}", json={"person": "Ada"})
+
+    assert refused.status_code == 409
+    assert "planned" in refused.json()["detail"]
+
+
+async def test_a_stop_beyond_a_joint_limit_is_refused_when_planned(client):
+    far = [{"config": 1, "joints_deg": [0, 45, -30, 0, 500, 0], "nest": 1}]
+
+    refused = await client.post(SESSIONS, json=session_request(plan={"method": "given", "stops": far}))
+
+    assert refused.status_code == 422
+    assert "oint 5" in refused.json()["detail"]
+
+
+async def test_a_plan_sent_twice_with_one_key_is_one_session(client):
+    key = {"Idempotency-Key": "left-arm-1"}
+
+    first = await client.post(SESSIONS, json=session_request(), headers=key)
+    again = await client.post(SESSIONS, json=session_request(), headers=key)
+    other = await client.post(SESSIONS, json=session_request(name="other"), headers=key)
+
+    assert first.json()["id"] == again.json()["id"]
+    assert len((await client.get(SESSIONS)).json()) == 1
+    assert other.status_code == 422
+    assert "left-arm-1" in other.json()["detail"]
+
+
+async def test_the_plan_can_be_read_back_in_degrees(client):
+    path = await planned(client, approach_offset_deg=None)
+
+    plan = (await client.get(f"{path}/plan")).json()
+
+    assert [stop["joints_deg"] for stop in plan["stops"]] == [stop["joints_deg"] for stop in stops(3)]
+    assert plan["approach_offset_deg"] is None
+
+
+async def test_before_the_first_motion_progress_is_zero(client):
+    path = await planned(client)
+
+    progress = (await client.get(f"{path}/progress")).json()
+
+    assert (progress["done"], progress["planned"]) == (0, 3)
