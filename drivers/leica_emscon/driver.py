@@ -21,7 +21,7 @@ from drivers.errors import (
     RemoteProtocolError,
 )
 from drivers.leica_emscon.conversation import Conversation
-from drivers.leica_emscon.protocol import DEFAULT_PORT, Command, Record, Request
+from drivers.leica_emscon.protocol import DEFAULT_PORT, EXCHANGES, Command, Record, Request
 from drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerFace, TrackerProcessorStatus
 from drivers.leica_emscon.protocol.settings import (
     AngleUnit,
@@ -33,6 +33,7 @@ from drivers.leica_emscon.protocol.settings import (
     TemperatureUnit,
     WeatherMonitorStatus,
 )
+from drivers.leica_emscon.sentences import CommandUnknownError
 from drivers.monotonic_clock import MonotonicClock
 from drivers.transports.link import Link
 from drivers.transports.tcp import TcpLink
@@ -122,8 +123,7 @@ class LaserTracker:
         await self._start_up()
         await self._ask(Command.SET_MEASUREMENT_MODE, Record(meas_mode=MeasMode.STATIONARY))
         await self._ask(Command.SET_COORDINATE_SYSTEM_TYPE, Record(coord_sys_type=CoordinateSystemType.RHR))
-        equipped = await self._ask(Command.GET_SYSTEM_SETTINGS)
-        await self._ask(Command.SET_SYSTEM_SETTINGS, Record(equipped | _OWN_SETTINGS))
+        await self._ask(Command.SET_SYSTEM_SETTINGS, Record(await self._settings() | _OWN_SETTINGS))
         await self._choose_reflector()
         self._measure_ms = None
         self._search_radius_mm = None
@@ -202,6 +202,13 @@ class LaserTracker:
         status = await self._ask(Command.GET_SYSTEM_STATUS)
         return status.integer("tracker_processor_status") == TrackerProcessorStatus.INITIALIZED
 
+    async def _settings(self) -> Record:
+        """Return the present settings, whose equipment flags must stay as they are."""
+        try:
+            return await self._ask(Command.GET_SYSTEM_SETTINGS)
+        except CommandUnknownError:
+            return EXCHANGES[Command.GET_SYSTEM_SETTINGS].answer.zeros()
+
     async def _choose_reflector(self) -> None:
         items = await self._conversation.ask_list(Command.GET_REFLECTORS, timeout_s=self._time_outs.command_s)
         stored = {item.text("reflector_name"): item.integer("internal_reflector_id") for item in items}
@@ -215,11 +222,11 @@ class LaserTracker:
                     f"the tracker has no reflector named {self._reflector!r}; it has {_names(stored)}"
                 )
             return stored[self._reflector]
+        if len(stored) == 1:
+            return next(iter(stored.values()))
         current = (await self._ask(Command.GET_REFLECTOR)).integer("internal_reflector_id")
         if current in stored.values():
             return current
-        if len(stored) == 1:
-            return next(iter(stored.values()))
         raise ConfigurationError(
             f"no reflector is set in the tracker: name one of {_names(stored)} in option reflector"
         )

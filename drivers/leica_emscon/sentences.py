@@ -21,6 +21,11 @@ from drivers.leica_emscon.protocol import Command, ResultStatus
 Purpose: TypeAlias = Literal["set", "find", "measure"]
 """What a command is for: one status says "no reflector" to a search, "beam broken" to a measurement."""
 
+
+class CommandUnknownError(DeviceRefusedError):
+    """The command exists in the protocol but not in the tracker that was asked."""
+
+
 _BUSY: Mapping[int, str] = {
     ResultStatus.SERVER_BUSY: "it is busy with another command: wait for it to end, then repeat",
     ResultStatus.INTERNAL_PROCESS_ACTIVE: "an internal process is running: wait for it to end, then repeat",
@@ -32,7 +37,6 @@ _BUSY: Mapping[int, str] = {
 }
 
 _REFUSED: Mapping[int, str] = {
-    ResultStatus.NOT_IMPLEMENTED: "this model does not know the command",
     ResultStatus.NO_WEATHERMONITOR_FOUND: "no weather station was found: connect it, then initialise",
     ResultStatus.NO_TEMPERATURE_FROM_WM: "the weather station gives no temperature: check its sensor",
     ResultStatus.NO_PRESSURE_FROM_WM: "the weather station gives no pressure: check its sensor",
@@ -84,6 +88,8 @@ def error_for(command: int, status: int, purpose: Purpose) -> DriverError:
         return BusyError(f"the tracker refused {name}: {_BUSY[status]}")
     if status == ResultStatus.TRACKER_NOT_INITIALIZED:
         return NotInitialisedError(f"the tracker refused {name}: it is not initialised, initialise it first")
+    if status == ResultStatus.NOT_IMPLEMENTED:
+        return CommandUnknownError(f"the tracker refused {name}: this model does not know the command")
     if status in _REFUSED:
         return DeviceRefusedError(f"the tracker refused {name}: {_REFUSED[status]}")
     if status in _WRONG_PARAMETERS:

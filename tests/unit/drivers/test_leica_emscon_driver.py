@@ -240,6 +240,48 @@ async def test_initialising_keeps_what_the_tracker_says_about_its_equipment():
     assert settings["has_video_camera"]
 
 
+async def test_a_server_that_cannot_tell_its_settings_is_set_up_all_the_same():
+    fake = FakeTracker()
+    fake.script[Command.GET_SYSTEM_SETTINGS] = lambda _: [
+        Answer(Command.GET_SYSTEM_SETTINGS, ResultStatus.NOT_IMPLEMENTED)
+    ]
+
+    await ready_tracker(fake)
+
+    assert fake.asked(Command.SET_SYSTEM_SETTINGS)[0].values["weather_monitor_status"] == 2
+
+
+async def test_the_reflector_set_among_several_is_kept():
+    fake = FakeTracker()
+    fake.script[Command.GET_REFLECTOR] = lambda _: [answer(Command.GET_REFLECTOR, internal_reflector_id=2)]
+    fake.script[Command.GET_REFLECTORS] = lambda _: [reflector(1, "A", total=2), reflector(2, "B", total=2)]
+
+    await ready_tracker(fake)
+
+    assert fake.asked(Command.SET_REFLECTOR)[0].values == {"internal_reflector_id": 2}
+
+
+@pytest.mark.parametrize("total", [-1, 1_001, 2**31 - 1])
+async def test_an_absurd_number_of_reflectors_is_a_protocol_error(total):
+    fake = FakeTracker()
+    fake.script[Command.GET_REFLECTORS] = lambda _: [reflector(1, "A", total=total)]
+    tracker = tracker_on(fake)
+    await tracker.connect()
+
+    with pytest.raises(RemoteProtocolError, match=f"{total} items"):
+        await tracker.initialise()
+
+
+async def test_a_tracker_without_reflectors_says_so():
+    fake = FakeTracker()
+    fake.script[Command.GET_REFLECTORS] = lambda _: [reflector(0, "", total=0)]
+    tracker = tracker_on(fake)
+    await tracker.connect()
+
+    with pytest.raises(ConfigurationError, match="none at all"):
+        await tracker.initialise()
+
+
 async def test_a_tracker_that_is_not_started_up_is_initialised_first():
     fake = FakeTracker()
     fake.script[Command.GET_SYSTEM_STATUS] = lambda _: [
