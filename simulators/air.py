@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simulators.errors import ScenarioError
+
 PRESSURE_HPA = 1013.25
 HUMIDITY_PERCENT = 45.0
 
@@ -17,6 +19,12 @@ class AirSetup:
     wave_k: float = 0.3  # amplitude
     wave_period_s: float = 7200.0
     sensor_noise_k: float = 0.05
+
+    def __post_init__(self) -> None:
+        if self.wave_period_s <= 0.0:
+            raise ScenarioError(f'key "wave_period_s" must be above 0, not {self.wave_period_s}')
+        if self.sensor_noise_k < 0.0:
+            raise ScenarioError(f'key "sensor_noise_k" must be 0 or more, not {self.sensor_noise_k}')
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,14 +7,14 @@ import numpy as np
 
 from simulators.air import Air
 from simulators.clock import CellClock
-from simulators.faults import Faults
+from simulators.faults import Fault, Faults
 from simulators.physics.arm import CarriedMass
 from simulators.physics.effects import Conditions, Effect, PlantedChange, plant_effect
 from simulators.physics.equilibrium import Rest, find_rest
 from simulators.physics.plant import Plant, draw_compliances, draw_motions
 from simulators.physics.rigid import FloatArray, apply
 from simulators.physics.robots import ARMS
-from simulators.robot import JointMotion, Robot, SpeedLimits
+from simulators.robot import JointMotion, Robot, SpeedLimits, check_range
 from simulators.scenario import Scenario
 from simulators.tracker import Target, Tracker, place_tracker, returns_beam, seen_from
 
@@ -43,7 +43,7 @@ class Cell:
         facing = np.array(scenario.tool.facing)
         self._facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
         for fault in scenario.faults:
-            self.faults.add(fault)
+            self.add_fault(fault)
 
     @property
     def noise(self) -> np.random.Generator | None:
@@ -55,12 +55,17 @@ class Cell:
         self._effects.append(plant_effect(change, self.plant.arm))
         self._rest = None
 
+    def add_fault(self, fault: Fault) -> None:
+        """Script a failure; raises ScenarioError when it cannot happen here."""
+        self.scenario.check_fault(fault)
+        self.faults.add(fault)
+
     async def move_robot(
         self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
     ) -> None:
         """Move along waypoints and return when the arm is at rest; raises TargetOutOfRangeError."""
         for waypoint in waypoints_rad:
-            self.robot.check_range(waypoint)
+            check_range(self.plant.arm, waypoint)
         motion = self.robot.start(waypoints_rad, limits, tool_mm, self.clock.now_s)
         self._lose_sight(motion)
         await self.clock.sleep(motion.duration_s)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
 
+from simulators.errors import ScenarioError
 from simulators.physics.arm import Vector
 
 
@@ -21,6 +22,9 @@ class BeamBroken:
     reading: int
     count: int = 1
 
+    def __post_init__(self) -> None:
+        _from_one(self, "reading", "count")
+
 
 @dataclass(frozen=True, slots=True)
 class TrackerSilent:
@@ -28,12 +32,18 @@ class TrackerSilent:
 
     reading: int
 
+    def __post_init__(self) -> None:
+        _from_one(self, "reading")
+
 
 @dataclass(frozen=True, slots=True)
 class TrackerCut:
     """The link breaks in the middle of the result of measurement number `reading`."""
 
     reading: int
+
+    def __post_init__(self) -> None:
+        _from_one(self, "reading")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +78,18 @@ class RobotRefuses:
 
     move: int
 
+    def __post_init__(self) -> None:
+        _from_one(self, "move")
+
 
 @dataclass(frozen=True, slots=True)
 class RobotHangs:
     """The arm moves to the target of move number `move`, but the reply never comes."""
 
     move: int
+
+    def __post_init__(self) -> None:
+        _from_one(self, "move")
 
 
 Fault: TypeAlias = (
@@ -154,6 +170,25 @@ class Faults:
         ]
         x, y, z = (math.fsum(shift[axis] for shift in shifts) for axis in range(3))
         return x, y, z
+
+
+def check_nest(fault: Fault, *, tool_nests: int, fixed_nests: int) -> None:
+    """Raise ScenarioError when a fault is about a nest that the cell does not have."""
+    match fault:
+        case SmrMissing(nest=nest):
+            known = tool_nests
+        case FixedNestMoved(nest=nest):
+            known = fixed_nests
+        case _:
+            return
+    if not 1 <= nest <= known:
+        raise ScenarioError(f'key "nest" must be 1 to {known}, not {nest}')
+
+
+def _from_one(fault: object, *names: str) -> None:
+    for name in names:
+        if getattr(fault, name) < 1:
+            raise ScenarioError(f'key "{name}" must be 1 or more, not {getattr(fault, name)}')
 
 
 def _readings_hit(fault: ReadingFault) -> range:

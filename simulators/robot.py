@@ -59,7 +59,7 @@ class Robot:
         self._scatter_mm = scatter_mm
         self._rng = rng
         self._draw_scatter()
-        self.check_range(home_rad)
+        check_range(arm, home_rad)
         self.motion = JointMotion(home_rad[np.newaxis], 0.0, 0.0)
 
     @property
@@ -71,17 +71,6 @@ class Robot:
     def moving(self, time_s: float) -> bool:
         """Whether the arm is under way."""
         return time_s < self.motion.start_s + self.motion.duration_s
-
-    def check_range(self, target_rad: FloatArray) -> None:
-        """Raise TargetOutOfRangeError when a joint would leave its range."""
-        lower, upper = self.arm.limits_rad.T
-        outside = (target_rad < lower - _LIMIT_TOLERANCE_RAD) | (target_rad > upper + _LIMIT_TOLERANCE_RAD)
-        if outside.any():
-            joint = int(np.argmax(outside))
-            raise TargetOutOfRangeError(
-                f"joint {joint + 1} cannot go to {np.degrees(target_rad[joint]):.3f} deg: its range is"
-                f" {np.degrees(lower[joint]):.0f} to {np.degrees(upper[joint]):.0f}"
-            )
 
     def start(
         self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray, time_s: float
@@ -125,6 +114,18 @@ class Robot:
         cosines = (np.trace(turns, axis1=1, axis2=2) - 1.0) / 2.0
         turned_rad = float(np.arccos(np.clip(cosines, -1.0, 1.0)).sum())
         return max(joints_s, length_mm / limits.tool_mm_s, turned_rad / limits.orientation_rad_s)
+
+
+def check_range(arm: Arm, target_rad: FloatArray) -> None:
+    """Raise TargetOutOfRangeError when a joint would leave its range."""
+    lower, upper = arm.limits_rad.T
+    outside = (target_rad < lower - _LIMIT_TOLERANCE_RAD) | (target_rad > upper + _LIMIT_TOLERANCE_RAD)
+    if outside.any():
+        joint = int(np.argmax(outside))
+        raise TargetOutOfRangeError(
+            f"joint {joint + 1} cannot go to {np.degrees(target_rad[joint]):.3f} deg: its range is"
+            f" {np.degrees(lower[joint]):.0f} to {np.degrees(upper[joint]):.0f}"
+        )
 
 
 def nominal_flange(arm: Arm, joints_rad: FloatArray) -> FloatArray:

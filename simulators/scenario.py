@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from simulators.air import AirSetup
 from simulators.errors import ScenarioError
-from simulators.faults import Fault
+from simulators.faults import Fault, check_nest
 from simulators.physics.arm import Vector
 from simulators.physics.effects import PlantedChange
 from simulators.physics.plant import PlantSizes
@@ -90,6 +90,10 @@ class Scenario:
     air: AirSetup = field(default_factory=AirSetup)
     effects: tuple[PlantedChange, ...] = ()
     faults: tuple[Fault, ...] = ()
+
+    def check_fault(self, fault: Fault) -> None:
+        """Raise ScenarioError when a fault cannot happen in this cell."""
+        check_nest(fault, tool_nests=len(self.tool.nests_mm), fixed_nests=len(self.table.fixed_nests_mm))
 
 
 def _not_negative(setup: object, *names: str) -> None:

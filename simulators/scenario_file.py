@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from simulators.air import AirSetup
 from simulators.errors import ScenarioError
 from simulators.faults import KINDS, Fault
@@ -12,6 +14,7 @@ from simulators.physics.arm import Arm
 from simulators.physics.effects import PlantedChange, plant_effect
 from simulators.physics.plant import PlantSizes
 from simulators.physics.robots import ARMS
+from simulators.robot import TargetOutOfRangeError, check_range
 from simulators.scenario import (
     ArmSetup,
     GivenLink,
@@ -62,21 +65,44 @@ def load_scenario(name: str) -> Scenario:
         if key in document:
             values[key] = _read(cls, document[key], f"{where}: [{key}]")
     arm = ARMS[robot]
-    return Scenario(
+    scenario = Scenario(
         name=path.stem,
         **values,
         links=tuple(_link(item, at, arm) for at, item in _entries(document, "link", where)),
         effects=tuple(_effect(item, at, arm) for at, item in _entries(document, "effect", where)),
         faults=tuple(read_fault(item, at) for at, item in _entries(document, "fault", where)),
     )
+    _check_home(scenario, arm, where)
+    for number, fault in enumerate(scenario.faults, start=1):
+        _check_fault(fault, scenario, f"{where}: [[fault]] number {number}")
+    return scenario
 
 
 def read_fault(table: object, where: str) -> Fault:
     """Build a fault from a table with its `kind`; raises ScenarioError."""
-    if not isinstance(table, Mapping) or table.get("kind") not in KINDS:
+    kind = table.get("kind") if isinstance(table, Mapping) else None
+    if not isinstance(table, Mapping) or not isinstance(kind, str) or kind not in KINDS:
         raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
     rest = {key: value for key, value in table.items() if key != "kind"}
-    return _read(KINDS[table["kind"]], rest, where)
+    return _read(KINDS[kind], rest, where)
+
+
+def _check_home(scenario: Scenario, arm: Arm, where: str) -> None:
+    home = scenario.arm.home_deg
+    place = f'{where}: [arm]: key "home_deg"'
+    if len(home) != arm.n_joints:
+        raise ScenarioError(f"{place} must have {arm.n_joints} entries, not {len(home)}")
+    try:
+        check_range(arm, np.radians(home))
+    except TargetOutOfRangeError as error:
+        raise ScenarioError(f"{place}: {error}") from error
+
+
+def _check_fault(fault: Fault, scenario: Scenario, where: str) -> None:
+    try:
+        scenario.check_fault(fault)
+    except ScenarioError as error:
+        raise ScenarioError(f"{where}: {error}") from error
 
 
 def _find(name: str) -> Path:

@@ -161,20 +161,32 @@ class Tracker:
         samples = max(1, round(duration_s * _SAMPLE_RATE_HZ))
         if self._rng is None:
             return PointMeasured(true_mm, apriori + smear, apriori, samples)
-        noise = np.linalg.cholesky(apriori) @ self._rng.standard_normal(3)
+        noise = self._noise_mm(true_mm, self._rng.standard_normal(3))
         shown = self._rng.chisquare(samples - 1) / (samples - 1) if samples > 1 else 1.0
         measured = true_mm + self._face_error_mm(true_mm) + noise
         return PointMeasured(measured, apriori * shown + smear, apriori, samples)
 
     def covariance_mm2(self, position_mm: FloatArray) -> FloatArray:
         """Covariance that the accuracy model states for a reading there, tracker frame, shape (3, 3)."""
-        distance_m = float(np.linalg.norm(position_mm)) / 1000.0
-        beam = position_mm / (1000.0 * distance_m)
-        along = self.setup.along_mm + self.setup.along_mm_per_m * distance_m
-        across = self.setup.across_mm + self.setup.across_mm_per_m * distance_m
+        beam, along, across = self._beam_and_deviations_mm(position_mm)
         projector = np.outer(beam, beam)
         covariance: FloatArray = along**2 * projector + across**2 * (np.eye(3) - projector)
         return covariance
+
+    def _noise_mm(self, position_mm: FloatArray, unit: FloatArray) -> FloatArray:
+        """Give three independent unit normals the covariance of a reading there."""
+        beam, along, across = self._beam_and_deviations_mm(position_mm)
+        on_beam = (beam @ unit) * beam
+        noise: FloatArray = along * on_beam + across * (unit - on_beam)
+        return noise
+
+    def _beam_and_deviations_mm(self, position_mm: FloatArray) -> tuple[FloatArray, float, float]:
+        """Direction of the beam, and standard deviations along and across it."""
+        distance_mm = float(np.linalg.norm(position_mm))
+        setup, distance_m = self.setup, distance_mm / 1000.0
+        along = setup.along_mm + setup.along_mm_per_m * distance_m
+        across = setup.across_mm + setup.across_mm_per_m * distance_m
+        return position_mm / distance_mm, along, across
 
     def _targets(self) -> list[Target]:
         return [*self._cell_targets(), Target("home", _HOME_MM, True)]

@@ -49,10 +49,11 @@ def answer(line: bytes, cell: Cell) -> dict[str, Any]:
     """Carry out one request line."""
     try:
         request = json.loads(line)
-        if not isinstance(request, dict) or request.get("op") not in _OPERATIONS:
+        operation = request.get("op") if isinstance(request, dict) else None
+        if not isinstance(operation, str) or operation not in _OPERATIONS:
             raise TruthRequestError(f'key "op" must be one of {", ".join(_OPERATIONS)}')
         rest = {key: value for key, value in request.items() if key != "op"}
-        return _OPERATIONS[request["op"]](rest, cell)
+        return _OPERATIONS[operation](rest, cell)
     except ValueError as error:
         return {"error": f"the request is no JSON: {error}"}
     except SimulatorError as error:
@@ -99,7 +100,7 @@ def _effect(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 
 
 def _fault(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    cell.faults.add(read_fault(request, "fault"))
+    cell.add_fault(read_fault(request, "fault"))
     return {}
 
 

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from simulators.errors import ScenarioError
 from simulators.physics.arm import Arm, CarriedMass
 from simulators.physics.chain import link_motions
 from simulators.physics.effects.gearbox import GearboxSprings
@@ -42,6 +43,14 @@ class PlantSizes:
     base_translation_mm: float = 0.1
     base_rotation_rad: float = 0.3e-3
     compliance_factor: tuple[float, float] = (0.8, 1.25)
+
+    def __post_init__(self) -> None:
+        low, high = self.compliance_factor
+        if not 0.0 <= low <= high:
+            raise ScenarioError(f'key "compliance_factor" must rise from 0 or more, not {low} to {high}')
+        for name in self.__dataclass_fields__:
+            if name != "compliance_factor" and getattr(self, name) < 0.0:
+                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
 
 
 def draw_motions(arm: Arm, sizes: PlantSizes, rng: np.random.Generator) -> FloatArray:

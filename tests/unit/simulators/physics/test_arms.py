@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from simulators.cell import Cell
+from simulators.clock import CellClock
+from simulators.physics.arm import CarriedMass
+from simulators.physics.chain import place_bodies
+from simulators.physics.loads import gravity_torques
+from simulators.physics.robots import ARMS
+from simulators.robot import nominal_flange
+from simulators.scenario_file import load_scenario
+from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
+
+# Positions of about 1e3 mm through some twenty products in double precision.
+ROUNDING_MM = 1e-10
+TOOL = CarriedMass(6, 2.7, (50.0, 25.0, 100.0))
+
+
+@pytest.fixture
+def joints_rad():
+    return np.random.default_rng(3).uniform(-2.5, 2.5, (20, 6))
+
+
+@pytest.mark.parametrize("name", NOMINAL)
+def test_axes_read_off_the_drawing_place_the_flange_where_the_published_table_does(name, joints_rad):
+    flanges = nominal_flange(ARMS[name], joints_rad)
+
+    expected = [frames(NOMINAL[name], row)[-1] for row in joints_rad]
+    assert flanges == pytest.approx(np.array(expected), abs=ROUNDING_MM)
+
+
+@pytest.mark.parametrize("name", NOMINAL)
+def test_gravity_torques_of_the_nominal_arm_follow_the_published_formula(name, joints_rad):
+    no_errors = np.broadcast_to(np.eye(4), (8, 4, 4))
+
+    found = gravity_torques(place_bodies(ARMS[name], no_errors, joints_rad), ARMS[name].masses, TOOL)
+
+    expected = [torques(NOMINAL[name], MASSES[name], row) for row in joints_rad]
+    # Torques of 1e5 N mm from levers that are rounded at 1e-10 mm.
+    assert found == pytest.approx(np.array(expected), abs=1e-7)
+
+
+def test_the_thesis_scenario_is_the_robot_of_its_tables(joints_rad):
+    """Tables 2.6 and 2.7: alpha [deg], a [mm], offset [deg], d [mm] as identified; base on top."""
+    table = [
+        (0.0, 0.0, 0.0, 290.0),
+        (-90.006, 0.134, -89.909, 0.000),
+        (-0.011, 270.236, 0.054, 0.006),
+        (-90.009, 70.138, -0.027, 302.246),
+        (89.984, -0.061, 0.067, -0.067),
+        (-89.969, 0.022, 179.913, 72.050),
+    ]
+    turns = [rotate(axis, np.radians(angle)) for axis, angle in enumerate((0.003, 0.008, -0.033))]
+    base = shift(-0.075, -0.096, 0.103) @ turns[0] @ turns[1] @ turns[2]
+    plant = Cell(load_scenario("irb120-thesis"), 1, CellClock(0)).plant
+
+    placed = place_bodies(plant.arm, plant.errors, joints_rad).last_frame
+
+    expected = np.array([frames(table, row, base)[-1] for row in joints_rad])
+    # The scenario states motions with 9 decimals of a mm and rotations with 1e-13 rad, over 1 m.
+    assert placed == pytest.approx(expected, abs=1e-8)
+    assert plant.compliance_rad_per_n_mm == pytest.approx(
+        [0.0, 0.032e-6, 0.130e-6, 0.605e-6, 0.419e-6, 0.647e-6], rel=1e-12
+    )
