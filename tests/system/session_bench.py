@@ -1,0 +1,89 @@
+"""A simulated cell as processes know it: its servers on loopback, real drivers, a journal in memory."""
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from drivers.abb_open_abb.driver import PLUGIN as ROBOT
+from drivers.cell_clock.driver import PLUGIN as CLOCK
+from drivers.leica_emscon.driver import PLUGIN as TRACKER
+from service.exchange.cell_file import simulated_cell
+from service.planning.work_space import WorkSpace
+from service.sequencing.cell import SessionCell
+from tests.unit.service.sequencing.fakes import ListJournal
+
+_LIMIT = 1 << 24  # bytes of one answer of the truth endpoint
+
+
+class Bench:
+    """Devices opened by their plugins, and the simulator's own knowledge."""
+
+    def __init__(self, endpoints: dict[str, dict[str, Any]], scenario: str, seed: int) -> None:
+        address = {name: {"host": found["host"], "port": found["port"]} for name, found in endpoints.items()}
+        self._truth = address["truth"]
+        self.clock = CLOCK.open(address["clock"], None)
+        self.tracker = TRACKER.open(address["tracker"], self.clock)
+        self.robot = ROBOT.open(address["robot"], self.clock)
+        self.journal = ListJournal()
+        described = simulated_cell(scenario, seed)
+        self.described = described
+        self.cell = SessionCell(
+            tracker=self.tracker,
+            robot_controller=self.robot,
+            clock=self.clock,
+            robot=described.robot,
+            base=described.base_nominal,
+            nests=described.nests,
+            fixed_nests=described.fixed_nests,
+            tracker_position_mm=described.tracker_position_mm,
+            joint_limits=described.robot.joint_limits,
+        )
+        self.space = WorkSpace(
+            robot=described.robot,
+            base=described.base_nominal,
+            nests=described.nests,
+            ranges=described.robot.calibration_ranges,
+            tracker_position_mm=described.tracker_position_mm,
+            joint_limits=described.robot.joint_limits,
+            approach_offset_rad=-0.0872664626,
+        )
+
+    async def ask(self, **request: Any) -> dict[str, Any]:
+        """Put a question to the truth endpoint."""
+        reader, writer = await asyncio.open_connection(**self._truth, limit=_LIMIT)
+        writer.write(json.dumps(request).encode() + b"\n")
+        answer = json.loads(await reader.readline())
+        writer.close()
+        await writer.wait_closed()
+        assert "error" not in answer, answer
+        return answer
+
+    async def close(self) -> None:
+        await self.tracker.close()
+        await self.robot.close()
+        await self.clock.close()
+
+
+@asynccontextmanager
+async def bench(scenario: str, seed: int) -> AsyncIterator[Bench]:
+    """Start the simulators at pace 0 and end them again."""
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "simulators", scenario, "--seed", str(seed), "--pace", "0"),
+        stdout=asyncio.subprocess.PIPE,
+    )
+    assert process.stdout is not None
+    endpoints: dict[str, dict[str, Any]] = {}
+    async with asyncio.timeout(20):
+        while "truth" not in endpoints:
+            endpoint = json.loads(await process.stdout.readline())
+            endpoints[endpoint["device"]] = endpoint
+    opened = Bench(endpoints, scenario, seed)
+    try:
+        yield opened
+    finally:
+        await opened.close()
+        process.terminate()
+        await process.wait()
