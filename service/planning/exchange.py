@@ -7,9 +7,9 @@ A. Nubiola, 2014, section 2.5.2; V. V. Fedorov, Theory of Optimal Experiments, 1
     det(M - J_b'J_b) = det M det(I - G_bb)
     det(M - J_b'J_b + J_a'J_a) = det M det A_a det(I - G_bb + G_ba A_a^-1 G_ab)
 
-all losses and gains follow from blocks as small as one candidate's Jacobian is high. They are kept for all
-candidates and change by equally narrow products; nothing of the size of M is decomposed meanwhile. The
-last line holds where M without b is singular, too: a set that is just large enough can still change.
+all losses and gains follow from blocks as small as one candidate's Jacobian is high; M itself is inverted
+once an exchange. The last line holds where M without b is singular, too: a set that is just large enough
+can still change.
 
 An exchange takes out the candidate whose loss lowers the index least and puts in the one that raises it most.
 Where that brings nothing, the other members are tried in the order of their loss; it ends when no
@@ -27,7 +27,6 @@ from service.planning.errors import TooFewCandidatesError
 from service.planning.observability import observability_o1
 
 _SMALLEST_GAIN: Final = 1e-6  # of log det: far above its rounding, and O1 gains less than that relatively
-_REFRESH_EVERY: Final = 50  # exchanges after which the blocks are computed anew, against their rounding
 _RIDGE: Final = 1e-9  # of the mean information per parameter: makes a rank-deficient start comparable
 
 
@@ -110,17 +109,13 @@ def _o1(chosen: FloatArray) -> float:
 
 def _exchange_until_it_stops(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> int:
     exchanges = 0
-    state: _Blocks | None = _blocks(jacobians, chosen, prior)
-    while state is not None:
-        state = _exchange_once(state, chosen)
-        exchanges += state is not None
-        if state is not None and exchanges % _REFRESH_EVERY == 0:
-            state = _blocks(jacobians, chosen, prior)
+    while _exchange_once(_blocks(jacobians, chosen, prior), chosen):
+        exchanges += 1
     return exchanges
 
 
-def _exchange_once(state: "_Blocks", chosen: BoolArray) -> "_Blocks | None":
-    """Make the first exchange that helps, in `chosen` too; None where there is none."""
+def _exchange_once(state: "_Blocks", chosen: BoolArray) -> bool:
+    """Make the first exchange that helps; whether there was one."""
     losses = np.where(chosen, _log_det(np.eye(state.rows) - state.blocks), -np.inf)
     plus = np.eye(state.rows) + state.blocks
     plus_inverse, plus_log_det = np.linalg.inv(plus), _log_det(plus)
@@ -132,9 +127,8 @@ def _exchange_once(state: "_Blocks", chosen: BoolArray) -> "_Blocks | None":
         entering = int(np.argmax(gains))
         if gains[entering] > _SMALLEST_GAIN:
             chosen[leaving], chosen[entering] = False, True
-            # adding first: M never comes near a singular one
-            return state.changed(entering, sign=1.0).changed(int(leaving), sign=-1.0)
-    return None
+            return True
+    return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,17 +147,6 @@ class _Blocks:
     def seen_from(self, candidate: int) -> FloatArray:
         """Return the blocks G_ab of all candidates a with one candidate b, shape (N, rows, rows)."""
         return _times(self.jacobians, self.inverse @ self.jacobians[candidate].T)
-
-    def changed(self, candidate: int, *, sign: float) -> "_Blocks":
-        """Return the state with a candidate added (+1) or taken away (-1): Woodbury's identity."""
-        gain = self.inverse @ self.jacobians[candidate].T
-        inner = np.linalg.inv(np.eye(self.rows) + sign * self.blocks[candidate])
-        seen = self.seen_from(candidate)
-        return _Blocks(
-            self.jacobians,
-            self.inverse - sign * gain @ inner @ gain.T,
-            self.blocks - sign * _times(seen, inner) @ np.swapaxes(seen, 1, 2),
-        )
 
 
 def _blocks(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> _Blocks:

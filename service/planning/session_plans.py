@@ -21,12 +21,24 @@ FEWEST_REVISITS: Final = 5  # their spread is known to a third then, which is en
 _READING_MM: Final = 0.015  # of a tracker in the work space; makes Jacobian and priors comparable
 
 
+def plan_session(space: WorkSpace, template: SessionPlan, n: int, seed: int) -> SessionPlan:
+    """Fill the stops of a template: chosen by observability to calibrate, at random to validate.
+
+    Role, approach and all else come from the template. Raises WorkSpaceError, TooFewCandidatesError.
+    """
+    approached = replace(space, approach_offset_rad=template.approach_offset_rad)
+    if template.role == "calibration":
+        plan = plan_calibration(approached, n, seed)
+    else:
+        plan = plan_validation(approached, n, seed)
+    return replace(template, stops=plan.stops)
+
+
 def plan_calibration(
     space: WorkSpace,
     n: int,
     seed: int,
     *,
-    settings: SessionPlan | None = None,
     effects: tuple[str, ...] | None = None,
     n_candidates: int = N_CANDIDATES,
 ) -> SessionPlan:
@@ -38,8 +50,6 @@ def plan_calibration(
     n : int
         Number of different configurations; the revisits come on top.
     seed : int
-    settings : SessionPlan, optional
-        Everything but role, stops and approach is taken from it.
     effects : tuple of str, optional
         What is to be identified; by default base, geometry, and compliance where masses are known.
     n_candidates : int
@@ -50,21 +60,24 @@ def plan_calibration(
     WorkSpaceError, TooFewCandidatesError
         The cell does not offer that many configurations.
     """
-    rng = np.random.default_rng(seed)
+    rng = _generator(seed, "calibration")
     candidates = draw_candidates(space, max(n, n_candidates), rng)
     chosen = choose_calibration(space, candidates, n, rng, effects).indices
     order = rng.permutation(chosen)  # a slow drift then looks like noise, not like a joint's error
     stops = with_revisits(_stops(candidates.subset(order)), rng)
-    return _plan("calibration", stops, space, settings)
+    return SessionPlan("calibration", stops, approach_offset_rad=space.approach_offset_rad)
 
 
-def plan_validation(
-    space: WorkSpace, n: int, seed: int, *, settings: SessionPlan | None = None
-) -> SessionPlan:
+def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
     """Draw n random configurations and visit them on short ways; parameters and errors as above."""
-    candidates = draw_candidates(space, n, np.random.default_rng(seed))
+    candidates = draw_candidates(space, n, _generator(seed, "validation"))
     ordered = candidates.subset(short_tour(candidates.joints_rad))
-    return _plan("validation", _stops(ordered), space, settings)
+    return SessionPlan("validation", _stops(ordered), approach_offset_rad=space.approach_offset_rad)
+
+
+def _generator(seed: int, role: Role) -> np.random.Generator:
+    """Return a generator of its own for each role: a validation must not meet what calibration chose from."""
+    return np.random.default_rng([seed, ("calibration", "validation").index(role)])
 
 
 def choose_calibration(
@@ -170,10 +183,3 @@ def short_tour(joints_rad: FloatArray) -> IntArray:
         left[order[k]] = False
         here = joints_rad[order[k]]
     return order
-
-
-def _plan(
-    role: Role, stops: tuple[PlannedStop, ...], space: WorkSpace, settings: SessionPlan | None
-) -> SessionPlan:
-    start = SessionPlan(role, stops) if settings is None else settings
-    return replace(start, role=role, stops=stops, approach_offset_rad=space.approach_offset_rad)
