@@ -1,0 +1,109 @@
+"""The tracker's place in the world: exact without noise, and its covariance against Monte Carlo."""
+
+import numpy as np
+import pytest
+
+from service.domain.robot import FixedNest
+from service.kinematics.frames import rotation_xyz, vector_from_rotation
+from service.sequencing.registration import nest_mean, register, scale_sentence, to_tracker, to_world
+from tests.unit.service.sequencing.fakes import FIXED_NESTS, TRACKER_AT
+
+ROTATION = rotation_xyz(0.003, -0.002, 2.1)
+CERTIFIED = np.array([nest.centre_mm for nest in FIXED_NESTS])
+
+
+def in_tracker(world):
+    return (world - np.array(TRACKER_AT)) @ ROTATION
+
+
+def readings(place, rng, n=20, spread_mm=(0.010, 0.022, 0.022)):
+    return place + np.array(spread_mm) * rng.standard_normal((n, 3))
+
+
+def draw(rng, true_nests=CERTIFIED, scale=1.0, nests=FIXED_NESTS):
+    stated = np.full((20, 3), 0.02**2)
+    means = [nest_mean(readings(scale * place, rng), stated) for place in in_tracker(true_nests)]
+    return register(means, nests)
+
+
+def test_without_noise_the_motion_is_found_exactly():
+    means = [nest_mean(np.array([place] * 5), np.zeros((5, 3))) for place in in_tracker(CERTIFIED)]
+
+    registration = register(means, FIXED_NESTS, two_face_mm=0.01)
+
+    assert registration.rotation == pytest.approx(ROTATION, abs=1e-12)
+    assert registration.translation_mm == pytest.approx(TRACKER_AT, abs=1e-9)
+    assert registration.rms_mm < 1e-9
+    assert registration.two_face_mm == 0.01
+
+
+def test_there_and_back_is_where_one_started():
+    registration = draw(np.random.default_rng(0))
+    points = np.random.default_rng(1).uniform(-1000, 1000, (5, 3))
+
+    assert to_tracker(registration, to_world(registration, points)) == pytest.approx(points, abs=1e-9)
+
+
+def test_the_stated_covariance_is_what_many_registrations_show():
+    rng = np.random.default_rng(3)
+    motions, stated = [], []
+    for _ in range(1500):
+        true_nests = CERTIFIED + 0.002 * rng.standard_normal(CERTIFIED.shape)
+        registration = draw(rng, true_nests)
+        turn = vector_from_rotation(registration.rotation @ ROTATION.T)
+        shift = registration.translation_mm - registration.rotation @ ROTATION.T @ TRACKER_AT
+        motions.append(np.concatenate([shift, turn]))
+        stated.append(registration.covariance)
+
+    observed = np.cov(np.array(motions), rowvar=False)
+    ratios = np.linalg.eigvals(np.linalg.solve(np.mean(stated, axis=0), observed)).real
+    # the largest of six eigenvalues of 1,500 draws strays by (1 +- sqrt(6 / 1500))^2: 0.88 to 1.13
+    assert np.all((ratios > 0.85) & (ratios < 1.16))
+
+
+def test_a_nest_with_a_poor_certificate_has_little_say():
+    rng = np.random.default_rng(4)
+    poor = (*FIXED_NESTS[:2], FixedNest(FIXED_NESTS[2].centre_mm, 5.0))
+    extra = (*poor, FixedNest((-350.0, -500.0, 100.0), 0.002))
+    true_nests = np.array([nest.centre_mm for nest in extra])
+    true_nests[2] += (4.0, -3.0, 0.0)
+
+    registration = draw(rng, true_nests, nests=extra)
+
+    assert registration.rotation == pytest.approx(ROTATION, abs=2e-5)  # 0.02 mm over 1 m
+
+
+def test_the_scale_is_found_with_its_uncertainty():
+    errors = []
+    for seed in range(200):
+        registration = draw(np.random.default_rng(seed), scale=1.0 / (1.0 + 20e-6))
+        errors.append((registration.scale - 1.0 - 20e-6) / registration.scale_standard_uncertainty)
+
+    # the certificate's own errors are not drawn here, so a little less than 1; 200 draws: 5 %
+    assert 0.7 < np.std(errors) < 1.15
+    assert abs(np.mean(errors)) < 4 / np.sqrt(200)
+
+
+@pytest.mark.parametrize(
+    ("ppm", "sentence"),
+    [(0.0, "scale agrees with the certified"), (200.0, "scale contradicts the certified")],
+)
+def test_the_scale_is_put_into_words(ppm, sentence):
+    registration = draw(np.random.default_rng(1), scale=1.0 + ppm * 1e-6)
+
+    assert sentence in scale_sentence(registration)
+
+
+def test_without_a_certified_length_the_scale_is_not_verified():
+    coarse = tuple(FixedNest(nest.centre_mm, 0.5) for nest in FIXED_NESTS)
+
+    registration = draw(np.random.default_rng(1), nests=coarse)
+
+    assert registration.scale is None
+    assert scale_sentence(registration).startswith("Scale not verified")
+
+
+def test_few_readings_fall_back_on_what_the_instrument_states():
+    mean = nest_mean(np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]]), np.full((2, 3), 0.02**2))
+
+    assert mean.covariance_mm2 == pytest.approx(np.eye(3) * 0.02**2 / 2)
