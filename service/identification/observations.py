@@ -18,6 +18,7 @@ from service.identification.evaluation import (
     position_jacobian,
     rotation_jacobian,
 )
+from service.identification.rows import taken
 from service.identification.structure import Structure
 from service.identification.whitening import Whitener, whitener
 from service.kinematics.frames import cross_matrix, vector_from_rotation
@@ -294,13 +295,7 @@ def anchor_name(anchor: tuple[int, int], component: int) -> str:
 
 def targets_subset(targets: Targets, rows: IntArray) -> Targets:
     """Return some rows of the targets."""
-    stops = targets.stops
-    taken = {
-        name: None if value is None else value[rows]
-        for name in type(stops).__dataclass_fields__
-        for value in (getattr(stops, name),)
-    }
-    return Targets(replace(stops, **taken), targets.nest[rows])
+    return Targets(taken(targets.stops, rows), targets.nest[rows])
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,8 @@ from service.domain.arrays import FloatArray
 from service.domain.results import PureError
 from service.identification.observations import PositionBlock
 
+_NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
+
 
 def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
     """Compare lack of fit with pure error; None without revisits.
@@ -36,7 +38,7 @@ def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int)
     within = float(((residual - means[group.ravel()]) ** 2).sum())
     pure_dof = 3 * int((sizes - 1).sum())
     lack_dof = 3 * len(residual) - n_parameters - pure_dof
-    if pure_dof < 3 or lack_dof < 1:
+    if pure_dof < 3 or lack_dof < 1 or within < _NOTHING_MM2:
         return None
     lack = float((residual**2).sum()) - within
     ratio = (lack / lack_dof) / (within / pure_dof)

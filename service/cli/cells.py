@@ -1,0 +1,84 @@
+"""Commands that start something: the service, a simulated cell, the demo, the night run."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
+
+
+def demo_command(
+    out: Annotated[Path, typer.Option(help="Folder for result.json and report.html.")] = Path("truepose-demo"),
+    seed: Seed = 0,
+    scenario: Annotated[str, typer.Option(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
+) -> int:
+    """Measure, identify and validate a simulated robot through the real drivers and the REST API.
+
+    Example: truepose demo --out demo --seed 3
+    """
+    from service.showcase.demo import run_demo
+
+    return run_demo(out, seed, scenario)
+
+
+def nightly_command(
+    out: Annotated[Path, typer.Option(help="Folder for junit.xml and report.html.")] = Path("truepose-nightly"),
+    seed: Seed = 0,
+) -> int:
+    """Run every scenario end to end against simulated devices and check the figures.
+
+    Example: truepose nightly --out nightly
+    """
+    from service.showcase.nightly import run_nightly
+
+    return run_nightly(out, seed)
+
+
+def serve_command(
+    cell: Annotated[Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")] = None,
+    database: Annotated[str | None, typer.Option(help="URL of the SQLite database, e.g. sqlite:///cell.db.")] = None,
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,
+) -> int:
+    """Run the service; prints one JSON line with its url when ready.
+
+    Example: truepose serve --cell cell.toml --database sqlite:///cell.db --port 8000
+    """
+    from service.app import serve
+    from service.settings import Settings, default_database_url
+
+    return serve(
+        Settings(database_url=database or default_database_url(), host=host, port=port, cell_file=cell)
+    )
+
+
+def simulate_command(
+    scenario: Annotated[str, typer.Argument(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
+    seed: Seed = 0,
+    port_base: Annotated[int, typer.Option(min=0, max=65535, help="First port; 0 picks free ones.")] = 0,
+    pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: waiting costs nothing.")] = 1,
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+) -> int:
+    """Start only the simulated instruments and robot; prints one JSON line per endpoint.
+
+    Example: truepose simulate irb120-clean --seed 3 --port-base 7000 --pace 0
+    """
+    arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
+    command = [sys.executable, "-m", "simulators", scenario, *(str(argument) for argument in arguments)]
+    process = subprocess.Popen(command)
+    return _wait(process)
+
+
+def _wait(process: "subprocess.Popen[bytes]") -> int:
+    """Wait for a child that ends by the same signals as we do; never leave it behind."""
+    try:
+        return process.wait()
+    except KeyboardInterrupt:  # the child, in the same group, got it too and ends by itself
+        return process.wait()
+    finally:
+        if process.poll() is None:
+            process.terminate()
+            process.wait()

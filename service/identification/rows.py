@@ -1,0 +1,20 @@
+"""Rows of stops: one for each nest."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from service.domain.arrays import IntArray
+from service.domain.campaign import Stops
+
+
+def taken(stops: Stops, rows: IntArray) -> Stops:
+    """Return some rows of a table of stops, shape (m,) indices."""
+    columns = {field.name: getattr(stops, field.name) for field in fields(stops)}
+    return replace(stops, **{name: None if c is None else c[rows] for name, c in columns.items()})
+
+
+def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
+    """Return every stop once per nest, stops in their order, and the nest of each row."""
+    rows = np.repeat(np.arange(len(stops)), len(nests))
+    return taken(stops, rows), np.tile(nests, len(stops))
