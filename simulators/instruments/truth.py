@@ -121,7 +121,7 @@ _OPERATIONS: Mapping[str, Callable[[Mapping[str, object], Cell], dict[str, Any]]
 
 
 def _joints(value: object, n_joints: int) -> FloatArray:
-    joints = _numbers(value, "joints_rad")
+    joints = _numbers(value, "joints_rad") if isinstance(value, list) else np.zeros(0)
     if joints.ndim != 2 or joints.shape[1] != n_joints:
         raise TruthRequestError(f'key "joints_rad" must be a list of rows of {n_joints} angles [rad]')
     return joints
