@@ -68,12 +68,11 @@ class PlanTask:
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
-        from service.planning.session_plans import plan_calibration, plan_validation
+        from service.planning.session_plans import plan_session
 
         report(0.0, f"choosing {self.n_configurations} configurations")
-        choose = plan_calibration if self.template.role == "calibration" else plan_validation
         space = _work_space(self.setup.cell, self.template)
-        return choose(space, self.n_configurations, self.seed, settings=self.template)
+        return plan_session(space, self.template, self.n_configurations, self.seed)
 
 
 def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
