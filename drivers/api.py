@@ -33,6 +33,8 @@ class TrackerReading:
     duration_s: float
     face: Literal[1, 2]
     time_s: float  # cell clock, at the end of the measurement
+    # Of the point, from the instrument's accuracy model (tracker frame); None where it states none.
+    covariance_mm2: tuple[Vector, Vector, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)

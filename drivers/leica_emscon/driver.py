@@ -154,6 +154,7 @@ class LaserTracker:
             duration_s=duration_s,
             face=await self._asked_face(),
             time_s=time_s,
+            covariance_mm2=_stated_covariance(result.values),
         )
 
     async def change_face(self) -> None:
@@ -303,3 +304,13 @@ PLUGIN = DriverPlugin(
     },
     open=_open,
 )
+
+
+def _stated_covariance(values: Record) -> tuple[Vector, Vector, Vector] | None:
+    """Return the a-priori covariance, from the accuracy model; None where the server states no such thing."""
+    u1, u2, u3 = values.vector("apriori_std1", "apriori_std2", "apriori_std3")
+    if not all(math.isfinite(u) and u > 0.0 for u in (u1, u2, u3)):
+        return None
+    mixed = ("apriori_covar12", "apriori_covar13", "apriori_covar23")
+    c12, c13, c23 = values.vector(*mixed) if mixed[0] in values else (0.0, 0.0, 0.0)
+    return (u1**2, c12, c13), (c12, u2**2, c23), (c13, c23, u3**2)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, FixedNestReadings, PointReadings, Stops
 from service.domain.robot import WorldRegistration
 from service.domain.session import FixedNestTaken, PointTaken, Registration
@@ -73,7 +74,16 @@ def point_readings(points: Sequence[PointTaken]) -> PointReadings:
         nest=np.array([p.nest for p in points], dtype=np.int64),
         position_mm=np.array([p.position_world_mm for p in points], dtype=np.float64),
         standard_uncertainty_mm=np.array([p.standard_uncertainty_mm for p in points], dtype=np.float64),
+        covariance_mm2=_covariances(points),
     )
+
+
+def _covariances(points: Sequence[PointTaken]) -> FloatArray | None:
+    """Covariances of all readings, shape (n, 3, 3); None where an instrument states none."""
+    stated = [p.covariance_mm2 for p in points]
+    if not stated or any(covariance is None for covariance in stated):
+        return None
+    return np.array(stated, dtype=np.float64)
 
 
 def _reference(taken: Sequence[FixedNestTaken]) -> FixedNestReadings | None:

@@ -76,6 +76,8 @@ class PointTaken:
     rms_mm: float
     samples: int
     repeat_of: int | None = None
+    # Of the reading, world frame; None where the instrument states a standard uncertainty only.
+    covariance_mm2: tuple[Vector, Vector, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from service.sequencing.fixed_nests import FixedNests
 from service.sequencing.journal import SessionJournal
 from service.sequencing.prediction import nest_in_world
 from service.sequencing.registration import to_tracker, to_world
-from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm
+from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm, world_covariance_mm2
 
 
 class ToolNests:
@@ -97,4 +97,5 @@ class ToolNests:
             rms_mm=reading.rms_mm,
             samples=reading.samples,
             repeat_of=stop.repeat_of,
+            covariance_mm2=world_covariance_mm2(reading, self._fixed_nests.registration),
         )

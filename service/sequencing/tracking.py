@@ -8,6 +8,7 @@ import numpy as np
 from drivers.api import PointTracker, TrackerReading
 from drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
 from service.domain.arrays import FloatArray
+from service.domain.session import Registration, Vector
 from service.sequencing.errors import ReadingRejectedError
 
 _SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps weights finite
@@ -56,10 +57,23 @@ class WatchfulTracker:
 def standard_uncertainty_mm(reading: TrackerReading) -> float:
     """Return the standard uncertainty per axis of one reading [mm].
 
-    Root mean square of what the instrument states for its axes; where it states nothing, the
-    scatter of its samples, as that of their mean.
+    Root mean square over the axes of the accuracy model's covariance; without one of what the
+    instrument states for its axes; without that of the scatter of its samples, as that of their mean.
     """
+    if reading.covariance_mm2 is not None:
+        return float(np.sqrt(np.trace(np.array(reading.covariance_mm2)) / 3.0))
     stated = float(np.sqrt(np.mean(np.square(reading.standard_deviation_mm))))
     if not math.isfinite(stated):
         stated = reading.rms_mm / math.sqrt(3.0 * max(1, reading.samples))
     return stated if stated > _SMALLEST_UNCERTAINTY_MM else _SMALLEST_UNCERTAINTY_MM
+
+
+def world_covariance_mm2(
+    reading: TrackerReading, registration: Registration
+) -> tuple[Vector, Vector, Vector] | None:
+    """Return the covariance of a reading in the world [mm2], None where the instrument states none."""
+    if reading.covariance_mm2 is None:
+        return None
+    turned = registration.rotation @ np.array(reading.covariance_mm2) @ registration.rotation.T
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = (0.5 * (turned + turned.T)).tolist()
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
