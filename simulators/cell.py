@@ -16,7 +16,7 @@ from simulators.physics.rigid import FloatArray, apply
 from simulators.physics.robots import ARMS
 from simulators.robot import JointMotion, Robot, SpeedLimits, check_range
 from simulators.scenario import Scenario
-from simulators.tracker import Target, Tracker, place_tracker, returns_beam, seen_from
+from simulators.tracker import HOME_MM, Target, Tracker, place_tracker, returns_beam, seen_from
 
 
 class Cell:
@@ -106,7 +106,8 @@ class Cell:
             if not self.faults.smr_missing(number, now)
         ]
         fixed = enumerate(seen_from(frame, self.fixed_nests_mm()), start=1)
-        return [*targets, *(Target(f"fixed {number}", position, True) for number, position in fixed)]
+        home = Target("home", np.array(HOME_MM), True)
+        return [*targets, *(Target(f"fixed {number}", position, True) for number, position in fixed), home]
 
     def _tool_nests_now(self) -> FloatArray:
         rest = self._rest_now().nest_positions(self.tool_nests_mm)[0]

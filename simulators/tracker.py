@@ -36,6 +36,10 @@ class TrackerSetup:
                 raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
 
 
+# The home reflector sits on the housing; tracker frame.
+HOME_MM = (150.0, 0.0, -60.0)
+
+
 @dataclass(frozen=True, slots=True)
 class Target:
     """A reflector that may be there; a moving one is asked again whenever it is used."""
@@ -55,9 +59,8 @@ class PointMeasured:
     samples: int
 
 
-# Where the home reflector sits on the housing, tracker frame.
-_HOME_MM = np.array([150.0, 0.0, -60.0])
 _SAMPLE_RATE_HZ = 50.0
+_HOME_RADIUS_RAD = 0.01
 
 
 def place_tracker(setup: TrackerSetup, rng: np.random.Generator) -> FloatArray:
@@ -84,16 +87,11 @@ class Tracker:
         self.frame = frame
         self.initialised = False
         self.face = 1
-        self.aim_mm = _HOME_MM
+        self.aim_mm = np.array(HOME_MM)
         self.target: str | None = None
         self.last_measured_mm: FloatArray | None = None
-        self._cell_targets = targets
+        self._targets = targets
         self._rng = rng
-
-    @property
-    def home_mm(self) -> FloatArray:
-        """Where the home reflector is, tracker frame."""
-        return _HOME_MM
 
     @property
     def tilt_rad(self) -> tuple[float, float]:
@@ -108,9 +106,9 @@ class Tracker:
         self.go_home()
 
     def go_home(self) -> None:
-        """Turn to the home reflector and lock on it."""
-        self.aim_mm = _HOME_MM
-        self.target = "home"
+        """Turn to the home reflector and lock on it, when it can be seen."""
+        self.point(np.array(HOME_MM))
+        self.search(_HOME_RADIUS_RAD)
 
     def point(self, aim_mm: FloatArray) -> None:
         """Turn the beam towards a point; nothing is locked on."""
@@ -187,9 +185,6 @@ class Tracker:
         along = setup.along_mm + setup.along_mm_per_m * distance_m
         across = setup.across_mm + setup.across_mm_per_m * distance_m
         return position_mm / distance_mm, along, across
-
-    def _targets(self) -> list[Target]:
-        return [*self._cell_targets(), Target("home", _HOME_MM, True)]
 
     def _off_beam_rad(self, target: Target) -> float:
         across = np.linalg.norm(np.cross(self.aim_mm, target.position_mm))

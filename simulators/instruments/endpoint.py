@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass
 
 from simulators.errors import EndpointUnavailableError
 
-# Requests to the truth endpoint hold thousands of rows in one line.
-LONGEST_LINE_BYTES = 1 << 26
+# What a client may send ahead of being read; also the longest line of a protocol of lines.
+_BUFFER_BYTES = 1 << 16
 
 Serve = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
 
@@ -31,17 +31,20 @@ class Address:
 class Endpoint:
     """Listens and hands every connection to `serve`; can stop listening and begin again on its port."""
 
-    def __init__(self, device: str, protocol: str, serve: Serve) -> None:
+    def __init__(
+        self, device: str, protocol: str, serve: Serve, *, buffer_bytes: int = _BUFFER_BYTES
+    ) -> None:
         self.device = device
         self.protocol = protocol
         self._serve = serve
+        self._buffer_bytes = buffer_bytes
         self._server: asyncio.Server | None = None
         self._connections: set[asyncio.Task[None]] = set()
 
     async def open(self, host: str, port: int) -> Address:
         """Listen; port 0 takes a free one. Raises EndpointUnavailableError."""
         try:
-            self._server = await asyncio.start_server(self._accept, host, port, limit=LONGEST_LINE_BYTES)
+            self._server = await asyncio.start_server(self._accept, host, port, limit=self._buffer_bytes)
         except (OSError, OverflowError) as error:
             raise EndpointUnavailableError(
                 f"the {self.device} cannot listen on {host}:{port}: {_reason(error)}; choose another port"

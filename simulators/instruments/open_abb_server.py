@@ -6,6 +6,7 @@ the server socket with it.
 """
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Awaitable, Callable
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from drivers.abb_open_abb.protocol import LogLine, encode_log_line
 from simulators.cell import Cell
+from simulators.errors import EndpointUnavailableError
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.open_abb import MotionProgram, ProgramStoppedError
 
@@ -45,8 +47,15 @@ class OneClientEndpoint:
             self._free.set()
         if self._pause_s > 0.0:
             self.endpoint.stop_listening()
+            await self._listen_after_pause()
+
+    async def _listen_after_pause(self) -> None:
+        while True:
             await asyncio.sleep(self._pause_s)
-            await self.endpoint.listen_again()
+            # Meanwhile the system may have lent the port to somebody's outgoing connection: try again.
+            with contextlib.suppress(EndpointUnavailableError):
+                await self.endpoint.listen_again()
+                return
 
 
 def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:

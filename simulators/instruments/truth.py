@@ -30,6 +30,7 @@ from simulators.scenario_file import read_fault
 from simulators.scenario_table import read_table
 from simulators.tracker import seen_from
 
+_LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
 # An operator turns the tracker by hand to about this much.
 _AIM_STEP_MM = 20.0
 
@@ -38,26 +39,41 @@ def truth_endpoint(cell: Cell) -> Endpoint:
     """Build the truth endpoint of a cell."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        while line := await reader.readline():
-            writer.write(json.dumps(answer(line, cell), allow_nan=False).encode() + b"\n")
-            await writer.drain()
+        try:
+            while line := await reader.readline():
+                writer.write(_encode(answer(line, cell)))
+                await writer.drain()
+        except ValueError:  # the reader's word for a line that does not end
+            writer.write(_encode({"error": f"a request is one line of at most {_LONGEST_LINE_BYTES} bytes"}))
 
-    return Endpoint("truth", "truth", serve)
+    return Endpoint("truth", "truth", serve, buffer_bytes=_LONGEST_LINE_BYTES)
 
 
 def answer(line: bytes, cell: Cell) -> dict[str, Any]:
     """Carry out one request line."""
     try:
-        request = json.loads(line)
-        operation = request.get("op") if isinstance(request, dict) else None
+        request = _decode(line)
+        operation = request.get("op")
         if not isinstance(operation, str) or operation not in _OPERATIONS:
             raise TruthRequestError(f'key "op" must be one of {", ".join(_OPERATIONS)}')
         rest = {key: value for key, value in request.items() if key != "op"}
         return _OPERATIONS[operation](rest, cell)
-    except ValueError as error:
-        return {"error": f"the request is no JSON: {error}"}
     except SimulatorError as error:
         return {"error": str(error)}
+
+
+def _encode(document: dict[str, Any]) -> bytes:
+    return json.dumps(document, allow_nan=False).encode() + b"\n"
+
+
+def _decode(line: bytes) -> dict[str, Any]:
+    try:
+        request = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise TruthRequestError(f"the request is no JSON: {error}") from error
+    if not isinstance(request, dict):
+        raise TruthRequestError('a request is an object such as {"op": "plant"}')
+    return request
 
 
 def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:

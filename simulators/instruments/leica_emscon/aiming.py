@@ -24,6 +24,7 @@ from simulators.instruments.leica_emscon.settings import ServerSettings
 from simulators.instruments.leica_emscon.steps import Steps, Wait
 from simulators.instruments.leica_emscon.units import Quantity
 from simulators.physics.rigid import FloatArray
+from simulators.tracker import HOME_MM
 
 _SEARCH_S = 1.0  # until a reflector near the aim is locked on and its distance set
 _CHANGE_FACE_S = 4.0
@@ -107,16 +108,16 @@ class Aiming:
         yield StatusChange(SystemStatusChange.MEAS_STATUS_NOT_READY)
 
     def _go_home(self, request: Request) -> Steps:
-        home = self._tracker.home_mm
-        yield Wait(turning_time_s(self._tracker.aim_mm, home) + _SEARCH_S)
-        self._tracker.go_home()
+        yield from self._turn_home()
         yield from self._locked(request.command)
 
     def _check_home(self, request: Request) -> Steps:
         """Home reflector against where it was at the start; a sound tracker finds it in its place."""
-        home = self._tracker.home_mm
-        yield Wait(turning_time_s(self._tracker.aim_mm, home) + _SEARCH_S)
-        self._tracker.go_home()
+        yield from self._turn_home()
+        if self._tracker.target is None:
+            yield Answer(request.command, NO_REFLECTOR)
+            return
+        home = np.array(HOME_MM)
         horizontal, zenith = self._wire_angles(*direction(home))
         distance = self._settings.units.to_wire(Quantity.LENGTH, float(np.linalg.norm(home)))
         yield Answer(
@@ -130,6 +131,10 @@ class Aiming:
                 distance_diff=0.0,
             ),
         )
+
+    def _turn_home(self) -> Steps:
+        yield Wait(turning_time_s(self._tracker.aim_mm, np.array(HOME_MM)) + _SEARCH_S)
+        self._tracker.go_home()
 
     def _go_position(self, request: Request) -> Steps:
         aim = self.aim_of(request.values)

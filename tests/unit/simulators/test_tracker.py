@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from simulators.errors import BeamBrokenError, NoTargetError
-from simulators.tracker import Target, Tracker, TrackerSetup
+from simulators.tracker import HOME_MM, Target, Tracker, TrackerSetup
 
 AT_2_M = np.array([1200.0, -1600.0, 0.0])
 BEAM = AT_2_M / 2000.0
@@ -119,8 +119,16 @@ def test_a_reflector_that_moves_while_it_is_measured_is_smeared():
     )
 
 
-def test_initialising_ends_in_face_1_on_the_home_reflector():
+def test_a_home_reflector_that_cannot_be_seen_is_not_locked_on():
     tracker = make_tracker(Table())
+
+    tracker.go_home()
+
+    assert tracker.target is None
+
+
+def test_initialising_ends_in_face_1_on_the_home_reflector():
+    tracker = make_tracker(Table(home=HOME_MM))
     tracker.face = 2
 
     tracker.initialise()

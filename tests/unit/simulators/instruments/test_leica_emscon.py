@@ -437,6 +437,7 @@ async def test_a_blinded_tracker_finds_nothing_and_loses_what_it_had(server):
 
     assert await server.ask(49) == [answer(49, NO_DISTANCE)]
     assert await server.go_to_fixed_nest(1) == [answer(55, NO_DISTANCE)]
+    assert await server.ask(54) == [answer(54, NO_DISTANCE)]
 
 
 async def test_system_parameters_can_be_set_and_asked(server):

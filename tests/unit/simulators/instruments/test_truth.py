@@ -106,7 +106,7 @@ def test_a_fault_may_be_scripted_while_the_cell_runs(make_cell):
         ({"op": "fault", "kind": "smr_missing", "nest": 9}, 'key "nest" must be 1 to 3, not 9'),
         ({"op": "fault", "kind": "smr_missing", "nest": "1"}, 'key "nest" must be a whole number'),
         ({"op": ["plant"]}, 'key "op" must be one of positions, plant'),
-        ([1], 'key "op" must be one of positions, plant'),
+        ([1], 'a request is an object such as {"op": "plant"}'),
     ],
 )
 def test_an_impossible_request_is_answered_with_a_sentence(make_cell, request_, sentence):
