@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from drivers.api import Clock, JointReading, RobotController
 from drivers.errors import TargetRefusedError
@@ -20,6 +20,8 @@ class Permission:
     stop_requested: bool
     question: str | None
 
+
+_LOOK_TWICE_S: Final = 0.5  # between two looks; 0.02 deg/s is then seen in a reply rounded to 0.01 deg
 
 AskPermission: TypeAlias = Callable[[], Permission]
 
@@ -59,6 +61,8 @@ class Arm:
 
     async def move(self, target_rad: tuple[float, ...]) -> None:
         """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors."""
+        if self._left_at is None:
+            await self._require_rest()
         reading = await self.read()
         now_s = await self._clock.now_s()
         # nothing is awaited between the last look at the session's state and the motion
@@ -75,6 +79,15 @@ class Arm:
         smallest_rad = reading.resolution_rad if before is None else 0.0
         came_from = reading.joints_rad if before is None else before
         self._direction = _direction(came_from, target_rad, self._direction, smallest_rad)
+
+    async def _require_rest(self) -> None:
+        """Look twice where nobody knows how the arm came here: a lost motion may still be under way."""
+        before = await self.read()
+        await self._clock.sleep(_LOOK_TWICE_S)
+        after = await self.read()
+        pairs = zip(before.joints_rad, after.joints_rad, strict=False)
+        if any(abs(second - first) > after.resolution_rad for first, second in pairs):
+            raise MotionForbiddenError("The arm is still moving; nothing is sent before it is at rest.")
 
     def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:
         permission = self._ask_permission()

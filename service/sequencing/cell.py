@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from drivers.api import Clock, PointTracker, RobotController
+from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from service.domain.session import Vector
 
@@ -26,4 +27,5 @@ class SessionCell:
     tracker_position_mm: Vector | None = None  # nominal, in the world
     fixed_nests_seen_mm: tuple[Vector, ...] | None = None  # in the tracker's frame, roughly
     joint_limits: tuple[JointRange, ...] | None = None  # what the controller accepts
+    certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
     attachment: int = 1  # how often the tool has been mounted

@@ -12,7 +12,8 @@ from service.sequencing.cell import SessionCell
 from service.sequencing.errors import AttentionNeededError
 from service.sequencing.journal import SessionJournal
 from service.sequencing.location import AIMED_RADIUS_MM, RoughFrame, locate_tracker
-from service.sequencing.registration import nest_mean, register, scale_sentence, to_tracker, to_world
+from service.sequencing.registration import nest_mean, register, to_tracker, to_world
+from service.sequencing.scale import scale_sentence
 from service.sequencing.steps import ReadFixedNest
 from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm
 
@@ -138,7 +139,12 @@ class FixedNests:
         """Place the tracker in the world; raises AttentionNeededError where the certificate does not fit."""
         numbers = range(1, len(self._certified) + 1)
         means = [nest_mean(self._points(n, 1), self._stated_variance(n)) for n in numbers]
-        registration = register(means, self._cell.fixed_nests, self._two_face_mm)
+        registration = register(
+            means,
+            self._cell.fixed_nests,
+            two_face_mm=self._two_face_mm,
+            lengths=self._cell.certified_lengths,
+        )
         limit_mm = _SHARE_LEFT_IN_RESIDUALS * self._plan.reference_limit_mm
         if registration.rms_mm > limit_mm:
             raise AttentionNeededError(

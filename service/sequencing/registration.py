@@ -8,16 +8,15 @@ origin moves a point by `dt + w x x`, so J_k = [I, -(c_k x)], and with the weigh
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
 from service.domain.arrays import FloatArray
+from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest
 from service.domain.session import Registration
 from service.kinematics.frames import cross_matrix, rigid_alignment
-
-SCALE_VERIFIED_BELOW: Final = 5e-5  # standard uncertainty; 0.05 mm at 1 m would spoil every absolute figure
+from service.sequencing.scale import Scale, scale_of_figure, scale_of_lengths
 
 _ENOUGH_TO_SCATTER = 5  # readings from which their own scatter says more than the instrument's statement
 _SMALLEST_UNCERTAINTY_MM = 1e-6  # keeps the weights of a noise-free cell finite
@@ -48,7 +47,11 @@ def nest_mean(points_mm: FloatArray, stated_variance_mm2: FloatArray) -> NestMea
 
 
 def register(
-    means: Sequence[NestMean], fixed_nests: Sequence[FixedNest], two_face_mm: float | None = None
+    means: Sequence[NestMean],
+    fixed_nests: Sequence[FixedNest],
+    *,
+    two_face_mm: float | None = None,
+    lengths: Sequence[CertifiedLength] = (),
 ) -> Registration:
     """Place the tracker in the world.
 
@@ -59,6 +62,8 @@ def register(
     fixed_nests : sequence of FixedNest
     two_face_mm : float, optional
         Half the difference between the faces, only passed on.
+    lengths : sequence of CertifiedLength, optional
+        Certified by themselves: they say more of the scale than the centres do.
     """
     measured = np.array([mean.point_mm for mean in means])
     certified = np.array([nest.centre_mm for nest in fixed_nests])
@@ -66,16 +71,16 @@ def register(
     weights = 3.0 / np.trace(readings + certificates, axis1=1, axis2=2)
     rotation, translation = rigid_alignment(measured, certified, weights)
     residuals = certified - measured @ rotation.T - translation
-    total = rotation @ readings @ rotation.T + certificates
-    scale, scale_uncertainty = _scale(measured @ rotation.T, certified, total)
+    turned = rotation @ readings @ rotation.T
+    scale = _scale(measured @ rotation.T, certified, turned, certificates, lengths)
     return Registration(
         rotation=rotation,
         translation_mm=translation,
-        covariance=_covariance_of_motion(certified, total, weights),
+        covariance=_covariance_of_motion(certified, turned + certificates, weights),
         rms_mm=float(np.sqrt(np.mean(np.sum(residuals**2, axis=1)))),
         two_face_mm=two_face_mm,
-        scale=scale if scale_uncertainty < SCALE_VERIFIED_BELOW else None,
-        scale_standard_uncertainty=scale_uncertainty if scale_uncertainty < SCALE_VERIFIED_BELOW else None,
+        scale=scale.value if scale.verified else None,
+        scale_standard_uncertainty=scale.standard_uncertainty if scale.verified else None,
     )
 
 
@@ -100,13 +105,16 @@ def _covariance_of_motion(certified: FloatArray, covariances: FloatArray, weight
     return covariance
 
 
-def _scale(turned: FloatArray, certified: FloatArray, covariances: FloatArray) -> tuple[float, float]:
-    """Certified over measured size of the nests' figure, with standard uncertainty (Umeyama 1991, eq. 42)."""
-    measured = turned - turned.mean(axis=0)
-    arms = certified - certified.mean(axis=0)
-    size = float(np.sum(measured**2))
-    variance = float(np.einsum("ni,nij,nj->", arms, covariances, arms)) / size**2
-    return float(np.sum(arms * measured)) / size, float(np.sqrt(variance))
+def _scale(
+    turned: FloatArray,
+    certified: FloatArray,
+    readings: FloatArray,
+    certificates: FloatArray,
+    lengths: Sequence[CertifiedLength],
+) -> Scale:
+    if lengths:
+        return scale_of_lengths(turned, readings, lengths)
+    return scale_of_figure(turned, certified, readings + certificates)
 
 
 def to_world(registration: Registration, point_mm: FloatArray) -> FloatArray:
@@ -119,12 +127,3 @@ def to_tracker(registration: Registration, point_mm: FloatArray) -> FloatArray:
     """Return points of the world in the tracker's frame, shape (..., 3)."""
     result: FloatArray = (point_mm - registration.translation_mm) @ registration.rotation
     return result
-
-
-def scale_sentence(registration: Registration) -> str:
-    """Say what the certified lengths say of the tracker's scale."""
-    if registration.scale is None or registration.scale_standard_uncertainty is None:
-        return "Scale not verified: the fixed nests' certificates are too coarse for a certified length."
-    off, u = 1e6 * (registration.scale - 1.0), 1e6 * registration.scale_standard_uncertainty
-    verdict = "agrees with" if abs(off) <= 3.0 * u else "contradicts"
-    return f"The tracker's scale {verdict} the certified lengths: {off:+.1f} ppm (u = {u:.1f} ppm)."

@@ -24,6 +24,7 @@ class Bench:
     def __init__(self, endpoints: dict[str, dict[str, Any]], scenario: str, seed: int) -> None:
         address = {name: {"host": found["host"], "port": found["port"]} for name, found in endpoints.items()}
         self._truth = address["truth"]
+        self.robot_address = address["robot"]
         self.clock = CLOCK.open(address["clock"], None)
         self.tracker = TRACKER.open(address["tracker"], self.clock)
         self.robot = ROBOT.open(address["robot"], self.clock)

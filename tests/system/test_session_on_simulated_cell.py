@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from drivers.transports.tcp import TcpLink
 from service.domain.session import SessionState
 from service.planning.session_plans import plan_calibration, plan_validation
 from service.sequencing.runner import SessionRunner
@@ -187,3 +189,25 @@ async def test_a_thousand_configurations_take_seconds_not_hours():
     assert ended is SessionState.FINISHED
     # the demo has 25 s for 1,200 configurations on an idle core: 4 s for 200; twice that on a busy one
     assert wall_s < 8.0
+
+
+@pytest.mark.parametrize("kind", ["robot_hangs", "robot_refuses"])
+async def test_a_robot_that_says_nothing_waits_for_a_person_and_goes_on(kind):
+    async with bench(SCENARIO, seed=19) as opened:
+        impatient = TimeOuts(motion_s=0.3)  # in wall time; the motion itself costs none
+        robot = OpenAbbRobot(TcpLink(**opened.robot_address), opened.clock, time_outs=impatient)
+        opened.cell = replace(opened.cell, robot_controller=robot)
+        await opened.ask(op="fault", kind=kind, move=4)
+        # the driver waits for the longest motion at the speed set
+        fast = replace(
+            plan_validation(opened.space, 4, seed=8), tool_speed_mm_s=1e5, orientation_speed_rad_s=100.0
+        )
+        operator = PatientOperator()
+
+        ended = await run(opened, fast, operator)
+        await robot.close()
+
+    assert ended is SessionState.FINISHED
+    assert len(operator.questions) == 2
+    assert "pendant" in operator.questions[1]
+    assert [point.config for point in opened.journal.points] == [1, 2, 3, 4]

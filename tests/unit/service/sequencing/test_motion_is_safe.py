@@ -99,8 +99,9 @@ class Guard:
             raise
 
     async def lose_robot(self):
-        self.cell.robot.connected = False
-        self.confirmed_since_fault = False
+        if self.cell.robot.connected:  # a link that is not up yet cannot be lost
+            self.cell.robot.connected = False
+            self.confirmed_since_fault = False
 
     async def lose_tracker(self):
         original = self.cell.tracker.measure_point

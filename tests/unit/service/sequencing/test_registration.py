@@ -1,11 +1,15 @@
 """The tracker's place in the world: exact without noise, and its covariance against Monte Carlo."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest
 from service.kinematics.frames import rotation_xyz, vector_from_rotation
-from service.sequencing.registration import nest_mean, register, scale_sentence, to_tracker, to_world
+from service.sequencing.registration import nest_mean, register, to_tracker, to_world
+from service.sequencing.scale import scale_sentence
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, TRACKER_AT
 
 ROTATION = rotation_xyz(0.003, -0.002, 2.1)
@@ -20,10 +24,10 @@ def readings(place, rng, n=20, spread_mm=(0.010, 0.022, 0.022)):
     return place + np.array(spread_mm) * rng.standard_normal((n, 3))
 
 
-def draw(rng, true_nests=CERTIFIED, scale=1.0, nests=FIXED_NESTS):
+def draw(rng, true_nests=CERTIFIED, scale=1.0, nests=FIXED_NESTS, lengths=()):
     stated = np.full((20, 3), 0.02**2)
     means = [nest_mean(readings(scale * place, rng), stated) for place in in_tracker(true_nests)]
-    return register(means, nests)
+    return register(means, nests, lengths=lengths)
 
 
 def test_without_noise_the_motion_is_found_exactly():
@@ -107,3 +111,29 @@ def test_few_readings_fall_back_on_what_the_instrument_states():
     mean = nest_mean(np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]]), np.full((2, 3), 0.02**2))
 
     assert mean.covariance_mm2 == pytest.approx(np.eye(3) * 0.02**2 / 2)
+
+
+def length(first, second, u_mm=0.001):
+    between = float(np.linalg.norm(CERTIFIED[first - 1] - CERTIFIED[second - 1]))
+    return CertifiedLength((first, second), between, u_mm)
+
+
+def test_certified_lengths_speak_for_the_scale_where_the_centres_are_coarse():
+    coarse = tuple(FixedNest(nest.centre_mm, 0.5) for nest in FIXED_NESTS)
+    errors = []
+    for seed in range(300):
+        rng = np.random.default_rng(seed)
+        drawn = [length(*ends) for ends in ((1, 2), (2, 3), (3, 1))]
+        off = [replace(one, length_mm=one.length_mm + 0.001 * rng.standard_normal()) for one in drawn]
+        registration = draw(rng, scale=1.0 / (1.0 - 30e-6), nests=coarse, lengths=off)
+        errors.append((registration.scale - 1.0 + 30e-6) / registration.scale_standard_uncertainty)
+
+    # the spread of 300 draws is known to 4 %, four of these are allowed for
+    assert np.std(errors) == pytest.approx(1.0, abs=0.17)
+    assert abs(np.mean(errors)) < 4 / np.sqrt(300)
+
+
+def test_a_length_that_is_itself_coarse_verifies_nothing():
+    registration = draw(np.random.default_rng(1), lengths=[length(1, 2, u_mm=0.2)])
+
+    assert registration.scale is None

@@ -383,6 +383,23 @@ async def test_a_robot_that_somebody_moved_waits_for_a_person():
     assert "5.73 deg away from where the last motion left it" in operator.questions[1]
 
 
+async def test_an_arm_that_still_moves_when_a_person_confirms_is_left_alone():
+    cell = FakeCell()
+    operator = PatientOperator(patience=1)
+    sleep = cell.clock.sleep
+
+    async def creep(duration_s):
+        cell.robot.joints = tuple(joint + 0.001 for joint in cell.robot.joints)
+        await sleep(duration_s)
+
+    cell.clock.sleep = creep
+
+    await run_session(cell, make_plan(), operator)
+
+    assert "The arm is still moving" in operator.questions[1]
+    assert cell.robot.moves == []
+
+
 async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured():
     cell = FakeCell()
     operator = PatientOperator(patience=1)
@@ -390,7 +407,7 @@ async def test_an_arm_that_is_not_where_it_was_sent_is_not_measured():
 
     async def slip(duration_s):
         await settle(duration_s)
-        cell.robot.misreport_rad = 0.01
+        cell.robot.misreport_rad = 0.01 if cell.robot.moves else 0.0
 
     cell.clock.sleep = slip
 
