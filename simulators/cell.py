@@ -23,7 +23,10 @@ class Cell:
     """One cell. Instruments ask it; it knows no protocol."""
 
     def __init__(self, scenario: Scenario, seed: int, clock: CellClock) -> None:
-        """Build the cell that `seed` gives; the plant does not depend on the order of readings."""
+        """Build the cell that `seed` gives; the plant does not depend on the order of readings.
+
+        Raises ScenarioError or NoEquilibriumError for a cell that cannot be.
+        """
         plant_rng, self.rng = (np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2))
         self.scenario = scenario
         self.seed = seed
@@ -44,6 +47,7 @@ class Cell:
         self._facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
         for fault in scenario.faults:
             self.add_fault(fault)
+        self._rest_now()  # springs so soft that the arm folds are refused here, not in front of a client
 
     @property
     def noise(self) -> np.random.Generator | None:

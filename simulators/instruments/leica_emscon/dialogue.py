@@ -76,7 +76,7 @@ class Dialogue:
             Command.GET_DOUBLE_SYSTEM_PARAMETER: self._get_double_parameter,
             Command.RESTORE_STARTUP_CONDITIONS: self._restore_start,
             Command.GO_AND_MEASURE: initialised_only(cell, self._go_and_measure),
-            Command.STOP_MEASUREMENT: self._acknowledge,  # the server has broken off what was running
+            Command.STOP_MEASUREMENT: self._stop,
             Command.CLEAR_COMMAND_QUEUE: self._acknowledge,
             Command.SWITCH_LASER: self._acknowledge,  # a diode: nothing to warm up
             **StatusReports(cell, self.settings, lambda: self.last_status).handlers(),
@@ -195,6 +195,11 @@ class Dialogue:
 
     def _acknowledge(self, request: Request) -> Steps:
         yield Answer(request.command)
+
+    def _stop(self, request: Request) -> Steps:
+        """Acknowledge; the server has broken off what was running."""
+        yield Answer(request.command)
+        yield StatusChange(SystemStatusChange.MEAS_STATUS_READY)
 
     def _exit(self, request: Request) -> Steps:
         yield Answer(request.command)

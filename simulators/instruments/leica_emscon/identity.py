@@ -1,6 +1,8 @@
 """What the simulated AT401 says about itself: answers that do not depend on the cell's state."""
 
+import math
 from collections.abc import Mapping
+from typing import TypeAlias
 
 from drivers.leica_emscon.protocol import Command, Record
 from drivers.leica_emscon.protocol.equipment import (
@@ -19,8 +21,15 @@ from drivers.leica_emscon.protocol.equipment import (
 )
 from drivers.leica_emscon.protocol.exchanges import EXCHANGES
 
+_Members: TypeAlias = Mapping[str, int | float | str]
+
 SERVER_VERSION = (3, 6, 412)  # emScon server: major, minor, build
 _FIRMWARE = (2, 1)
+_VERSION: _Members = {
+    "firmware_major_version_number": _FIRMWARE[0],
+    "firmware_minor_version_number": _FIRMWARE[1],
+}
+_REACH: _Members = {"max_distance": 160_000.0, "min_distance": 1500.0}
 _FIRST_SERIAL = 390_000
 _SEEDS = 10_000
 _REFLECTORS = (
@@ -66,7 +75,8 @@ def compensation(command: Command) -> Record:
 
 def description(command: int, seed: int) -> Record | None:
     """Return the answer to an information command, None when it is none; lengths in mm, angles in rad."""
-    members = _descriptions(serial_number(seed)).get(command)
+    serial = serial_number(seed)
+    members = {**_descriptions_of_head(serial), **_descriptions_of_sensors(serial)}.get(command)
     return None if members is None else _members(Command(command), **members)
 
 
@@ -77,19 +87,25 @@ def _members(command: Command, **values: int | float | str) -> Record:
     return record
 
 
-def _descriptions(serial: int) -> Mapping[int, dict[str, int | float | str]]:
-    version = {"firmware_major_version_number": _FIRMWARE[0], "firmware_minor_version_number": _FIRMWARE[1]}
-    tracker: dict[str, int | float | str] = {
-        "tracker_type": LTSensorType.AT401,
-        "tracker_name": "AT401",
-        "serial_number": serial,
-    }
-    reach = {"max_distance": 160_000.0, "min_distance": 0.0}
+def _descriptions_of_head(serial: int) -> Mapping[int, _Members]:
+    """What describes the tracker as a whole."""
+    tracker: _Members = {"tracker_type": LTSensorType.AT401, "tracker_name": "AT401", "serial_number": serial}
     return {
-        Command.GET_ADM_INFO: {**version, "serial_number": serial},
-        Command.GET_ADM_INFO2: {
-            **version, **reach, "adm_type": ADMType.LEICA_ADM2, "adm_name": "ADM", "serial_number": serial,
-            "max_data_rate": 50, "accuracy_adm_distance": 0.010,
+        Command.GET_TRACKER_INFO: {
+            **tracker, **_REACH, "compensation_id_number": 1, "has_adm": True, "has_nivel": True,
+            "max_data_rate": 50, "number_of_faces": 2,
+            "hz_angle_range": 2.0 * math.pi, "vt_angle_range": math.radians(290.0),
+            "accuracy_model": TrkAccuracyModel.MODEL_2005, "maj_lcp_firmware_version": _FIRMWARE[0],
+            "min_lcp_firmware_version": _FIRMWARE[1],
+        },
+        Command.GET_AT4XX_INFO: {
+            **tracker, **_REACH,
+            "major_firmware_version": _FIRMWARE[0], "minor_firmware_version": _FIRMWARE[1],
+            "major_server_software_version": SERVER_VERSION[0],
+            "minor_server_software_version": SERVER_VERSION[1],
+            "server_software_build_number": SERVER_VERSION[2],
+            "wlan_type": WLANType.NONE, "xscale_type": TPMicroProcessorType.PXA250, "min_measure_time": 100,
+            "std_dev_dist_offset_adm": 0.010, "std_dev_angle_const": 2.4e-6,
         },
         Command.GET_TP_INFO: {
             "tp_boot_major_version_number": 1,
@@ -100,36 +116,31 @@ def _descriptions(serial: int) -> Mapping[int, dict[str, int | float | str]]:
             "micro_processor_clock_speed": 400,
             "laser_tracker_sensor_type": LTSensorType.AT401,
         },
-        Command.GET_NIVEL_INFO: {**version, "serial_number": serial},
-        Command.GET_NIVEL_INFO2: {
-            **version, "nivel_type": NivelType.NIVEL_AT4XX, "nivel_name": "AT4xx", "serial_number": serial,
-            "measurement_range": 0.05,
-        },
-        Command.GET_TRACKER_INFO: {
-            **tracker, **reach, "compensation_id_number": 1, "has_adm": True, "has_nivel": True,
-            "max_data_rate": 50, "number_of_faces": 2,
-            "hz_angle_range": 6.283185307, "vt_angle_range": 5.061455,
-            "accuracy_model": TrkAccuracyModel.MODEL_2005, "maj_lcp_firmware_version": _FIRMWARE[0],
-            "min_lcp_firmware_version": _FIRMWARE[1],
-        },
-        Command.GET_ATR_INFO: {
-            "atr_type": ATRType.ATR_5I, "atr_name": "ATR", "maj_firmware_version": _FIRMWARE[0],
-            "min_firmware_version": _FIRMWARE[1], **reach, "field_of_view": 0.026,
-        },
-        Command.GET_METEO_STATION_INFO: {
-            **version, "meteo_station_type": MeteoStationType.AT, "identifier": f"AT {serial}",
-        },
-        Command.GET_AT4XX_INFO: {
-            **tracker, **reach,
-            "major_firmware_version": _FIRMWARE[0], "minor_firmware_version": _FIRMWARE[1],
-            "major_server_software_version": SERVER_VERSION[0],
-            "minor_server_software_version": SERVER_VERSION[1],
-            "server_software_build_number": SERVER_VERSION[2],
-            "wlan_type": WLANType.NONE, "xscale_type": TPMicroProcessorType.PXA250, "min_measure_time": 100,
-            "std_dev_dist_offset_adm": 0.010, "std_dev_angle_const": 2.4e-6,
-        },
         Command.GET_SYSTEM_SOFTWARE_VERSION: {
             "software_version": ".".join(map(str, SERVER_VERSION)) + " simulated"
+        },
+    }  # fmt: skip
+
+
+def _descriptions_of_sensors(serial: int) -> Mapping[int, _Members]:
+    """What describes the instruments inside and beside the head."""
+    numbered: _Members = {**_VERSION, "serial_number": serial}
+    return {
+        Command.GET_ADM_INFO: numbered,
+        Command.GET_ADM_INFO2: {
+            **numbered, **_REACH, "adm_type": ADMType.LEICA_ADM2, "adm_name": "ADM", "max_data_rate": 50,
+            "accuracy_adm_distance": 0.010,
+        },
+        Command.GET_NIVEL_INFO: numbered,
+        Command.GET_NIVEL_INFO2: {
+            **numbered, "nivel_type": NivelType.NIVEL_AT4XX, "nivel_name": "AT4xx", "measurement_range": 0.05,
+        },
+        Command.GET_ATR_INFO: {
+            **_REACH, "atr_type": ATRType.ATR_5I, "atr_name": "ATR", "maj_firmware_version": _FIRMWARE[0],
+            "min_firmware_version": _FIRMWARE[1], "field_of_view": 0.026,
+        },
+        Command.GET_METEO_STATION_INFO: {
+            **_VERSION, "meteo_station_type": MeteoStationType.AT, "identifier": f"AT {serial}",
         },
         Command.GET_OVERVIEW_CAMERA_INFO: {"camera_type": OverviewCameraType.UNKNOWN},
         Command.GET_TRIGGER_BOARD_INFO: {"trigger_card_type": TriggerCardType.NONE},

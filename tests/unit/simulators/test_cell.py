@@ -5,9 +5,10 @@ import pytest
 
 from simulators.faults import FixedNestMoved, SmrMissing, TrackerBlinded
 from simulators.physics.effects import PlantedChange
+from simulators.physics.equilibrium import NoEquilibriumError
 from simulators.physics.rigid import move
 from simulators.robot import SpeedLimits, TargetOutOfRangeError
-from simulators.scenario import ArmSetup, TableSetup, ToolSetup
+from simulators.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
 from simulators.tracker import seen_from
 
 LIMITS = SpeedLimits(500.0, 0.349)
@@ -205,6 +206,13 @@ def test_stated_errors_take_the_place_of_drawn_ones(make_cell):
     assert cell.plant.motions[2, :3].tolist() == [0.134, 0.0, 0.0]
     assert cell.plant.motions[0, :3].tolist() == [-0.075, -0.096, 0.103]
     assert np.array_equal(make_cell("irb120-thesis", seed=9).plant.motions, cell.plant.motions)
+
+
+def test_an_arm_of_rubber_is_refused_before_anybody_connects(make_cell):
+    soft = tuple(GivenLink(joint, compliance_rad_per_n_mm=1e-3) for joint in range(1, 7))
+
+    with pytest.raises(NoEquilibriumError, match="too soft"):
+        make_cell(links=soft)
 
 
 def test_the_arm_may_start_elsewhere_than_at_zero(make_cell):

@@ -266,6 +266,7 @@ async def test_setters_announce_themselves_once_messages_are_asked_for(server):
     accepted, busy, _, ready = await server.ask(49)
     assert (accepted, busy, ready) == (answer(49), event(26), event(27))
     assert await server.ask(53) == [answer(53), event(31)]
+    assert await server.ask(52) == [answer(52), event(27)]
 
 
 @pytest.mark.parametrize(
