@@ -88,7 +88,7 @@ def _members(command: Command, **values: int | float | str) -> Record:
 
 
 def _descriptions_of_head(serial: int) -> Mapping[int, _Members]:
-    """What describes the tracker as a whole."""
+    """Return what describes the tracker as a whole."""
     tracker: _Members = {"tracker_type": LTSensorType.AT401, "tracker_name": "AT401", "serial_number": serial}
     return {
         Command.GET_TRACKER_INFO: {
@@ -123,7 +123,7 @@ def _descriptions_of_head(serial: int) -> Mapping[int, _Members]:
 
 
 def _descriptions_of_sensors(serial: int) -> Mapping[int, _Members]:
-    """What describes the instruments inside and beside the head."""
+    """Return what describes the instruments inside and beside the head."""
     numbered: _Members = {**_VERSION, "serial_number": serial}
     return {
         Command.GET_ADM_INFO: numbered,
