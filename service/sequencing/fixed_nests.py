@@ -15,7 +15,7 @@ from service.sequencing.location import AIMED_RADIUS_MM, RoughFrame, locate_trac
 from service.sequencing.registration import nest_mean, register, to_tracker, to_world
 from service.sequencing.scale import scale_sentence
 from service.sequencing.steps import ReadFixedNest
-from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm
+from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm, stated_covariance_mm2
 
 # A nest that was pushed in the plane of the nests leaves about a third of it as residual: the rigid
 # motion takes up the rest.
@@ -138,7 +138,7 @@ class FixedNests:
     async def register(self) -> None:
         """Place the tracker in the world; raises AttentionNeededError where the certificate does not fit."""
         numbers = range(1, len(self._certified) + 1)
-        means = [nest_mean(self._points(n, 1), self._stated_variance(n)) for n in numbers]
+        means = [nest_mean(self._points(n, 1), self._stated(n)) for n in numbers]
         registration = register(
             means,
             self._cell.fixed_nests,
@@ -155,9 +155,8 @@ class FixedNests:
         await self._journal.noted(scale_sentence(registration))
         self._registration = self._last_known = registration
 
-    def _stated_variance(self, fixed_nest: int) -> FloatArray:
-        taken = self._taken[fixed_nest, 1]
-        return np.array([np.full(3, standard_uncertainty_mm(reading) ** 2) for reading in taken])
+    def _stated(self, fixed_nest: int) -> FloatArray:
+        return np.array([stated_covariance_mm2(reading) for reading in self._taken[fixed_nest, 1]])
 
     def check_references(self) -> None:
         """Raise AttentionNeededError where a fixed nest is off by more than the limit."""

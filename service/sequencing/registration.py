@@ -18,7 +18,8 @@ from service.domain.session import Registration
 from service.kinematics.frames import cross_matrix, rigid_alignment
 from service.sequencing.scale import Scale, scale_of_figure, scale_of_lengths
 
-_ENOUGH_TO_SCATTER = 5  # readings from which their own scatter says more than the instrument's statement
+_ENOUGH_TO_SCATTER = 5  # readings, to speak of a scatter at all
+_FAR_MORE = 2.0  # in variance: twenty readings show it by chance less than once in a million
 _SMALLEST_UNCERTAINTY_MM = 1e-6  # keeps the weights of a noise-free cell finite
 
 
@@ -30,20 +31,24 @@ class NestMean:
     covariance_mm2: FloatArray  # (3, 3) of the mean
 
 
-def nest_mean(points_mm: FloatArray, stated_variance_mm2: FloatArray) -> NestMean:
+def nest_mean(points_mm: FloatArray, stated_mm2: FloatArray) -> NestMean:
     """Mean of repeated readings and its covariance.
+
+    The instrument's own statement holds, unless the readings scatter far more than it says.
 
     Parameters
     ----------
     points_mm : ndarray, shape (n, 3)
-    stated_variance_mm2 : ndarray, shape (n, 3)
-        What the instrument says of each reading, per axis [mm2]; stands in where n is too small
-        for the readings' own scatter.
+    stated_mm2 : ndarray, shape (n, 3, 3)
+        What the instrument states of each reading [mm2]; NaN where it states nothing.
     """
     n = len(points_mm)
-    if n >= _ENOUGH_TO_SCATTER:
-        return NestMean(points_mm.mean(axis=0), np.cov(points_mm, rowvar=False) / n)
-    return NestMean(points_mm.mean(axis=0), np.diag(np.nan_to_num(stated_variance_mm2).mean(axis=0)) / n)
+    stated = stated_mm2.mean(axis=0)
+    if n < _ENOUGH_TO_SCATTER:
+        return NestMean(points_mm.mean(axis=0), np.nan_to_num(stated) / n)
+    scatter = np.cov(points_mm, rowvar=False)
+    holds = float(np.trace(scatter)) <= _FAR_MORE * float(np.trace(stated))  # False for NaN
+    return NestMean(points_mm.mean(axis=0), (stated if holds else scatter) / n)
 
 
 def register(

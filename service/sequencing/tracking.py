@@ -68,6 +68,13 @@ def standard_uncertainty_mm(reading: TrackerReading) -> float:
     return stated if stated > _SMALLEST_UNCERTAINTY_MM else _SMALLEST_UNCERTAINTY_MM
 
 
+def stated_covariance_mm2(reading: TrackerReading) -> FloatArray:
+    """Return what the instrument states of one reading, tracker frame, shape (3, 3); NaN for nothing."""
+    if reading.covariance_mm2 is not None:
+        return np.array(reading.covariance_mm2)
+    return np.diag(np.square(reading.standard_deviation_mm))
+
+
 def world_covariance_mm2(
     reading: TrackerReading, registration: Registration
 ) -> tuple[Vector, Vector, Vector] | None:

@@ -1,5 +1,6 @@
 """The tracker's place in the world: exact without noise, and its covariance against Monte Carlo."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from service.sequencing.scale import scale_sentence
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, TRACKER_AT
 
 ROTATION = rotation_xyz(0.003, -0.002, 2.1)
+SPREAD_MM = (0.010, 0.022, 0.022)
 CERTIFIED = np.array([nest.centre_mm for nest in FIXED_NESTS])
 
 
@@ -20,18 +22,18 @@ def in_tracker(world):
     return (world - np.array(TRACKER_AT)) @ ROTATION
 
 
-def readings(place, rng, n=20, spread_mm=(0.010, 0.022, 0.022)):
-    return place + np.array(spread_mm) * rng.standard_normal((n, 3))
+def readings(place, rng, n=20):
+    return place + np.array(SPREAD_MM) * rng.standard_normal((n, 3))
 
 
 def draw(rng, true_nests=CERTIFIED, scale=1.0, nests=FIXED_NESTS, lengths=()):
-    stated = np.full((20, 3), 0.02**2)
+    stated = np.broadcast_to(np.diag(np.square(SPREAD_MM)), (20, 3, 3))
     means = [nest_mean(readings(scale * place, rng), stated) for place in in_tracker(true_nests)]
     return register(means, nests, lengths=lengths)
 
 
 def test_without_noise_the_motion_is_found_exactly():
-    means = [nest_mean(np.array([place] * 5), np.zeros((5, 3))) for place in in_tracker(CERTIFIED)]
+    means = [nest_mean(np.array([place] * 5), np.zeros((5, 3, 3))) for place in in_tracker(CERTIFIED)]
 
     registration = register(means, FIXED_NESTS, two_face_mm=0.01)
 
@@ -107,10 +109,23 @@ def test_without_a_certified_length_the_scale_is_not_verified():
     assert scale_sentence(registration).startswith("Scale not verified")
 
 
-def test_few_readings_fall_back_on_what_the_instrument_states():
-    mean = nest_mean(np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0]]), np.full((2, 3), 0.02**2))
+@pytest.mark.parametrize("n", [2, 20])
+def test_what_the_instrument_states_is_the_covariance_of_the_mean(n):
+    stated = np.diag([1e-4, 4e-4, 4e-4])
+    points = np.random.default_rng(0).multivariate_normal(np.zeros(3), stated, n)
 
-    assert mean.covariance_mm2 == pytest.approx(np.eye(3) * 0.02**2 / 2)
+    mean = nest_mean(points, np.broadcast_to(stated, (n, 3, 3)))
+
+    assert mean.covariance_mm2 == pytest.approx(stated / n)
+
+
+@pytest.mark.parametrize("stated", [1e-6, math.nan])
+def test_readings_that_scatter_far_more_than_is_stated_speak_for_themselves(stated):
+    points = 0.05 * np.random.default_rng(0).standard_normal((20, 3))
+
+    mean = nest_mean(points, np.broadcast_to(np.diag([stated] * 3), (20, 3, 3)))
+
+    assert mean.covariance_mm2 == pytest.approx(np.cov(points, rowvar=False) / 20)
 
 
 def length(first, second, u_mm=0.001):
