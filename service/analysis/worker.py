@@ -47,7 +47,8 @@ def _send(stream: BinaryIO, message: object) -> None:
 
 def _end_with_the_service() -> None:
     # The service holds our input open as long as it lives: a killed service leaves no worker behind.
-    sys.stdin.buffer.read()
+    # Read past the buffer: its lock, held by a daemon thread, would abort an orderly end.
+    os.read(0, 1)
     os._exit(1)
 
 

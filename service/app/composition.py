@@ -12,7 +12,8 @@ from fastapi import FastAPI
 from drivers.api import Clock
 from drivers.registry import DriverRegistry, load_registry
 from service.analysis.campaigns import CampaignDesk
-from service.analysis.jobs import JobDesk
+from service.analysis.jobs import JobDesk, Perform
+from service.analysis.worker_process import perform_in_worker
 from service.app.errors import StartError
 from service.app.simulation import Simulation, running_simulation
 from service.domain.cell import Cell, DeviceEntry
@@ -35,7 +36,9 @@ _NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures w
 _RESTARTED: Final = "The service ended before the job did; start it again."
 
 
-def create_app(settings: Settings, registry: DriverRegistry | None = None) -> FastAPI:
+def create_app(
+    settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
+) -> FastAPI:
     """Return the service as an ASGI application; its lifespan opens and closes everything it works with.
 
     Parameters
@@ -43,11 +46,13 @@ def create_app(settings: Settings, registry: DriverRegistry | None = None) -> Fa
     settings : Settings
     registry : DriverRegistry, optional
         Which drivers there are; by default the installed ones.
+    perform : Perform
+        Who does the jobs; by default a worker process each.
     """
 
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        async with open_context(settings, registry) as context:
+        async with open_context(settings, registry, perform) as context:
             app.state.context = context
             yield
 
@@ -63,7 +68,9 @@ def program_version() -> str:
 
 
 @contextlib.asynccontextmanager
-async def open_context(settings: Settings, registry: DriverRegistry | None = None) -> AsyncIterator[Context]:
+async def open_context(
+    settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
+) -> AsyncIterator[Context]:
     """Open storage, simulated cell and drivers, and find what an earlier service left unfinished.
 
     Raises
@@ -86,7 +93,7 @@ async def open_context(settings: Settings, registry: DriverRegistry | None = Non
         cell = _with_simulated_devices(cell, simulation, drivers)
         rack = _rack(cell, simulation, drivers)
         stack.push_async_callback(rack.close)
-        context = _context(cell, database, rack, simulation)
+        context = _context(cell, database, rack, simulation, perform)
         await context.session_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
@@ -156,7 +163,9 @@ def _clock(simulation: Simulation | None, drivers: DriverRegistry) -> Clock:
     return opened
 
 
-def _context(cell: Cell, database: Database, rack: Rack, simulation: Simulation | None) -> Context:
+def _context(
+    cell: Cell, database: Database, rack: Rack, simulation: Simulation | None, perform: Perform
+) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs, results = (
         CampaignRepository(database),
@@ -176,7 +185,7 @@ def _context(cell: Cell, database: Database, rack: Rack, simulation: Simulation 
         events=EventRepository(database),
         rack=rack,
         session_desk=SessionDesk(sessions, readings, rack),
-        job_desk=JobDesk(jobs, campaigns, results),
+        job_desk=JobDesk(jobs, campaigns, results, perform),
         campaign_desk=CampaignDesk(campaigns, sessions, readings),
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,

@@ -19,6 +19,12 @@ from service.domain.cell import SimulatedCell
 from service.web.context import Endpoint
 
 _NEEDED: Final = {"tracker", "robot", "clock", "truth"}
+# Runs `python -m simulators`, and ends it when its input closes: then the service is gone, however it ended.
+_TIED: Final = """
+import os, runpy, sys, threading
+threading.Thread(target=lambda: (os.read(0, 1), os._exit(1)), daemon=True).start()
+runpy.run_module("simulators", run_name="__main__", alter_sys=True)
+"""
 _START_S: Final = 30.0  # a second on an idle machine
 _END_S: Final = 5.0
 
@@ -44,10 +50,11 @@ async def running_simulation(simulated: SimulatedCell, pace: int) -> AsyncIterat
     """Start a simulated cell and end it with the context; raises SimulationFailedError."""
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         scenario = _with_effects(simulated, Path(folder))
-        command = ("-m", "simulators", scenario, "--seed", str(simulated.seed), "--pace", str(pace))
+        arguments = (scenario, "--seed", str(simulated.seed), "--pace", str(pace))
+        pipe = asyncio.subprocess.PIPE
         # A session of its own: ctrl-C at the terminal is for the service, which ends the cell in order.
         process = await asyncio.create_subprocess_exec(
-            sys.executable, *command, stdout=asyncio.subprocess.PIPE, start_new_session=True
+            sys.executable, "-c", _TIED, *arguments, stdin=pipe, stdout=pipe, start_new_session=True
         )
         try:
             yield Simulation(process, await _endpoints(process))

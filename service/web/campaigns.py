@@ -10,9 +10,9 @@ from starlette.datastructures import UploadFile
 from service.web.context import Here
 from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
 from service.web.problems import problems
-from service.web.schemas.campaigns import CampaignReply, FromSessionsRequest, campaign_reply
+from service.web.schemas.campaigns import CampaignReply, CampaignRequest, campaign_reply
 
-router = APIRouter(prefix="/campaigns", tags=["campaigns"])
+router = APIRouter(tags=["campaigns"])
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
 _FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}}
 _BODY: dict[str, Any] = {
@@ -31,7 +31,7 @@ CampaignName = Annotated[
 
 
 @router.post(
-    "",
+    "/campaigns",
     status_code=status.HTTP_201_CREATED,
     responses=problems(400, 409, 413, 415, 422, 503),
     openapi_extra=_BODY,
@@ -53,35 +53,33 @@ async def upload_campaign(
 
 
 @router.post(
-    "/from-sessions",
+    "/sessions/{id}/campaign",
     status_code=status.HTTP_201_CREATED,
     responses=problems(400, 404, 409, 413, 415, 422, 503),
 )
 async def make_campaign(
-    here: Here, wanted: FromSessionsRequest, response: Response, key: OptionalKey
+    here: Here, id: Id, wanted: CampaignRequest, response: Response, key: OptionalKey
 ) -> CampaignReply:
-    """Make a campaign of a calibration session and, if there is one, a validation session."""
-    number = await here.campaign_desk.from_sessions(
-        wanted.name, wanted.calibration_session_id, wanted.validation_session_id, key
-    )
+    """Make a campaign of a calibration session and, if there is one, the validation session beside it."""
+    number = await here.campaign_desk.from_sessions(wanted.name, id, wanted.validation_session_id, key)
     response.headers["Location"] = f"/api/v1/campaigns/{number}"
     return campaign_reply(await here.campaigns.get(number))
 
 
-@router.get("", responses=problems(422, 503))
+@router.get("/campaigns", responses=problems(422, 503))
 async def list_campaigns(here: Here, page: PageQuery) -> list[CampaignReply]:
     """List campaigns, oldest first."""
     return [campaign_reply(record) for record in await here.campaigns.page(page)]
 
 
-@router.get("/{id}", responses=problems(404, 422, 503))
+@router.get("/campaigns/{id}", responses=problems(404, 422, 503))
 async def get_campaign(here: Here, id: Id) -> CampaignReply:
     """Show what a campaign holds."""
     return campaign_reply(await here.campaigns.get(id))
 
 
 @router.get(
-    "/{id}/archive",
+    "/campaigns/{id}/archive",
     response_class=Response,
     responses={
         200: {"description": "Zip of the campaign folder.", "content": _ZIP},

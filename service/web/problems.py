@@ -17,7 +17,7 @@ from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
 from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
-from service.storage.errors import ConflictError, KeyReusedError, NotFoundError, StorageUnavailableError
+from service.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
 MEDIA_TYPE: Final = "application/problem+json"
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
@@ -27,16 +27,15 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     NotFoundError: HTTPStatus.NOT_FOUND,
     UnknownDeviceError: HTTPStatus.NOT_FOUND,
     UnknownRobotError: HTTPStatus.NOT_FOUND,
-    KeyReusedError: HTTPStatus.UNPROCESSABLE_ENTITY,
     ConflictError: HTTPStatus.CONFLICT,
     NotNowError: HTTPStatus.CONFLICT,
     DeviceInUseError: HTTPStatus.CONFLICT,
     MissingDeviceError: HTTPStatus.CONFLICT,
     NothingMeasuredError: HTTPStatus.CONFLICT,
     SessionsDifferError: HTTPStatus.CONFLICT,
+    PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
-    PlanRefusedError: HTTPStatus.UNPROCESSABLE_ENTITY,
     InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
     StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
     DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
@@ -121,7 +120,8 @@ def _allowed_methods(request: Request) -> list[str]:
         method
         for method in _METHODS
         if any(
-            route.matches({**request.scope, "method": method})[0] is Match.FULL for route in request.app.routes
+            route.matches({**request.scope, "method": method})[0] is Match.FULL
+            for route in request.app.routes
         )
     ]
 

@@ -1,23 +1,20 @@
 """Campaigns: the folder of one measured robot, as a zip."""
 
-from typing import Annotated
-
 from pydantic import Field
 
 from service.storage.records import CampaignRecord
-from service.web.schemas.base import NUMBER_LIMIT, RecordedAt, RecordId, Reply, Request, example
-
-Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
+from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example
 
 
-class FromSessionsRequest(Request):
-    """Sessions to make a campaign of."""
+class CampaignRequest(Request):
+    """What to make a campaign of, beside the calibration session."""
 
-    model_config = example({"name": "left arm", "calibration_session_id": 1, "validation_session_id": 2})
+    model_config = example({"name": "left arm", "validation_session_id": 2})
 
     name: str = Field(min_length=1, max_length=200, pattern=r"\S", examples=["left arm"])
-    calibration_session_id: Number = Field(description="Its readings identify.")
-    validation_session_id: Number | None = Field(None, description="Its readings never identify, only judge.")
+    validation_session_id: Number | None = Field(
+        None, description="Its readings never identify, only judge.", examples=[2]
+    )
 
 
 class CampaignReply(Reply):

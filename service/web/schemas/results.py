@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.domain.results import Status
+from service.effects.registry import EFFECTS
 from service.exchange.model_document import model_document
 from service.exchange.result_documents import identification_document, validation_document
 from service.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
-from service.web.schemas.base import NUMBER_LIMIT, RecordedAt, RecordId, Reply, Request, example
+from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example
 
-Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
-EffectName = Annotated[str, Field(min_length=1, max_length=64, examples=["geometry"])]
+EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
 
 
 class Document(BaseModel):

@@ -11,17 +11,18 @@ from service.domain.session import PlannedStop, Progress, Role, SessionPlan, Ses
 from service.storage.records import SessionRecord, StateChange
 from service.web.schemas.base import (
     NUMBER_LIMIT,
+    Number,
     PersonName,
     RecordedAt,
     RecordId,
     Reply,
     Request,
+    Whole,
     degrees,
     example,
 )
 
 AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller's range
-Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
 
 
 class StopRequest(Request):
@@ -46,8 +47,8 @@ class ChosenStops(Request):
     """The configurations are chosen: by observability to calibrate, at random to validate."""
 
     method: Literal["choose"]
-    configurations: int = Field(ge=1, le=5000, description="How many, revisits not counted.", examples=[50])
-    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+    configurations: Whole = Field(ge=1, le=5000, description="How many, revisits not counted.", examples=[50])
+    seed: Whole = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
 
 
 class SessionRequest(Request):
@@ -68,8 +69,8 @@ class SessionRequest(Request):
     )
     settle_s: float = Field(4.0, ge=0, le=600, description="Between motion and measurement.")
     measure_s: float = Field(1.0, ge=0.1, le=60, description="Length of a measurement.")
-    reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
-    registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
+    reference_every: Whole = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
+    registration_readings: Whole = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
     two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
 
 

@@ -90,7 +90,9 @@ class FakeTracker(FakeLink):
 
     async def measure_point(self, *, duration_s):
         await self._clock.sleep(duration_s)
-        return TrackerReading(self._aimed_at, (0.01,) * 3, 0.01, 100, duration_s, self._face, self._clock.time_s)
+        return TrackerReading(
+            self._aimed_at, (0.01,) * 3, 0.01, 100, duration_s, self._face, self._clock.time_s
+        )
 
     async def change_face(self):
         self._face = 3 - self._face

@@ -155,7 +155,7 @@ async def test_a_stop_beyond_a_joint_limit_is_refused_when_planned(client):
 
     refused = await client.post(SESSIONS, json=session_request(plan={"method": "given", "stops": far}))
 
-    assert refused.status_code == 422
+    assert refused.status_code == 409
     assert "oint 5" in refused.json()["detail"]
 
 
@@ -168,7 +168,7 @@ async def test_a_plan_sent_twice_with_one_key_is_one_session(client):
 
     assert first.json()["id"] == again.json()["id"]
     assert len((await client.get(SESSIONS)).json()) == 1
-    assert other.status_code == 422
+    assert other.status_code == 409
     assert "left-arm-1" in other.json()["detail"]
 
 

@@ -1,0 +1,170 @@
+"""The service as a process: ready in one line, refused in one sentence, ended in order."""
+
+import json
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import time
+
+import httpx
+import pytest
+
+from tests.integration.web.bench import CELL
+
+SERVE = """
+import sys
+from pathlib import Path
+from service.app import serve
+from service.settings import Settings
+
+cell_file = Path(sys.argv[3]) if len(sys.argv) > 3 else None
+sys.exit(serve(Settings(sys.argv[1], port=int(sys.argv[2]), cell_file=cell_file, simulated_pace=0)))
+"""
+
+
+def start(database_url, port=0, *cell_file):
+    return subprocess.Popen(
+        [sys.executable, "-c", SERVE, database_url, str(port), *map(str, cell_file)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def service(database_url):
+    process = start(database_url)
+    yield process
+    process.kill()
+    process.communicate()
+
+
+def url_of(service):
+    line = service.stdout.readline()
+    assert line, service.stderr.read()
+    return json.loads(line)["url"]
+
+
+def ended(process):
+    """Return exit status, what is left of standard output, and standard error."""
+    out, err = process.communicate(timeout=20)
+    return process.returncode, out, err
+
+
+def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(service):
+    url = url_of(service)
+
+    assert httpx.get(f"{url}/health").json()["simulated"] is True
+    for page in ("/", "/docs"):
+        text = httpx.get(url + page).text
+        assert "SIMULATED" in text
+        assert "http" not in text.replace(url, ""), "a shop floor has no content network"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_in_order_and_the_simulated_cell_with_it(service, database_url, number):
+    url = url_of(service)
+    (cell,) = httpx.get(f"{url}/api/v1/cells").json()
+    port = cell["endpoints"][0]["port"]
+
+    service.send_signal(number)
+    status, out, err = ended(service)
+
+    assert (status, out) == (0, ""), err
+    assert "Traceback" not in err
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port), timeout=1)
+
+
+def test_an_open_stream_does_not_hold_up_the_end(service):
+    url = url_of(service)
+    with httpx.stream("GET", f"{url}/api/v1/events", timeout=10) as stream:
+        lines = stream.iter_lines()
+        next(lines)
+        began = time.monotonic()
+        service.send_signal(signal.SIGTERM)
+        assert [line for line in lines if line.startswith("data")] == []
+    status, _, err = ended(service)
+
+    # Uvicorn's own time for requests under way is 5 s: a stream that had to be cut would take that long.
+    assert time.monotonic() - began < 4.5
+    assert status == 0, err
+
+
+def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(service, database_url):
+    url_of(service)
+
+    status, out, err = ended(start(database_url))
+
+    assert (status, out) == (3, "")
+    assert "in use by another truepose service" in err
+    assert "Traceback" not in err
+
+
+def test_a_port_in_use_is_one_sentence_and_status_3(database_url):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        status, out, err = ended(start(database_url, port))
+
+    assert (status, out) == (3, "")
+    assert err.startswith(f"Nothing can listen at 127.0.0.1:{port}")
+    assert err.count("\n") == 1
+
+
+def test_a_cell_file_with_a_mistake_is_one_sentence_and_status_2(database_url, tmp_path):
+    (tmp_path / "cell.toml").write_text(CELL.replace("centre_mm", "center_mm"))
+
+    status, out, err = ended(start(database_url, 0, tmp_path / "cell.toml"))
+
+    assert (status, out) == (2, "")
+    assert err.startswith("cell.toml")
+    assert err.count("\n") == 1
+
+
+def test_a_driver_that_is_not_installed_is_one_sentence_and_status_3(database_url, tmp_path):
+    (tmp_path / "cell.toml").write_text(CELL)
+
+    status, out, err = ended(start(database_url, 0, tmp_path / "cell.toml"))
+
+    assert (status, out) == (3, "")
+    assert "'fake_tracker'" in err
+    assert err.count("\n") == 1
+
+
+def test_a_newer_schema_is_one_sentence_and_status_3(service, database_url, tmp_path):
+    url_of(service)
+    service.send_signal(signal.SIGTERM)
+    ended(service)
+    with sqlite3.connect(tmp_path / "truepose.sqlite3") as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+    connection.close()
+
+    status, _, err = ended(start(database_url))
+
+    assert status == 3
+    assert "has schema 9999" in err
+    assert "Traceback" not in err
+
+
+def test_a_killed_service_lets_go_of_its_database(service, database_url):
+    url_of(service)
+    os.kill(service.pid, signal.SIGKILL)
+    service.wait()
+
+    second = start(database_url)
+    try:
+        assert url_of(second)
+    finally:
+        second.send_signal(signal.SIGTERM)
+        assert ended(second)[0] == 0
+
+
+def test_the_service_is_ready_without_the_libraries_of_the_worker():
+    script = "import sys, service.app; print(sorted({'scipy', 'matplotlib', 'plotly'} & set(sys.modules)))"
+
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+
+    assert found.stdout.strip() == "[]"

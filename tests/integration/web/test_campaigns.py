@@ -1,0 +1,112 @@
+"""Campaigns over REST: uploaded, made of sessions, downloaded."""
+
+import io
+import zipfile
+
+import pytest
+
+from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from tests.builders import make_campaign
+from tests.integration.web.bench import session_request
+
+CAMPAIGNS = "/api/v1/campaigns"
+ZIP = {"Content-Type": "application/zip"}
+
+
+def zipped(**files):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name.replace("__", "."), text)
+    return stream.getvalue()
+
+
+async def measured(client, until, role):
+    path = (await client.post("/api/v1/sessions", json=session_request(role=role))).headers["Location"]
+    await client.post(f"{path}/start")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    return await until(path, "state", "finished")
+
+
+async def test_an_upload_comes_back_byte_for_byte(client):
+    archive = write_campaign_zip(make_campaign())
+
+    stored = await client.post(CAMPAIGNS, content=archive, headers=ZIP, params={"name": "mine"})
+    back = await client.get(stored.json()["archive_url"])
+
+    assert stored.status_code == 201
+    assert stored.json()["name"] == "mine"
+    assert stored.json()["calibration_points"] == len(make_campaign().calibration)
+    assert back.content == archive
+    assert back.headers["content-type"] == "application/zip"
+
+
+async def test_a_form_with_a_file_serves_as_well(client):
+    archive = write_campaign_zip(make_campaign())
+
+    stored = await client.post(CAMPAIGNS, files={"file": ("left arm.zip", archive, "application/zip")})
+
+    assert stored.status_code == 201, stored.text
+    assert stored.json()["name"] == "left arm"
+
+
+async def test_an_upload_sent_twice_with_one_key_is_stored_once(client):
+    archive, headers = write_campaign_zip(make_campaign()), {**ZIP, "Idempotency-Key": "u-1"}
+
+    first = await client.post(CAMPAIGNS, content=archive, headers=headers)
+    again = await client.post(CAMPAIGNS, content=archive, headers=headers)
+
+    assert first.json() == again.json()
+    assert len((await client.get(CAMPAIGNS)).json()) == 1
+
+
+@pytest.mark.parametrize(
+    ("archive", "sentence"),
+    [
+        (b"PK no zip at all", "not a whole zip file"),
+        (write_campaign_zip(make_campaign())[:-30], "not a whole zip file"),
+        (zipped(readme__txt="hello"), "no campaign.json in the archive"),
+        (zipped(campaign__json="{"), "campaign.json"),
+        (b"", "the zip of a campaign folder is required"),
+    ],
+)
+async def test_a_bad_zip_is_refused_with_a_sentence_and_nothing_is_stored(client, archive, sentence):
+    refused = await client.post(CAMPAIGNS, content=archive, headers=ZIP)
+
+    assert refused.status_code == 422
+    assert sentence in refused.json()["detail"]
+    assert (await client.get(CAMPAIGNS)).json() == []
+
+
+async def test_a_form_without_a_file_is_refused(client):
+    refused = await client.post(CAMPAIGNS, files={"other": ("x.zip", b"x")})
+
+    assert refused.status_code == 422
+    assert "the zip of a campaign folder is required" in refused.json()["detail"]
+
+
+async def test_a_session_becomes_a_campaign_that_can_be_read(client, until):
+    calibration = await measured(client, until, "calibration")
+    validation = await measured(client, until, "validation")
+
+    made = await client.post(
+        f"/api/v1/sessions/{calibration['id']}/campaign",
+        json={"name": "left arm", "validation_session_id": validation["id"]},
+    )
+    archive = (await client.get(made.json()["archive_url"])).content
+    campaign = read_campaign_zip(archive)
+
+    assert made.status_code == 201, made.text
+    assert made.json()["session_ids"] == [calibration["id"], validation["id"]]
+    assert (len(campaign.calibration), len(campaign.validation)) == (3, 3)
+    assert campaign.registration is not None
+    assert len(campaign.reference) >= 6  # three nests, before and after
+
+
+async def test_a_session_that_never_ran_makes_no_campaign(client):
+    path = (await client.post("/api/v1/sessions", json=session_request())).headers["Location"]
+
+    refused = await client.post(f"{path}/campaign", json={"name": "left arm"})
+
+    assert refused.status_code == 409
+    assert refused.json()["detail"] == "Session 1 has no reading of a tool nest; run it first."

@@ -1,0 +1,254 @@
+"""Jobs over REST: their progress, their results, their end by request or by accident."""
+
+import asyncio
+import dataclasses
+
+import httpx
+import numpy as np
+import pytest
+
+from service.analysis.errors import WorkerDiedError
+from service.analysis.tasks import IdentifyTask, PlanTask
+from service.analysis.worker_process import TaskRefusedError
+from service.app import create_app
+from service.domain.campaign import Campaign
+from service.domain.results import (
+    Counts,
+    Identification,
+    Model,
+    NominalAndIdentified,
+    Parameter,
+    Statistics,
+    Status,
+    Validation,
+)
+from service.domain.robot import FramePlacement
+from service.domain.session import PlannedStop
+from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from tests.builders import make_campaign
+
+STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
+PAIR = NominalAndIdentified(STATISTICS, STATISTICS)
+
+
+def identified(campaign: Campaign) -> Identification:
+    parameter = Parameter("theta_2", "geometry", 1e-3, "rad", 1e-5, float("inf"))
+    model = Model(
+        robot=campaign.robot,
+        base=FramePlacement(),
+        nests=(),
+        tool_rotation_rad=(0.0, 0.0, 0.0),
+        effects=("geometry",),
+        parameters=(parameter,),
+        covariance=np.eye(1) * 1e-10,
+        gravity_m_s2=(0.0, 0.0, -9.81),
+        discrepancy_mm=0.01,
+        repeatability_mm=float("nan"),
+        nominal_base=FramePlacement(),
+        nominal_nests=(),
+    )
+    return Identification(
+        status=Status.CONVERGED,
+        message="Converged.",
+        effects=("geometry",),
+        counts=Counts(50, 150, 31, 0),
+        parameters=(parameter,),
+        not_identifiable=(),
+        outliers=(),
+        quantity="position",
+        calibration=PAIR,
+        validation=None,
+        cross_validation=PAIR,
+        calibration_without_outliers=None,
+        chi2_per_dof=1.03,
+        pure_error=None,
+        model=model,
+    )
+
+
+class FakeWorker:
+    """Answers with dull results; `gate` holds it, `error` makes it fail."""
+
+    def __init__(self):
+        self.gate = asyncio.Event()
+        self.gate.set()
+        self.error = None
+        self.cancelled = 0
+
+    async def __call__(self, task, told):
+        await told(0.25, "reading the campaign")
+        try:
+            await self.gate.wait()
+        except asyncio.CancelledError:
+            self.cancelled += 1
+            raise
+        if self.error is not None:
+            raise self.error
+        if isinstance(task, IdentifyTask):
+            return identified(read_campaign_zip(task.archive))
+        if isinstance(task, PlanTask):
+            stops = tuple(PlannedStop(k + 1, (0.0,) * 6, 1) for k in range(task.n_configurations))
+            return dataclasses.replace(task.template, stops=stops)
+        return Validation("position", PAIR, None, None, passed=True)
+
+
+@pytest.fixture
+def worker():
+    return FakeWorker()
+
+
+@pytest.fixture
+async def app(settings, bench, worker):
+    application = create_app(settings, bench.registry(), worker)
+    async with application.router.lifespan_context(application):
+        yield application
+
+
+@pytest.fixture
+async def campaign_id(client):
+    archive = write_campaign_zip(make_campaign())
+    answer = await client.post(
+        "/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"}
+    )
+    return answer.json()["id"]
+
+
+async def identification_job(client, campaign_id, **headers):
+    answer = await client.post("/api/v1/identifications", json={"campaign_id": campaign_id}, headers=headers)
+    assert answer.status_code == 202, answer.text
+    return answer.headers["Location"]
+
+
+async def test_an_identification_leaves_its_document_and_a_model(client, until, campaign_id):
+    job = await until(await identification_job(client, campaign_id), "state", "succeeded", "failed")
+
+    found = (await client.get(job["result_url"])).json()
+    model = (await client.get(f"/api/v1/models/{found['model_id']}")).json()
+    file = await client.get(model["file_url"])
+
+    assert (job["state"], job["fraction"]) == ("succeeded", 1.0), job["message"]
+    assert found["document"]["status"] == "converged"
+    assert "validation" not in found["document"]["statistics"]
+    assert found["document"]["statistics"]["cross_validation"]["identified"]["noise_mm"] == 0.019
+    assert model["parameters"][0]["unit"] == "deg"
+    assert model["parameters"][0]["value"] == pytest.approx(0.0572957795)
+    assert model["repeatability_mm"] is None
+    assert file.json()["format"] == "truepose-model"
+    assert "attachment" in file.headers["content-disposition"]
+
+
+async def test_a_model_is_validated_on_a_campaign(client, until, campaign_id):
+    await until(await identification_job(client, campaign_id), "state", "succeeded")
+
+    asked = await client.post("/api/v1/validations", json={"model_id": 1, "campaign_id": campaign_id})
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+    found = (await client.get(job["result_url"])).json()
+
+    assert found["document"]["pass"] is True
+    assert found["document"]["position"]["nominal"]["n"] == 50
+
+
+async def test_a_running_job_shows_how_far_it_is_and_can_be_cancelled(client, until, worker, campaign_id):
+    worker.gate.clear()
+    path = await identification_job(client, campaign_id)
+
+    running = await until(path, "fraction", 0.25)
+    cancelled = await client.post(f"{path}/cancel")
+    again = await client.post(f"{path}/cancel")
+
+    assert (running["state"], running["message"]) == ("running", "reading the campaign")
+    assert cancelled.json()["state"] == "cancelled"
+    assert worker.cancelled == 1
+    assert again.status_code == 409
+    assert again.json()["detail"] == "Job 1 has already been cancelled."
+    assert (await client.get("/api/v1/identifications")).json() == []
+
+
+async def test_jobs_wait_for_each_other_and_a_waiting_one_can_be_cancelled(
+    client, until, worker, campaign_id
+):
+    worker.gate.clear()
+    first = await identification_job(client, campaign_id)
+    second = await identification_job(client, campaign_id)
+    await until(first, "state", "running")
+
+    waiting = (await client.get(second)).json()
+    await client.post(f"{second}/cancel")
+    worker.gate.set()
+
+    assert waiting["state"] == "queued"
+    assert (await until(first, "state", "succeeded"))["result_id"] == 1
+    assert (await client.get(second)).json()["state"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        TaskRefusedError("campaign.json: there are no readings."),
+        WorkerDiedError("The worker process was ended by signal SIGKILL before it answered."),
+    ],
+)
+async def test_a_job_that_fails_keeps_the_sentence(client, until, worker, campaign_id, error):
+    worker.error = error
+
+    job = await until(await identification_job(client, campaign_id), "state", "failed")
+
+    assert job["message"] == str(error)
+    assert job["result_id"] is None
+
+
+async def test_a_job_asked_twice_with_one_key_runs_once(client, until, campaign_id):
+    key = {"Idempotency-Key": "i-1"}
+    first = await identification_job(client, campaign_id, **key)
+    await until(first, "state", "succeeded")
+
+    assert await identification_job(client, campaign_id, **key) == first
+    assert len((await client.get("/api/v1/jobs")).json()) == 1
+
+
+async def test_a_restart_marks_unfinished_jobs_as_interrupted(settings, bench, worker):
+    worker.gate.clear()
+    first = create_app(settings, bench.registry(), worker)
+    async with first.router.lifespan_context(first), connected(first) as client:
+        archive = write_campaign_zip(make_campaign())
+        await client.post("/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"})
+        path = await identification_job(client, 1)
+
+    second = create_app(settings, bench.registry(), worker)
+    async with second.router.lifespan_context(second), connected(second) as client:
+        job = (await client.get(path)).json()
+
+    assert job["state"] == "interrupted"
+    assert "service was stopped" in job["message"]
+
+
+def connected(app):
+    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service")
+
+
+async def test_what_is_not_there_cannot_be_identified(client):
+    refused = await client.post("/api/v1/identifications", json={"campaign_id": 7})
+
+    assert refused.status_code == 404
+    assert refused.json()["detail"] == "There is no campaign 7."
+
+
+async def test_an_unknown_effect_is_refused_with_the_known_ones(client, campaign_id):
+    refused = await client.post(
+        "/api/v1/identifications", json={"campaign_id": campaign_id, "effects": ["magic"]}
+    )
+
+    assert refused.status_code == 422
+    assert "'magic'; known are base, tool" in refused.json()["detail"]
+
+
+async def test_configurations_are_chosen_by_a_job_whose_result_is_the_session(client, until):
+    wanted = {"name": "a", "role": "validation", "plan": {"method": "choose", "configurations": 5}}
+
+    asked = await client.post("/api/v1/sessions", json=wanted)
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+    session = (await client.get(job["result_url"])).json()
+
+    assert asked.status_code == 202
+    assert (job["kind"], job["state"]) == ("plan", "succeeded"), job["message"]
+    assert (session["name"], session["role"], session["planned"]) == ("a", "validation", 5)
