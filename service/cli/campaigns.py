@@ -90,9 +90,7 @@ def predict_command(
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
     remark(rows.ignored)
-    stops, nest = (
-        (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
-    )
+    stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
     write_predictions(out, stops.config, nest, position, uncertainty)
     return 0

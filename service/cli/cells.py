@@ -11,7 +11,9 @@ Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 
 
 def demo_command(
-    out: Annotated[Path, typer.Option(help="Folder for result.json and report.html.")] = Path("truepose-demo"),
+    out: Annotated[Path, typer.Option(help="Folder for result.json and report.html.")] = Path(
+        "truepose-demo"
+    ),
     seed: Seed = 0,
     scenario: Annotated[str, typer.Option(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
 ) -> int:
@@ -25,7 +27,9 @@ def demo_command(
 
 
 def nightly_command(
-    out: Annotated[Path, typer.Option(help="Folder for junit.xml and report.html.")] = Path("truepose-nightly"),
+    out: Annotated[Path, typer.Option(help="Folder for junit.xml and report.html.")] = Path(
+        "truepose-nightly"
+    ),
     seed: Seed = 0,
 ) -> int:
     """Run every scenario end to end against simulated devices and check the figures.
@@ -38,8 +42,12 @@ def nightly_command(
 
 
 def serve_command(
-    cell: Annotated[Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")] = None,
-    database: Annotated[str | None, typer.Option(help="URL of the SQLite database, e.g. sqlite:///cell.db.")] = None,
+    cell: Annotated[
+        Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")
+    ] = None,
+    database: Annotated[
+        str | None, typer.Option(help="URL of the SQLite database, e.g. sqlite:///cell.db.")
+    ] = None,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,
 ) -> int:

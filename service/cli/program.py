@@ -37,7 +37,7 @@ def main() -> int:
     try:
         status = app(standalone_mode=False)
     except typer.TyperException as error:
-        error.show(file=sys.stderr)
+        error.show(sys.stderr)
         return UNUSABLE_INPUT
     except (TrueposeError, ExchangeError, OSError) as error:
         sys.stderr.write(f"{_sentence(error)}\n")

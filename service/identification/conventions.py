@@ -56,7 +56,9 @@ def change_that_fits(
 ) -> str | None:
     """Return the sentence of the change that makes the nominal robot fit, None where none does."""
     free = replace(known, base=None)
-    if _spread_mm(evidence.position_mm) < _COLLAPSED * _spread_mm(nominal_chain(robot, evidence.joints_rad).origin[-1]):
+    if _spread_mm(evidence.position_mm) < _COLLAPSED * _spread_mm(
+        nominal_chain(robot, evidence.joints_rad).origin[-1]
+    ):
         return "the positions are in metres, not millimetres"
     evidence = _thinned(evidence)
     present = _typical(Hypothesis("", robot, evidence), free)
@@ -75,7 +77,9 @@ def _spread_mm(points_mm: FloatArray) -> float:
 
 
 def _thinned(evidence: Evidence) -> Evidence:
-    rows = np.unique(np.linspace(0, len(evidence.nest) - 1, min(len(evidence.nest), _SUBSET)).astype(np.int64))
+    rows = np.unique(
+        np.linspace(0, len(evidence.nest) - 1, min(len(evidence.nest), _SUBSET)).astype(np.int64)
+    )
     return Evidence(evidence.joints_rad[rows], evidence.nest[rows], evidence.position_mm[rows])
 
 
@@ -143,7 +147,8 @@ def _zero_that_fits(robot: Robot, evidence: Evidence, known: Known, limit_mm: fl
     for joint in range(1, robot.n_joints):
         steps = np.arange(-np.pi + _ZERO_STEP_RAD, np.pi + 1e-9, _ZERO_STEP_RAD)
         coarse = [
-            _typical(Hypothesis("", with_zero(robot, joint, float(shift)), evidence), known) for shift in steps
+            _typical(Hypothesis("", with_zero(robot, joint, float(shift)), evidence), known)
+            for shift in steps
         ]
         shift = _refined(robot, evidence, known, joint, float(steps[int(np.argmin(coarse))]))
         typical = _typical(Hypothesis("", with_zero(robot, joint, shift), evidence), known)
@@ -151,7 +156,16 @@ def _zero_that_fits(robot: Robot, evidence: Evidence, known: Known, limit_mm: fl
     _, joint, shift = best
     if joint == 0:
         return None
-    return f"the zero of joint {joint + 1} is off by {np.rad2deg(shift):.2f} deg: add that to its theta_offset"
+    return f"the zero of joint {joint + 1} is off by {_angle_words(shift)}: add that to its theta_offset"
+
+
+def _angle_words(shift_rad: float) -> str:
+    """Return the angle in words; conventions differ by quarter turns, crashes and cables by any angle."""
+    found = float(np.rad2deg(shift_rad))
+    quarter = 90.0 * round(found / 90.0)
+    if abs(found - quarter) < 1.0:
+        return f"{quarter:.0f} deg ({found:.2f} deg with this robot's own errors)"
+    return f"{found:.2f} deg"
 
 
 def _refined(robot: Robot, evidence: Evidence, known: Known, joint: int, shift: float) -> float:

@@ -2,7 +2,7 @@
 
 The torques that load the gearboxes are those at the deflected arm, found by repeating the forward
 kinematics until they balance. Derivatives are taken at the torques in force: that a torque itself
-changes with a parameter (by 1e-3 of the deflection at most) is left out of them, not of the prediction.
+changes with a parameter is left out of them (a hundredth of the derivative at most), not of the prediction.
 """
 
 from collections import defaultdict

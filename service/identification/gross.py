@@ -84,5 +84,3 @@ def _orientation_outliers(fit: RobustFit) -> list[Outlier]:
 def gross_share(fit: RobustFit) -> float:
     """Share of the readings of the first block that got no weight."""
     return float(np.mean(fit.gross[0]))
-
-

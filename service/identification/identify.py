@@ -92,17 +92,13 @@ def _silent(_fraction: float, _doing: str) -> None:
 
 def _nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
     """Nominal robot with only base and unknown nests fitted, without the readings found gross."""
-    left = tuple(
-        name for name in problem.structure.effects if name not in NOMINAL_EFFECTS
-    )
+    left = tuple(name for name in problem.structure.effects if name not in NOMINAL_EFFECTS)
     structure = problem.structure.without(left)
     blocks = tuple(
         block.weighted(np.where(flags, 0.0, 1.0), block.discrepancy)
         for block, flags in zip(identified.blocks, identified.gross, strict=True)
     )
-    start = np.array(
-        [problem.start[problem.structure.index_of(name)] for name in structure.names]
-    )
+    start = np.array([problem.start[problem.structure.index_of(name)] for name in structure.names])
     solution = fit(structure, blocks, start)
     return RobustFit(structure, blocks, solution, identified.gross, float("nan"))
 
@@ -126,7 +122,9 @@ def _answer(
     validation = _validation(campaign, draft)
     crossed = None if validation else _crossed(identified, nominal)
     held_out = validation or crossed
-    model = draft if held_out is None else replace(draft, discrepancy_mm=_discrepancy_mm(held_out, identified))
+    model = (
+        draft if held_out is None else replace(draft, discrepancy_mm=_discrepancy_mm(held_out, identified))
+    )
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
     status, message = verdict.judge(campaign, problem, identified, nominal)
@@ -200,9 +198,7 @@ def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) 
     residual = (legs.length_mm - predict_lengths(model, legs))[:, None]
     nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
     pair = NominalAndIdentified(statistics(nominal, noise), statistics(residual, noise))
-    return _HeldOut(
-        pair, residual, np.zeros(len(legs)), block.component_variance() + block.scatter_mm**2
-    )
+    return _HeldOut(pair, residual, np.zeros(len(legs)), block.component_variance() + block.scatter_mm**2)
 
 
 def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut:
@@ -267,5 +263,3 @@ def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, mess
         pure_error=None,
         model=None,
     )
-
-

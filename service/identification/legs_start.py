@@ -94,7 +94,11 @@ class _Search:
         nests = np.where(self.unknown[:, None], attachment, self.nests)
         points = self._points(nests)
         anchors = [self._trilaterate(points, k) for k in range(self.n_anchors)]
-        return np.concatenate([np.ravel(anchors), nests[self.unknown].ravel(), np.zeros(int(self.with_offset))])
+        return np.concatenate([
+            np.ravel(anchors),
+            nests[self.unknown].ravel(),
+            np.zeros(int(self.with_offset)),
+        ])
 
     def _points(self, nests: FloatArray) -> FloatArray:
         return self.origin + np.einsum("nij,nj->ni", self.rotation, nests[self.nest - 1])
@@ -115,7 +119,9 @@ class _Search:
         return float(np.median(np.abs(self.residual(unknowns))))
 
     def refined(self, start: FloatArray) -> FloatArray:
-        end = least_squares(self.residual, start, loss="soft_l1", f_scale=_SCALE_MM, max_nfev=100, x_scale=10.0)
+        end = least_squares(
+            self.residual, start, loss="soft_l1", f_scale=_SCALE_MM, max_nfev=100, x_scale=10.0
+        )
         return np.asarray(end.x)
 
     def answer(self, unknowns: FloatArray) -> LegPlacement:

@@ -66,18 +66,17 @@ def _placed(nominal: RobustFit) -> tuple[FramePlacement, tuple[NestCentre, ...]]
     shift = np.array([_value(nominal, name) for name in ("base_x", "base_y", "base_z")])
     turn = np.array([_value(nominal, name) for name in ("base_rx", "base_ry", "base_rz")])
     rotation, _ = base_axes(structure.base_rotation, turn)
-    moved = structure.nests_mm + np.array(
-        [
-            [_value(nominal, f"nest_{number}_{axis}") for axis in "xyz"]
-            for number in range(1, len(structure.nests_mm) + 1)
-        ]
-    ).reshape(-1, 3)
+    moved = structure.nests_mm + np.array([
+        [_value(nominal, f"nest_{number}_{axis}") for axis in "xyz"]
+        for number in range(1, len(structure.nests_mm) + 1)
+    ]).reshape(-1, 3)
     return placement_of(rotation, structure.base_origin_mm + shift), _nests(moved)
 
 
 def _nests(centres_mm: FloatArray) -> tuple[NestCentre, ...]:
     return tuple(
-        NestCentre(number, (float(x), float(y), float(z))) for number, (x, y, z) in enumerate(centres_mm, start=1)
+        NestCentre(number, (float(x), float(y), float(z)))
+        for number, (x, y, z) in enumerate(centres_mm, start=1)
     )
 
 
@@ -88,8 +87,14 @@ def _value(fit: RobustFit, name: str) -> float:
 
 def _anchors(fit: RobustFit) -> tuple[Anchor, ...]:
     return tuple(
-        Anchor(*anchor, (_value(fit, anchor_name(anchor, 0)), _value(fit, anchor_name(anchor, 1)),
-                         _value(fit, anchor_name(anchor, 2))))  # fmt: skip
+        Anchor(
+            *anchor,
+            (
+                _value(fit, anchor_name(anchor, 0)),
+                _value(fit, anchor_name(anchor, 1)),
+                _value(fit, anchor_name(anchor, 2)),
+            ),
+        )  # fmt: skip
         for anchor in fit.structure.anchors
     )
 

@@ -78,7 +78,8 @@ def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -
     # a wrong first answer would keep its own followers: try all starts again with the weights off and on
     if known.base is None:
         rotation = min(
-            (rotation, _best_rotation(form, weights)), key=lambda candidate: form.robust_cost(candidate, weights)
+            (rotation, _best_rotation(form, weights)),
+            key=lambda candidate: form.robust_cost(candidate, weights),
         )
     return form.placement(rotation, weights)
 

@@ -130,14 +130,19 @@ def predict_lengths(model: Model, legs: LegReadings, *, nominal: bool = False) -
         raise ConfigurationError(
             f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs the model was made from."
         )
-    feet = np.array([places[key] for key in zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)])
+    feet = np.array([
+        places[key] for key in zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
+    ])
     return np.asarray(np.linalg.norm(points - feet, axis=1) + offset)
 
 
 def _identified_anchors(model: Model) -> tuple[Anchor, ...]:
     value = {p.name: p.value for p in model.parameters}
     return tuple(
-        Anchor(*anchor, (value[anchor_name(anchor, 0)], value[anchor_name(anchor, 1)], value[anchor_name(anchor, 2)]))
+        Anchor(
+            *anchor,
+            (value[anchor_name(anchor, 0)], value[anchor_name(anchor, 1)], value[anchor_name(anchor, 2)]),
+        )
         for anchor in _anchors_of(model.parameters)
     )
 

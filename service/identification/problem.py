@@ -186,7 +186,9 @@ def _structure(
         effects=effects,
         specs=specs,
         owners=owners,
-        instrument_mm=None if campaign.tracker_position_mm is None else np.array(campaign.tracker_position_mm),
+        instrument_mm=None
+        if campaign.tracker_position_mm is None
+        else np.array(campaign.tracker_position_mm),
     )
     return structure, start
 
@@ -215,9 +217,7 @@ def _angles_about(start: FloatArray, found: FloatArray) -> tuple[FloatArray, dic
     return start, dict(zip(("tool_rx", "tool_ry", "tool_rz"), angles, strict=True))
 
 
-def _begin_values(
-    base: dict[str, float], tool: dict[str, float], nests_mm: FloatArray
-) -> dict[str, float]:
+def _begin_values(base: dict[str, float], tool: dict[str, float], nests_mm: FloatArray) -> dict[str, float]:
     nests = {
         f"nest_{k + 1}_{axis}": float(value)
         for k, nest in enumerate(nests_mm)
@@ -275,9 +275,7 @@ def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, i
     pairs = zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
     index = np.array([anchors.index(pair) for pair in pairs])
     targets = Targets(legs.stops, legs.nest)
-    return LegBlock(
-        targets, index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs))
-    )
+    return LegBlock(targets, index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs)))
 
 
 def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]) -> Problem:
@@ -295,7 +293,9 @@ def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]
     placement = Placement(np.eye(3), np.zeros(3), found.nests_mm, np.zeros((0, 3)), np.zeros(0))
     setting = setting_of(campaign, legs.stops)
     structure, start = _structure(_with_base(campaign), effects, placement, np.eye(3), setting)
-    structure, start = _with_anchors(structure, start, anchors, found.anchors_mm, found.offset_mm, with_offset)
+    structure, start = _with_anchors(
+        structure, start, anchors, found.anchors_mm, found.offset_mm, with_offset
+    )
     block = leg_block(legs, campaign, anchors)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
     keep = [structure.index_of(name) for name in nominal.names]

@@ -95,7 +95,9 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     blocks, gross, solution = _hard_rounds(structure, soft, gentle)
     if _typical(solution.final.results[0]) > _LOST * _typical(gentle.final.results[0]):
         # A sizeable minority drags the fit away from what the majority agrees on: weigh softly after all.
-        judged = tuple(_judged(block, result) for block, result in zip(soft, gentle.final.results, strict=True))
+        judged = tuple(
+            _judged(block, result) for block, result in zip(soft, gentle.final.results, strict=True)
+        )
         gross = tuple(flags for flags, _ in judged)
         blocks = tuple(
             block.weighted(np.where(flags, 0.0, block.weights), block.discrepancy)
@@ -111,10 +113,13 @@ def _hard_rounds(
     gross: tuple[BoolArray, ...] = ()
     seen: set[bytes] = set()
     for _ in range(_HARD_ROUNDS):
-        judged = tuple(_judged(block, result) for block, result in zip(blocks, solution.final.results, strict=True))
+        judged = tuple(
+            _judged(block, result) for block, result in zip(blocks, solution.final.results, strict=True)
+        )
         gross = tuple(flags for flags, _ in judged)
         blocks = tuple(
-            block.weighted(weights, block.discrepancy) for block, (_, weights) in zip(blocks, judged, strict=True)
+            block.weighted(weights, block.discrepancy)
+            for block, (_, weights) in zip(blocks, judged, strict=True)
         )
         blocks = _with_discrepancy(structure, blocks, solution)
         solution = fit(structure, blocks, solution.values)
@@ -206,9 +211,7 @@ def _with_discrepancy(
     )
 
 
-def _discrepancy(
-    structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]
-) -> float:
+def _discrepancy(structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
     dof = _degrees_of_freedom(block, result, solution.covariance)
 
     def excess(extra: float) -> float:
@@ -221,7 +224,9 @@ def _discrepancy(
     largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
     if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
         return smallest
-    return max(smallest, min(float(brentq(excess, smallest, largest, rtol=1e-4)), _by_median(block, result, dof)))
+    return max(
+        smallest, min(float(brentq(excess, smallest, largest, rtol=1e-4)), _by_median(block, result, dof))
+    )
 
 
 def _by_median(block: Block, result: BlockResult, dof: float) -> float:

@@ -63,11 +63,11 @@ def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
     sign = np.array([row.sign for row in rows], dtype=float)
     offset = np.array([row.theta_offset_rad for row in rows])
     return LinkValues(
-        alpha_rad=np.array([row.alpha_rad for row in rows]),
-        a_mm=np.array([row.a_mm for row in rows]),
+        alpha_rad=np.array([row.alpha_rad for row in rows], dtype=float),
+        a_mm=np.array([row.a_mm for row in rows], dtype=float),
         beta_rad=np.zeros(len(rows)),
         theta_rad=joints_rad * sign + offset,
-        d_mm=np.array([row.d_mm for row in rows]),
+        d_mm=np.array([row.d_mm for row in rows], dtype=float),
     )
 
 

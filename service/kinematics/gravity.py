@@ -12,7 +12,6 @@ from service.kinematics.chain import Chain
 from service.kinematics.frames import cross
 
 
-
 def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
     """Torques of the weight of all links beyond each joint.
 
@@ -36,13 +35,18 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
         for link in masses:
             if link.frame - 1 == joint:
                 centre = chain.rotation[joint] @ np.array(link.centre_of_gravity_mm)
-                mass_kg, moment = mass_kg + link.mass_kg, moment + link.mass_kg * (chain.origin[joint] + centre)
+                mass_kg, moment = (
+                    mass_kg + link.mass_kg,
+                    moment + link.mass_kg * (chain.origin[joint] + centre),
+                )
         turning = cross(moment - mass_kg * chain.origin[joint], gravity_m_s2)
         torques[:, joint] = np.einsum("ni,ni->n", chain.z[joint], turning)
     return torques
 
 
-def moment_regressor(chain: Chain, joint: int, frame: int, component: int, gravity_m_s2: FloatArray) -> FloatArray:
+def moment_regressor(
+    chain: Chain, joint: int, frame: int, component: int, gravity_m_s2: FloatArray
+) -> FloatArray:
     """Torque about a joint per first moment of mass of a frame.
 
     Only the two components across each joint axis are needed: the mass and the component along the

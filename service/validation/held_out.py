@@ -119,4 +119,11 @@ class _Running:
         """Return the statistics of all blocks."""
         mean = self._sum / self._n
         variance = max(self._squares / self._n - mean**2, 0.0) * self._n / max(self._n - 1, 1)
-        return Statistics(self._n, mean, float(np.sqrt(self._squares / self._n)), float(np.sqrt(variance)), self._largest, noise_mm)
+        return Statistics(
+            self._n,
+            mean,
+            float(np.sqrt(self._squares / self._n)),
+            float(np.sqrt(variance)),
+            self._largest,
+            noise_mm,
+        )

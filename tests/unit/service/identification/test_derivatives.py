@@ -1,0 +1,129 @@
+"""Every analytic derivative of every effect against central differences, at a point away from zero."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.domain.campaign import LegReadings
+from service.domain.robot import Nest
+from service.identification.evaluation import evaluate
+from service.identification.observations import OrientationBlock, linearise_blocks
+from service.identification.problem import automatic_effects, build
+from service.kinematics.frames import rotation_xyz
+from tests.robots import IRB_120, SEVEN_AXES
+from tests.synthetic import leg_campaign, nominal_campaign
+
+JOINTS_7 = np.random.default_rng(7).uniform(-1.5, 1.5, (12, 7))
+
+
+def held_torques(problem, values):
+    """The problem with the torques in force written into its rows, as the derivative holds them."""
+    block = problem.blocks[0]
+    state = evaluate(problem.structure, values, block.targets)
+    stops = replace(block.targets.stops, torque_n_mm=state.torque_n_mm)
+    return replace(problem, blocks=(replace(block, targets=replace(block.targets, stops=stops)),))
+
+
+def compare(problem, values, rel):
+    analytic = linearise_blocks(problem.structure, problem.blocks, values, None)
+    for k, spec in enumerate(problem.structure.specs):
+        step = np.zeros(len(values))
+        step[k] = 1e-4 * spec.prior_width
+        ends = [
+            linearise_blocks(problem.structure, problem.blocks, values + sign * step, None).residual
+            for sign in (1.0, -1.0)
+        ]
+        slope = -(ends[0] - ends[1]) / (2.0 * step[k])
+        assert analytic.jacobian[k] == pytest.approx(slope, abs=rel * max(np.abs(slope).max(), 1e-30)), (
+            spec.name
+        )
+
+
+def displaced(problem, seed=3):
+    rng = np.random.default_rng(seed)
+    return problem.start + 0.3 * problem.structure.prior_widths * rng.standard_normal(len(problem.start))
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        ("base", "geometry", "compliance"),
+        ("base", "geometry_dhm", "joint_gain"),
+        ("base", "joint_offset", "joint_gain"),
+        ("base", "geometry", "instrument_scale"),
+        ("base", "tool", "geometry", "compliance", "joint_gain", "instrument_scale"),
+    ],
+    ids="+".join,
+)
+def test_positions_of_the_irb_120(effects):
+    campaign = nominal_campaign(12, tracker_position_mm=(2600.0, -700.0, 500.0))
+    problem = build(campaign, effects)
+    values = displaced(problem)
+    held = held_torques(problem, values) if "compliance" in effects else problem
+
+    compare(held, values, rel=1e-6)  # central differences of smooth functions at steps of 1e-4 widths
+
+
+def test_positions_with_unknown_base_and_nests_of_a_robot_with_signs():
+    campaign = nominal_campaign(
+        robot=SEVEN_AXES, joints_rad=JOINTS_7, base=None, nests=((0.0, 10.0, 80.0), (40.0, -5.0, 90.0))
+    )
+    campaign = replace(campaign, nests=(Nest(None), Nest(None)))
+    problem = build(campaign, automatic_effects(campaign))
+
+    compare(problem, displaced(problem), rel=1e-6)
+
+
+def test_products_of_compliance_and_unknown_moments():
+    campaign = nominal_campaign(12, robot=replace(IRB_120, masses=()))
+    problem = build(campaign, ("base", "geometry", "compliance"))
+
+    # The regressors are those of the chain one pass before: their change with the chain is left out,
+    # and amounts to the deflection (5 mrad) itself.
+    compare(problem, 0.1 * displaced(problem), rel=5e-3)
+
+
+def test_that_a_torque_follows_the_deflection_is_left_out_and_is_small():
+    problem = build(nominal_campaign(12), ("base", "geometry", "compliance"))
+
+    # a_4: 7.7 kg * 9.81 m/s2 * 6e-7 rad/(N mm) * 300 mm is 0.014 of what the length itself moves
+    compare(problem, displaced(problem), rel=0.02)
+
+
+def test_orientations():
+    campaign = nominal_campaign(12)
+    problem = build(
+        replace(campaign, nests=(Nest(None), Nest(None), Nest(None))), ("base", "tool", "geometry")
+    )
+    state = evaluate(problem.structure, problem.start, problem.blocks[0].targets)
+    turned = state.orientation @ rotation_xyz(0.02, -0.01, 0.03)
+    block = OrientationBlock(problem.blocks[0].targets, turned, np.full(12, 1e-3), np.ones(12), 0.0)
+
+    compare(replace(problem, blocks=(block,)), displaced(problem), rel=1e-6)
+
+
+def test_legs_with_anchor_attachment_and_offset():
+    problem = build(leg_campaign(30), ("tool", "geometry"))
+
+    compare(problem, displaced(problem), rel=1e-6)
+
+
+def test_legs_that_share_a_stop_are_whitened_together():
+    campaign = leg_campaign(4)
+    legs = campaign.legs
+    twice = np.repeat(np.arange(4), 2)
+    stops = replace(legs.stops, config=legs.stops.config[twice], joints_rad=legs.stops.joints_rad[twice])
+    pair = LegReadings(
+        stops, legs.placement[twice], 1 + np.arange(8) % 2, legs.nest[twice],
+        legs.length_mm[twice], legs.standard_uncertainty_mm[twice],
+    )  # fmt: skip
+    robot = replace(campaign.robot, repeatability_mm=0.05)
+    problem = build(replace(campaign, legs=pair, robot=robot), ("tool", "joint_offset"))
+    result = problem.blocks[0].result(problem.structure, problem.start, None)
+
+    white = result.whitening.apply(np.eye(8)[:, :, None])[:, :, 0]
+
+    direction = result.direction
+    expected = 0.005**2 * np.eye(8) + 0.05**2 * direction @ direction.T * (twice[:, None] == twice[None, :])
+    assert np.linalg.inv(white @ white.T) == pytest.approx(expected, rel=1e-6, abs=1e-12)

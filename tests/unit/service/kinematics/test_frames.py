@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from service.kinematics.frames import (
+    angles_xyz,
+    cross,
+    rigid_alignment,
+    rotation_from_quaternion,
+    rotation_from_vector,
+    rotation_xyz,
+    vector_from_rotation,
+)
+
+ANGLE = st.floats(-3.0, 3.0)
+
+
+@given(ANGLE, st.floats(-1.5, 1.5), ANGLE)
+def test_angles_come_back_from_the_rotation_they_made(rx, ry, rz):
+    rotation = rotation_xyz(rx, ry, rz)
+
+    assert rotation_xyz(*angles_xyz(rotation)) == pytest.approx(rotation, abs=1e-12)
+    assert rotation == pytest.approx(Rotation.from_euler("XYZ", [rx, ry, rz]).as_matrix(), abs=1e-12)
+
+
+def test_at_the_gimbal_lock_the_rotation_is_still_right():
+    rotation = rotation_xyz(0.4, np.pi / 2, 0.3)
+
+    assert rotation_xyz(*angles_xyz(rotation)) == pytest.approx(rotation, abs=1e-7)  # sine of 90 deg is flat
+
+
+@given(st.tuples(ANGLE, ANGLE, ANGLE).map(np.array).filter(lambda v: np.linalg.norm(v) < 3.0))
+def test_rotation_vectors_agree_with_an_independent_library(vector):
+    rotation = rotation_from_vector(vector)
+
+    assert rotation == pytest.approx(Rotation.from_rotvec(vector).as_matrix(), abs=1e-12)
+    assert vector_from_rotation(rotation) == pytest.approx(
+        vector, abs=1e-7
+    )  # near half a turn the sine is small
+
+
+def test_quaternions_have_w_first():
+    random = Rotation.random(5, rng=np.random.default_rng(1))
+    quaternion = np.roll(random.as_quat(), 1, axis=1)
+
+    assert rotation_from_quaternion(quaternion) == pytest.approx(random.as_matrix(), abs=1e-12)
+
+
+def test_cross_products_agree_with_numpy():
+    first, second = np.random.default_rng(2).normal(size=(2, 7, 4, 3))
+
+    assert cross(first, second) == pytest.approx(np.cross(first, second), abs=1e-14)
+
+
+def test_alignment_finds_the_motion_between_two_clouds_and_never_a_mirror():
+    rng = np.random.default_rng(3)
+    points, rotation = rng.normal(size=(8, 3)) * 500.0, rotation_xyz(0.3, -0.8, 2.0)
+    flat = points * np.array([1.0, 1.0, 0.0])  # a plane, in which a mirror fits as well
+
+    for cloud in (points, flat):
+        found, shift = rigid_alignment(cloud, cloud @ rotation.T + [1.0, 2.0, 3.0])
+
+        assert found == pytest.approx(rotation, abs=1e-9)
+        assert shift == pytest.approx([1.0, 2.0, 3.0], abs=1e-9)
+    assert np.linalg.det(rigid_alignment(points, points * [1.0, 1.0, -1.0])[0]) == pytest.approx(1.0)
+
+
+def test_a_point_without_weight_does_not_move_the_alignment():
+    points = np.random.default_rng(4).normal(size=(6, 3)) * 100.0
+    spoilt = points.copy()
+    spoilt[0] += 50.0
+
+    rotation, shift = rigid_alignment(points, spoilt, np.array([0.0, 1, 1, 1, 1, 1]))
+
+    assert rotation == pytest.approx(np.eye(3), abs=1e-12)
+    assert shift == pytest.approx(np.zeros(3), abs=1e-10)
