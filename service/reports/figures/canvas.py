@@ -1,0 +1,90 @@
+"""Matplotlib figures as inline SVG without a file, a script or a colour of their own.
+
+Matplotlib knows no CSS variable: figures are drawn in stand-in colours that nothing else uses, and the
+stand-ins are replaced by the page's variables in the finished SVG.
+"""
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import matplotlib as mpl
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK, MUTED, GRID = "#010203", "#020304", "#030405"
+BEFORE, AFTER, NOISE = "#040506", "#050607", "#060708"
+X, Y, Z = "#070809", "#08090a", "#090a0b"
+_VARIABLES = {
+    INK: "ink",
+    MUTED: "muted",
+    GRID: "grid",
+    BEFORE: "before",
+    AFTER: "after",
+    NOISE: "noise",
+    X: "axis-x",
+    Y: "axis-y",
+    Z: "axis-z",
+}
+_STYLE = {
+    "svg.fonttype": "none",  # text stays text: readable by machines, and in the font of the page
+    "svg.hashsalt": "truepose",  # the same figure gives the same ids
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "text.color": INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.facecolor": "none",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.0,
+    "axes.titlecolor": INK,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "figure.facecolor": "none",
+}
+
+
+@contextmanager
+def page_style() -> Iterator[None]:
+    """Draw in the style of the page within this block."""
+    with mpl.rc_context(_STYLE):  # type: ignore[arg-type]  # its stub wants literal keys
+        yield
+
+
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """Return a figure that belongs to no window and no global state."""
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
+    """Return the figure as an inline `<svg>`; `prefix` keeps its ids apart from other figures'."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    for colour, variable in _VARIABLES.items():
+        text = text.replace(colour, f"var(--{variable})")
+    text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font: \1px var(--font)", text)
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    # Fixed sizes would overflow a phone: the page decides the width, the view box the proportions.
+    text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
+    text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img"', text, count=1)
+    text = text.replace(">", f' aria-label="{Markup.escape(description)}">', 1)
+    return Markup(text)
+
+
+def no_spines(axes: Axes) -> None:
+    """Take the frame away; for pictures that need no scale."""
+    for spine in axes.spines.values():
+        spine.set_visible(False)

@@ -1,0 +1,104 @@
+"""The one sentence that a person at the robot reads, and the few numbers beside it."""
+
+from dataclasses import dataclass
+
+from service.domain.results import Identification, NominalAndIdentified, Statistics, Status
+from service.reports.budget import Budget
+from service.reports.judged import Judged
+from service.reports.rounding import millimetres, rounded, uncertainty
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A number of the first screen."""
+
+    name: str
+    value: str
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Headline:
+    """What stands above everything else."""
+
+    sentence: str
+    good: bool
+    figures: tuple[Figure, ...] = ()
+
+
+def headline(identification: Identification, judged: Judged | None, budget: Budget | None) -> Headline:
+    """Return the headline; whatever was not reached is said first."""
+    pair = judging_figures(identification)
+    if judged is None or budget is None or pair is None:
+        return Headline(identification.message or "No model was identified.", good=False)
+    converged = identification.status is Status.CONVERGED
+    warning = "" if converged else f"Not to be used: {identification.message} "
+    return Headline(
+        sentence=warning + _sentence(identification, judged, budget, pair),
+        good=converged and pair.identified.mean_mm <= pair.nominal.mean_mm,
+        figures=_figures(judged, budget, pair),
+    )
+
+
+def judging_figures(identification: Identification) -> NominalAndIdentified | None:
+    """Return the figures that judge the model: validation, else cross-validation, else calibration."""
+    return identification.validation or identification.cross_validation or identification.calibration
+
+
+def _sentence(
+    identification: Identification, judged: Judged, budget: Budget, pair: NominalAndIdentified
+) -> str:
+    nominal, identified = pair.nominal, pair.identified
+    verb = "falls from" if identified.mean_mm <= nominal.mean_mm else "does not fall: it goes from"
+    before = (
+        f"{rounded(nominal.mean_mm, 2 * budget.before_mm)} mm (U = {uncertainty(2 * budget.before_mm)} mm)"
+    )
+    after = (
+        f"{rounded(identified.mean_mm, 2 * budget.after_mm)} mm (U = {uncertainty(2 * budget.after_mm)} mm)"
+    )
+    return (
+        f"On {judged_on(identification, nominal)} the mean {identification.quantity} error {verb} {before} "
+        f"with the nominal model to {after} with the identified one; {_noise(judged, identified)}"
+    )
+
+
+def _noise(judged: Judged, identified: Statistics) -> str:
+    if judged.noise_mm >= identified.mean_mm:
+        return (
+            f"the instrument's own noise alone would show {millimetres(judged.noise_mm)} mm, "
+            "so the model's own error is below what these readings can tell."
+        )
+    return f"of this, the instrument's own noise alone would show {millimetres(judged.noise_mm)} mm."
+
+
+def judged_on(identification: Identification, statistics: Statistics) -> str:
+    """Return what the figures stand on, e.g. "1,000 held-out positions"."""
+    things = f"{identification.quantity}s"
+    if identification.validation is not None:
+        return f"{statistics.n:,} held-out {things}"
+    if identification.cross_validation is not None:
+        return f"{statistics.n:,} {things}, each predicted by a model that never saw its configuration,"
+    return f"{statistics.n:,} {things} that the model was made from"
+
+
+def _figures(judged: Judged, budget: Budget, pair: NominalAndIdentified) -> tuple[Figure, ...]:
+    factor = pair.nominal.mean_mm / pair.identified.mean_mm if pair.identified.mean_mm > 0.0 else float("inf")
+    return (
+        _mean("Mean error before", pair.nominal, budget.before_mm),
+        _mean("Mean error after", pair.identified, budget.after_mm),
+        Figure(
+            "Largest error after",
+            f"{millimetres(pair.identified.max_mm)} mm",
+            f"before {millimetres(pair.nominal.max_mm)} mm",
+        ),
+        Figure(
+            "Instrument's noise alone", f"{millimetres(judged.noise_mm)} mm", "mean it would show by itself"
+        ),
+        Figure("Improvement", f"{factor:.3g} times", "mean error before over after, noise included"),
+    )
+
+
+def _mean(name: str, statistics: Statistics, u_mm: float) -> Figure:
+    return Figure(
+        name, f"{rounded(statistics.mean_mm, 2 * u_mm)} mm", f"± {uncertainty(2 * u_mm)} mm (U = 2u)"
+    )

@@ -1,0 +1,163 @@
+"""The report of an identification: one HTML file for the operator, the metrologist and the archive."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from service.domain.campaign import Campaign, Stops
+from service.domain.results import Identification, NominalAndIdentified
+from service.reports.budget import Budget, budget
+from service.reports.conditions import ReportConditions, condition_rows
+from service.reports.figures.correlation import correlation_map, strongest_pairs
+from service.reports.figures.histogram import histogram
+from service.reports.figures.joint_residuals import joint_residuals
+from service.reports.figures.work_space import work_space
+from service.reports.headline import headline
+from service.reports.judged import FAR_OUT, Judged, judged, noise_split, without_far_out
+from service.reports.pages import write_page
+from service.reports.parameter_rows import parameter_rows
+from service.reports.shifts import DRAWS
+from service.reports.truth import Truth, truth_row
+
+
+@dataclass(frozen=True, slots=True)
+class ReportInput:
+    """What a report is made from; only the identification and its campaign are needed."""
+
+    identification: Identification
+    campaign: Campaign
+    conditions: ReportConditions = field(default_factory=ReportConditions)
+    truth: Truth | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FiguresRow:
+    """One block of the table of figures."""
+
+    label: str
+    remark: str
+    pair: NominalAndIdentified
+
+
+def write_identification_report(path: Path, report: ReportInput) -> None:
+    """Write the report of an identification as one self-contained HTML file.
+
+    Whatever the status: where nothing was fitted the report says why and has no figures.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced where it exists; its folder is made.
+    report : ReportInput
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    ConfigurationError
+        The campaign is not the one that the identification was made from.
+    """
+    identification, campaign = report.identification, report.campaign
+    conditions = _with_temperature(report.conditions, campaign)
+    shown = judged(identification, campaign)
+    uncertainties = _budget(shown, identification, campaign, conditions)
+    write_page(
+        path,
+        "identification.html",
+        identification=identification,
+        campaign=campaign,
+        conditions=conditions,
+        condition_rows=tuple(condition_rows(conditions)),
+        simulated=_simulated(conditions, campaign),
+        headline=headline(identification, shown, uncertainties),
+        figures_rows=tuple(figures_rows(identification, shown)),
+        far_out=FAR_OUT,
+        budget=uncertainties,
+        draws=DRAWS,
+        parameters=parameter_rows(identification, campaign),
+        truth=report.truth,
+        truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
+        **_evidence(shown),
+        **_correlation(identification),
+    )
+
+
+def _with_temperature(conditions: ReportConditions, campaign: Campaign) -> ReportConditions:
+    """Take the range of the readings where nobody stated one."""
+    if conditions.temperature_c is not None:
+        return conditions
+    columns = [stops.temperature_c for stops in _all_stops(campaign) if stops.temperature_c is not None]
+    known = np.concatenate([column[np.isfinite(column)] for column in columns]) if columns else np.zeros(0)
+    if known.size == 0:
+        return conditions
+    return replace(conditions, temperature_c=(float(known.min()), float(known.max())))
+
+
+def _all_stops(campaign: Campaign) -> Iterator[Stops]:
+    for table in (campaign.calibration, campaign.validation, campaign.legs, campaign.validation_legs):
+        if table is not None:
+            yield table.stops
+
+
+def _simulated(conditions: ReportConditions, campaign: Campaign) -> bool:
+    # A campaign assembled from simulated sessions says so in its notes, wherever it travels.
+    return conditions.simulated or any(note.startswith("SIMULATED") for note in campaign.notes)
+
+
+def _budget(
+    shown: Judged | None, identification: Identification, campaign: Campaign, conditions: ReportConditions
+) -> Budget | None:
+    if shown is None or identification.model is None:
+        return None
+    return budget(shown, identification.model, campaign, conditions)
+
+
+def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
+    """Yield the statistics that a reader compares, with and without what lies far out."""
+    if identification.validation is not None:
+        yield FiguresRow(
+            "Validation", "held out: the model never saw these readings", identification.validation
+        )
+        further = None if shown is None else without_far_out(shown)
+        if further is not None:
+            pair, dropped = further
+            remark = (
+                f"the same without {dropped} beyond {FAR_OUT:g} times the median error, for comparison only"
+            )
+            yield FiguresRow("Validation, without far readings", remark, pair)
+    elif identification.cross_validation is not None:
+        remark = "by configuration: each predicted by a model that never saw it"
+        yield FiguresRow("Cross-validation", remark, identification.cross_validation)
+    if identification.calibration is not None:
+        yield FiguresRow(
+            "Calibration", "all readings that the model was made from", identification.calibration
+        )
+    if identification.calibration_without_outliers is not None:
+        remark = f"without the {identification.counts.outliers} given no weight"
+        yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
+
+
+def _evidence(shown: Judged | None) -> dict[str, object]:
+    """Return the figures drawn from residuals; all None where there are none."""
+    if shown is None:
+        return dict.fromkeys(("judged", "histogram", "joints", "space", "splits"))
+    splits = (
+        ("before", noise_split(shown, shown.nominal_mm)),
+        ("after", noise_split(shown, shown.identified_mm)),
+    )
+    return {
+        "judged": shown,
+        "histogram": histogram(shown),
+        "joints": joint_residuals(shown),
+        "space": work_space(shown),
+        "splits": splits,
+    }
+
+
+def _correlation(identification: Identification) -> dict[str, object]:
+    model = identification.model
+    if model is None:
+        return {"correlation": None, "strongest": ()}
+    return {"correlation": correlation_map(model), "strongest": strongest_pairs(model)}

@@ -1,0 +1,61 @@
+"""Numbers as a reader expects them: uncertainties to two digits, values to the same place.
+
+GUM (JCGM 100:2008), 7.2.6: at most two significant digits of an uncertainty.
+"""
+
+import math
+
+MISSING = "n/a"
+_SMALLEST_PLAIN = 1e-4  # below this, numbers are written with a power of ten
+_EXACT_DECIMALS = 9  # rounding of pi / 2 and the like stays below; no drawing goes there
+
+
+def millimetres(value_mm: float) -> str:
+    """Return a length without unit: three significant digits, 0.1 um at the finest."""
+    if not math.isfinite(value_mm):
+        return MISSING
+    decimals = 4 if abs(value_mm) < 0.1 else 3 if abs(value_mm) < 10.0 else 2
+    return f"{value_mm:.{decimals}f}"
+
+
+def uncertainty(value: float) -> str:
+    """Return an uncertainty with two significant digits."""
+    return rounded(value, value)
+
+
+def rounded(value: float, standard_uncertainty: float) -> str:
+    """Return `value` to the second digit of its uncertainty; four significant digits where there is none."""
+    if not math.isfinite(value):
+        return MISSING
+    if not math.isfinite(standard_uncertainty) or standard_uncertainty <= 0.0:
+        return f"{value:.4g}"
+    if standard_uncertainty < _SMALLEST_PLAIN:
+        return _scientific(value, standard_uncertainty)
+    return _signed(f"{value:.{max(decimals_of(standard_uncertainty), 0)}f}")
+
+
+def exact(value: float) -> str:
+    """Return a value that has no uncertainty, such as a nominal one, with the digits it was given with."""
+    return _signed(f"{round(value, _EXACT_DECIMALS):.10g}")
+
+
+def _signed(text: str) -> str:
+    """Return the number without the sign of a zero."""
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+def decimals_of(standard_uncertainty: float) -> int:
+    """Return the decimals that show two significant digits of an uncertainty above 0."""
+    # Rounding first: 0.0996 is 0.10 to two digits, one place fewer than its exponent says.
+    return 1 - math.floor(math.log10(float(f"{standard_uncertainty:.1e}")))
+
+
+def _scientific(value: float, standard_uncertainty: float) -> str:
+    exponent = math.floor(math.log10(max(abs(value), standard_uncertainty)))
+    decimals = max(decimals_of(standard_uncertainty) + exponent, 0)
+    return f"{value / 10.0**exponent:.{decimals}f}e{exponent:+03d}"
+
+
+def p_value(probability: float) -> str:
+    """Return a p-value; what is too small to mean a digit is said to be small."""
+    return "< 0.0001" if probability < 1e-4 else f"{probability:.2g}"
