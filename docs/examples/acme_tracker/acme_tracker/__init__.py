@@ -1,0 +1,1 @@
+"""Driver of the ACME tracker, an instrument invented for this example."""

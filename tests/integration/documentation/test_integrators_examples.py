@@ -1,0 +1,220 @@
+"""The worked examples of docs/integrator.md do what the page says."""
+
+import asyncio
+import math
+import sys
+import tomllib
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.errors import (
+    BeamBrokenError,
+    ConfigurationError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    ReflectorNotFoundError,
+    RemoteProtocolError,
+)
+from drivers.monotonic_clock import MonotonicClock
+from drivers.registry import ENTRY_POINT_GROUP, load_registry
+from drivers.transports.memory import MemoryLink
+from service.domain.campaign import Campaign, PointReadings, Stops
+from service.effects.registry import EFFECTS
+from service.exchange.cell_file import read_cell
+from service.exchange.shipped_robots import load_robot_with_tool, read_robot_file
+from service.identification import identify
+from service.identification.evaluation import Targets, evaluate, position_jacobian
+from service.identification.problem import build, nominal_chain
+
+_EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
+
+
+@pytest.fixture
+def acme(monkeypatch):
+    """The driver package of the example, importable as if it were installed."""
+    monkeypatch.syspath_prepend(str(_EXAMPLES / "acme_tracker"))
+    yield
+    for name in [name for name in sys.modules if name.split(".")[0] == "acme_tracker"]:
+        del sys.modules[name]
+
+
+class AcmeInstrument:
+    """Answers as the ACME tracker would; `replies` overrides single words."""
+
+    def __init__(self, **replies):
+        self.asked = []
+        self._replies = {
+            "WHO": "ACME T1 42 1.0",
+            "MODE_MM": "OK",
+            "AIM": "LOCKED",
+            "MEASURE": "POINT 1 -2.5 3.0001 0.01 0.01 0.02 0.03",
+            "FLIP": "OK",
+            "AIR": "AIR 20.5 1013.2 45",
+            **replies,
+        }
+
+    async def serve(self, end):
+        buffer = b""
+        while data := await end.receive():
+            buffer += data
+            while b"\n" in buffer:
+                line, _, buffer = buffer.partition(b"\n")
+                self.asked.append(line.decode())
+                reply = self._replies[line.split()[0].decode()]
+                if reply is not None:
+                    await end.send(f"{reply}\n".encode())
+
+
+async def _connected(instrument, chunk_bytes=65_536):
+    from acme_tracker.driver import AcmeTracker
+
+    tracker = AcmeTracker(MemoryLink(instrument.serve, chunk_bytes=chunk_bytes), MonotonicClock())
+    await tracker.connect()
+    return tracker
+
+
+def test_the_example_driver_is_found_by_the_entry_point_of_its_package(acme):
+    project = tomllib.loads((_EXAMPLES / "acme_tracker" / "pyproject.toml").read_text(encoding="utf-8"))
+    entries = project["project"]["entry-points"][ENTRY_POINT_GROUP]
+
+    registry = load_registry([EntryPoint(name, value, ENTRY_POINT_GROUP) for name, value in entries.items()])
+
+    assert registry.names("tracker") == ("acme_tracker",)
+    assert registry.broken == {}
+    assert not registry.open("acme_tracker", {"host": "127.0.0.1"}).connected
+    with pytest.raises(ConfigurationError, match="host"):
+        registry.open("acme_tracker", {"port": 9000})
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 5, 4096])  # an answer is up to 40 bytes
+async def test_the_example_driver_measures_a_point_in_whatever_pieces_it_arrives(acme, chunk_bytes):
+    instrument = AcmeInstrument()
+    tracker = await _connected(instrument, chunk_bytes)
+
+    await tracker.initialise()
+    await tracker.find_reflector((1.0, -2.5, 3.0), search_radius_mm=10.0)
+    await tracker.change_face()
+    reading = await tracker.measure_point(duration_s=0.5)
+    await tracker.close()
+
+    assert reading.point_mm == (1.0, -2.5, 3.0001)
+    assert (reading.face, reading.rms_mm) == (2, 0.03)
+    assert instrument.asked[1] == "AIM 1.0000 -2.5000 3.0000 10.0000"
+
+
+@pytest.mark.parametrize(
+    ("word", "reply", "error"),
+    [
+        ("AIM", "EMPTY", ReflectorNotFoundError),
+        ("MEASURE", "BEAM", BeamBrokenError),
+        ("MEASURE", "REFUSED warming up", DeviceRefusedError),
+        ("MEASURE", "POINT 1 2 nan 0 0 0 0", RemoteProtocolError),
+        ("MEASURE", "POINT 1 2", RemoteProtocolError),
+        ("MEASURE", "", RemoteProtocolError),
+        ("MEASURE", "x" * 2000, RemoteProtocolError),
+    ],
+)
+async def test_the_example_driver_names_what_went_wrong(acme, word, reply, error):
+    tracker = await _connected(AcmeInstrument(**{word: reply}))
+
+    with pytest.raises(error):
+        await tracker.find_reflector((0.0, 0.0, 0.0), search_radius_mm=10.0)
+        await tracker.measure_point(duration_s=0.1)
+
+    await tracker.close()
+
+
+async def test_the_example_driver_closes_the_link_after_an_abandoned_question(acme):
+    tracker = await _connected(AcmeInstrument(WHO=None))
+
+    with pytest.raises(TimeoutError):
+        async with asyncio.timeout(0.05):
+            await tracker.identify()
+
+    assert not tracker.connected
+    with pytest.raises((ConnectionLostError, NoReplyError)):
+        await tracker.identify()
+
+
+def test_the_example_cell_brings_its_own_robot():
+    cell = read_cell(_EXAMPLES / "own_robot" / "cell.toml")
+
+    assert cell.robot.name == "ACME A6"
+    assert [device.driver for device in cell.devices] == ["acme_tracker", "abb_open_abb"]
+    assert cell.robot.masses[-1].mass_kg == 1.2
+
+
+def test_the_example_robot_stands_where_its_drawing_says():
+    robot = read_robot_file(_EXAMPLES / "own_robot" / "acme-a6.toml").robot
+
+    chain = nominal_chain(robot, np.zeros((1, 6)))
+
+    # Upper arm upright: forward 25 + 420 + 80, upward 400 + 450 + 35; sums of the table to rounding.
+    assert chain.origin[-1][0] == pytest.approx((525.0, 0.0, 885.0), abs=1e-9)
+
+
+@pytest.fixture
+def with_coupling(monkeypatch):
+    """The example effect registered, as its line in the registry would do it."""
+    monkeypatch.syspath_prepend(str(_EXAMPLES))
+    from joint_coupling import JointCoupling
+
+    monkeypatch.setitem(EFFECTS, "joint_coupling", JointCoupling())
+    yield ("base", "geometry", "joint_coupling")
+    del sys.modules["joint_coupling"]
+
+
+def _campaign(n=40):
+    """A nominal robot with known nests at random configurations."""
+    shipped = load_robot_with_tool("abb-irb-120")
+    rng = np.random.default_rng(0)
+    stops = Stops(config=np.arange(1, n + 1), joints_rad=rng.uniform(-1.2, 1.2, (n, 6)))
+    nest = rng.integers(1, 4, n)
+    centres = np.array([nest.centre_mm for nest in shipped.nests])
+    places = nominal_chain(shipped.robot, stops.joints_rad).points(centres[nest - 1])
+    readings = PointReadings(stops, nest, places, np.full(n, 0.01))
+    return Campaign(shipped.robot, base_nominal=None, nests=shipped.nests, calibration=readings)
+
+
+def test_the_example_effect_has_the_derivative_that_it_claims(with_coupling):
+    campaign = _campaign()
+    problem = build(campaign, with_coupling)
+    targets = Targets(campaign.calibration.stops, campaign.calibration.nest)
+    k = problem.structure.index_of("coupling_4_5")
+    step = np.zeros_like(problem.start)
+    step[k] = 1e-5
+
+    up, down = (evaluate(problem.structure, problem.start + s, targets).position_mm for s in (step, -step))
+    claimed = position_jacobian(evaluate(problem.structure, problem.start, targets))[k]
+
+    # Central difference over 1e-5 on an arm of 1 m: the third derivative leaves 1e-7 mm, rounding 1e-7 mm.
+    assert (up - down) / 2e-5 == pytest.approx(claimed, abs=1e-5)
+
+
+def test_the_example_effect_is_identified_from_readings_that_contain_it(with_coupling):
+    campaign = _campaign()
+    problem = build(campaign, with_coupling)
+    truth = problem.start.copy()
+    truth[problem.structure.index_of("coupling_5_6")] = 6e-4
+    targets = Targets(campaign.calibration.stops, campaign.calibration.nest)
+    noise = np.random.default_rng(1).normal(0.0, 0.01, (len(targets), 3))
+    positions = evaluate(problem.structure, truth, targets).position_mm + noise
+    readings = PointReadings(
+        targets.stops, targets.nest, positions, campaign.calibration.standard_uncertainty_mm
+    )
+
+    answer = identify(
+        Campaign(campaign.robot, base_nominal=None, nests=campaign.nests, calibration=readings),
+        with_coupling,
+    )
+
+    found = next(p for p in answer.parameters if p.name == "coupling_5_6")
+    # Within four of its own standard uncertainties, and these well below what is looked for: 0.01 mm
+    # across 0.15 m seen 40 times is 1e-5, the geometry that must be told from it costs a factor of six.
+    assert found.value == pytest.approx(6e-4, abs=4.0 * found.standard_uncertainty)
+    assert 0.0 < found.standard_uncertainty < 1e-4
+    assert math.isfinite(answer.chi2_per_dof)
