@@ -1,0 +1,1 @@
+"""Runs on simulated cells that show what the program can do: demo, night run, accuracy report."""

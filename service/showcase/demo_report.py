@@ -1,0 +1,97 @@
+"""The report of a run, with the conditions that the service recorded of its sessions."""
+
+import math
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+from service.domain.cell import Artefact
+from service.exchange.cell_file import simulated_cell
+from service.reports import (
+    Instrument,
+    Period,
+    ReportConditions,
+    ReportInput,
+    Truth,
+    write_identification_report,
+)
+from service.showcase.cell_run import SessionRecords
+from service.showcase.client import PERSON
+from service.showcase.comparison import JudgedRun
+
+REPORT: Final = "report.html"
+_ROLES: Final = {"tracker": "laser tracker", "robot": "robot controller"}
+
+
+def write_report(judged: JudgedRun, file: Path) -> None:
+    """Write the HTML report; raises UnwritableReportError."""
+    run = judged.run
+    artefacts = _artefacts(run.request.scenario, run.request.seed)
+    report = ReportInput(
+        identification=judged.identification,
+        campaign=run.campaign,
+        conditions=report_conditions(run.records, artefacts),
+        truth=_truth(judged),
+    )
+    write_identification_report(file, report)
+
+
+def _truth(judged: JudgedRun) -> Truth | None:
+    if judged.errors is None:
+        return None
+    errors = (("absolute", judged.errors.absolute), ("after rigid alignment", judged.errors.aligned))
+    return Truth(parameters=judged.parameters, errors=errors)
+
+
+def _artefacts(scenario: str, seed: int) -> tuple[Artefact, ...]:
+    cell = simulated_cell(scenario, seed)
+    return tuple(artefact for artefact in (cell.tool, cell.world) if artefact is not None)
+
+
+def report_conditions(records: SessionRecords, artefacts: tuple[Artefact, ...]) -> ReportConditions:
+    """Return the conditions as the service's records state them."""
+    cell, plan = records.cell, records.plan
+    registration = records.calibration["registration"] or {}
+    return ReportConditions(
+        simulated=cell["simulated"],
+        instruments=tuple(_instrument(device) for device in records.devices),
+        artefacts=artefacts,
+        robot_serial_number=cell["robot_serial_number"],
+        person=PERSON,
+        written_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        load=cell["load"],
+        warm_up=cell["warm_up"],
+        approach=_approach(plan["approach_offset_deg"]),
+        tool_speed_mm_s=plan["tool_speed_mm_s"],
+        orientation_speed_rad_s=math.radians(plan["orientation_speed_deg_s"]),
+        settle_s=plan["settle_s"],
+        measure_s=plan["measure_s"],
+        sessions=(_period("calibration", records.calibration), _period("validation", records.validation)),
+        two_face_mm=registration.get("two_face_mm"),
+        registration_rms_mm=registration.get("rms_mm"),
+        scale=registration.get("scale"),
+        scale_standard_uncertainty=registration.get("scale_standard_uncertainty"),
+        notes=tuple(records.calibration["notes"] + records.validation["notes"]),
+    )
+
+
+def _instrument(device: dict[str, Any]) -> Instrument:
+    return Instrument(
+        role=_ROLES.get(device["kind"], device["kind"]),
+        manufacturer=device["manufacturer"] or "",
+        model=device["model"] or "",
+        serial_number=device["serial_number"] or "",
+        firmware=device["firmware"] or "",
+        certificate=device["certificate"],
+    )
+
+
+def _approach(offset_deg: float | None) -> str:
+    if offset_deg is None:
+        return "mixed directions"
+    return f"all joints from {offset_deg:+g} deg"
+
+
+def _period(name: str, session: dict[str, Any]) -> Period:
+    began = (state["recorded_at"] for state in session["states"] if state["state"] == "running")
+    return Period(name, next(began, ""), session["state_since"])
