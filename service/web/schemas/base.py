@@ -3,18 +3,10 @@
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
-
-
-def _whole(number: object) -> object:
-    # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
-    return int(number) if isinstance(number, float) and number.is_integer() else number
-
-
-Whole = Annotated[int, BeforeValidator(_whole)]
-Number = Annotated[Whole, Field(ge=1, le=NUMBER_LIMIT)]
+Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
 RecordId = Annotated[int, Field(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 RecordedAt = Annotated[
     str, Field(description="When it was recorded: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
@@ -36,6 +28,16 @@ class Request(BaseModel):
     """A body that a client sends: unknown keys are refused, numbers are finite."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _whole_numbers(cls, body: object) -> object:
+        # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
+        return {key: _whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+
+
+def _whole(value: object) -> object:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 class Reply(BaseModel):

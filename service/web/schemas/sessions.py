@@ -17,7 +17,6 @@ from service.web.schemas.base import (
     RecordId,
     Reply,
     Request,
-    Whole,
     degrees,
     example,
 )
@@ -47,8 +46,8 @@ class ChosenStops(Request):
     """The configurations are chosen: by observability to calibrate, at random to validate."""
 
     method: Literal["choose"]
-    configurations: Whole = Field(ge=1, le=5000, description="How many, revisits not counted.", examples=[50])
-    seed: Whole = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+    configurations: int = Field(ge=1, le=5000, description="How many, revisits not counted.", examples=[50])
+    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
 
 
 class SessionRequest(Request):
@@ -69,8 +68,8 @@ class SessionRequest(Request):
     )
     settle_s: float = Field(4.0, ge=0, le=600, description="Between motion and measurement.")
     measure_s: float = Field(1.0, ge=0.1, le=60, description="Length of a measurement.")
-    reference_every: Whole = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
-    registration_readings: Whole = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
+    reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
+    registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
     two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
 
 

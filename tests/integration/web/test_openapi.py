@@ -1,16 +1,28 @@
 """The OpenAPI document is true: whatever a client generates from it, the service answers as documented."""
 
 import asyncio
+import contextlib
+import re
 
 import pytest
 import schemathesis
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, given, settings
+from hypothesis.errors import Unsatisfiable
+from schemathesis import GenerationMode
 from schemathesis.specs.openapi.checks import positive_data_acceptance
 
 from service.app import create_app
 from service.settings import Settings
+from service.web.application import create_application
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
+
+DOCUMENT = create_application("test", lambda app: contextlib.nullcontext()).openapi()
+EVENTS = "/api/v1/events"  # the stream does not end by itself; `test_events.py` is about it
+OPERATIONS = [
+    (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path != EVENTS
+]
+ENOUGH = 20  # of each kind; thousands were tried when the routes were written
 
 
 async def never_done(task, told):
@@ -26,14 +38,75 @@ def api(tmp_path_factory):
         yield schemathesis.openapi.from_url(f"{url}/openapi.json")
 
 
-# The stream of events does not end by itself; `test_events.py` is about it.
-operations = schemathesis.pytest.from_fixture("api").exclude(path="/api/v1/events")
+def answers_as_documented(operation, mode):
+    # That bytes are a campaign is more than a schema can say.
+    upload = (operation.method, operation.path) == ("post", "/api/v1/campaigns")
+
+    @settings(max_examples=ENOUGH, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+    @given(case=operation.as_strategy(generation_mode=mode))
+    def answers(case):
+        case.call_and_validate(excluded_checks=[positive_data_acceptance] if upload else [], timeout=10)
+
+    answers()
 
 
-@operations.parametrize()
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
-def test_every_operation_answers_as_documented(case):
-    # Bytes that are a campaign cannot be told from other bytes by a schema.
-    is_upload = (case.method, case.path) == ("POST", "/api/v1/campaigns")
+@pytest.mark.parametrize(("method", "path"), OPERATIONS)
+def test_what_fits_the_schema_is_answered_as_documented(api, method, path):
+    answers_as_documented(api[path][method], GenerationMode.POSITIVE)
 
-    case.call_and_validate(excluded_checks=[positive_data_acceptance] if is_upload else [], timeout=10)
+
+@pytest.mark.parametrize(("method", "path"), OPERATIONS)
+def test_what_does_not_fit_the_schema_is_refused_as_documented(api, method, path):
+    with contextlib.suppress(Unsatisfiable):  # nothing can be wrong about a request without parameters
+        answers_as_documented(api[path][method], GenerationMode.NEGATIVE)
+
+
+def fields(schema, found):
+    if isinstance(schema, dict):
+        found.update(schema.get("properties", {}))
+        for part in schema.values():
+            fields(part, found)
+    if isinstance(schema, list):
+        for part in schema:
+            fields(part, found)
+    return found
+
+
+def test_every_number_that_is_a_quantity_names_its_unit():
+    counts = re.compile(
+        r"^(id|\w+_id|\w+_ids|n|config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
+        r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations|observations"
+        r"|parameters|outliers|\w+_points|\w+_legs|\w+_readings|reference_every|fraction)$"
+    )
+    # A ratio has no unit; a parameter's unit stands beside its value.
+    ratios = {"scale", "scale_standard_uncertainty", "value", "standard_uncertainty", "chi2_per_dof"}
+    units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s)$")
+
+    numeric = {
+        name
+        for name, field in fields(DOCUMENT["components"]["schemas"], {}).items()
+        if {"number", "integer"} & types_of(field)
+    }
+
+    assert {n for n in numeric - ratios if not counts.match(n) and not units.search(n)} == set()
+
+
+def types_of(field):
+    """Return the JSON types a field may have, through arrays and alternatives."""
+    found = {field.get("type")}
+    for part in [*field.get("anyOf", []), *([field["items"]] if "items" in field else [])]:
+        found |= types_of(part)
+    return found
+
+
+@pytest.mark.parametrize(("method", "path"), [*OPERATIONS, ("get", EVENTS)])
+def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
+    operation = DOCUMENT["paths"][path][method]
+
+    assert operation["description"]
+    for status, reply in operation["responses"].items():
+        assert reply["description"]
+        if int(status) >= 400:
+            assert list(reply["content"]) == ["application/problem+json"]
+    if "requestBody" in operation:
+        assert {"413", "415", "422"} <= operation["responses"].keys()
