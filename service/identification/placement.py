@@ -161,7 +161,8 @@ class _Form:
             tangent = np.einsum("gij,sjk->sgik", generators, q).reshape(len(q), 3, 9)
             gradient = np.einsum("sgi,si->sg", tangent, q.reshape(-1, 9) @ normal - right)
             hessian = np.einsum("sgi,ij,shj->sgh", tangent, normal, tangent)
-            hessian += 1e-9 * np.trace(hessian, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+            slope = np.trace(hessian, axis1=1, axis2=2)[:, None, None]
+            hessian += (1e-9 * slope + np.finfo(float).tiny) * np.eye(3)  # also where no rotation matters
             step = -np.linalg.solve(hessian, gradient[:, :, None])[:, :, 0]
             length = np.linalg.norm(step, axis=1, keepdims=True)
             q = rotation_from_vector(step * np.minimum(1.0, 0.7 / np.maximum(length, 1e-12))) @ q

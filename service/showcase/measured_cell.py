@@ -39,6 +39,7 @@ from service.showcase.errors import ServiceFailedError
 from service.web.context import Endpoint
 
 _PERSON = "accuracy report"
+_LOOK_S = 0.005  # between looks at whether the session asks for a person
 _APPROACH_RAD = -0.0872664626  # -5 deg on all joints, thesis of A. Nubiola, 2014, section 2.4
 
 
@@ -106,8 +107,7 @@ async def measure_cell(scenario: str, seed: int, n_calibration: int, n_validatio
         calibration, registration = await _session(session_cell, plan_calibration(space, n_calibration, seed))
         validation = None
         if n_validation:
-            plan = plan_validation(space, n_validation, seed + 1)
-            validation, _ = await _session(session_cell, plan, registration)
+            validation, _ = await _session(session_cell, plan_validation(space, n_validation, seed + 1))
         return await _with_truth(cell, calibration, validation, registration, truth)
 
 
@@ -161,22 +161,18 @@ def _work_space(cell: Cell) -> WorkSpace:
     )
 
 
-async def _session(
-    cell: SessionCell, plan: SessionPlan, known: Registration | None = None
-) -> tuple[PointReadings, Registration]:
-    """Run a session; a second one is carried over to the frame of the first."""
+async def _session(cell: SessionCell, plan: SessionPlan) -> tuple[PointReadings, Registration]:
+    """Run a session; each one places the tracker in the world anew."""
     journal = _MemoryJournal()
     runner = SessionRunner(plan, cell, journal)
     running = asyncio.create_task(runner.run())
     while not running.done():
-        await asyncio.sleep(0)
+        await asyncio.sleep(_LOOK_S)
         if runner.state is SessionState.AWAITING_CONFIRMATION and runner.question:
             await runner.confirm(_PERSON)
     if running.result() is not SessionState.FINISHED or journal.registration is None:
         raise ServiceFailedError(f"A session of the accuracy report ended as {running.result().value}.")
-    if known is None:
-        return point_readings(journal.points), journal.registration
-    return point_readings(journal.points), known
+    return point_readings(journal.points), journal.registration
 
 
 async def _with_truth(
