@@ -5,7 +5,7 @@ import contextlib
 import dataclasses
 from collections.abc import AsyncIterator
 from importlib.metadata import PackageNotFoundError, version
-from typing import Final
+from typing import Final, Protocol, runtime_checkable
 
 from fastapi import FastAPI
 
@@ -92,6 +92,7 @@ async def open_context(
         simulation = await _simulation(cell, settings, stack)
         cell = _with_simulated_devices(cell, simulation, drivers)
         rack = _rack(cell, simulation, drivers)
+        stack.push_async_callback(_close_clock, rack.clock)
         stack.push_async_callback(rack.close)
         context = _context(cell, database, rack, simulation, perform)
         await context.session_desk.recover()
@@ -161,6 +162,17 @@ def _clock(simulation: Simulation | None, drivers: DriverRegistry) -> Clock:
     if not isinstance(opened, Clock):
         raise StartError("The driver of the clock does not open a clock.")
     return opened
+
+
+async def _close_clock(clock: Clock) -> None:
+    # The clock of a simulated cell is reached over connections; the computer's own is not.
+    if isinstance(clock, _Closes):
+        await clock.close()
+
+
+@runtime_checkable
+class _Closes(Protocol):
+    async def close(self) -> None: ...
 
 
 def _context(

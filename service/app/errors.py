@@ -2,6 +2,7 @@
 
 StartError
 ├── SimulationFailedError   the simulated cell did not come up
+│   └── ScenarioRefusedError    it refuses the scenario that it should be
 └── PortInUseError          somebody listens at that address already
 """
 
@@ -14,6 +15,10 @@ class StartError(TrueposeError):
 
 class SimulationFailedError(StartError):
     """The simulated cell did not come up."""
+
+
+class ScenarioRefusedError(SimulationFailedError):
+    """The simulated cell refuses the scenario that it should be."""
 
 
 class PortInUseError(StartError):

@@ -15,7 +15,7 @@ from fastapi import FastAPI
 
 from drivers.errors import DriverError
 from service.app.composition import open_context, program_version, stop_streams
-from service.app.errors import PortInUseError
+from service.app.errors import PortInUseError, ScenarioRefusedError
 from service.domain.errors import TrueposeError
 from service.exchange.errors import ExchangeError
 from service.settings import Settings
@@ -29,14 +29,14 @@ _GRACE_S: Final = 5  # for requests under way when the service ends
 def serve(settings: Settings) -> int:
     """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
 
-    A start that fails writes one sentence to standard error: status 2 for a cell file that cannot be used,
-    3 for a database, a port or a simulated cell that cannot.
+    A start that fails writes one sentence to standard error: status 2 for a cell file or a scenario that
+    cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     try:
         asyncio.run(_serve(settings))
-    except ExchangeError as error:
+    except (ExchangeError, ScenarioRefusedError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:
         return _refuse(error, _SERVICE_FAILED)

@@ -14,7 +14,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Final
 
-from service.app.errors import SimulationFailedError
+from service.app.errors import ScenarioRefusedError, SimulationFailedError
 from service.domain.cell import SimulatedCell
 from service.web.context import Endpoint
 
@@ -27,6 +27,7 @@ runpy.run_module("simulators", run_name="__main__", alter_sys=True)
 """
 _START_S: Final = 30.0  # a second on an idle machine
 _END_S: Final = 5.0
+_UNUSABLE_INPUT: Final = 2  # exit status of a cell that refuses its scenario
 
 
 class Simulation:
@@ -70,6 +71,10 @@ async def _endpoints(process: asyncio.subprocess.Process) -> tuple[Endpoint, ...
                 line = await process.stdout.readline() if process.stdout is not None else b""
                 if not line:
                     status = await process.wait()
+                    if status == _UNUSABLE_INPUT:
+                        raise ScenarioRefusedError(
+                            "The simulated cell cannot be what was asked for; see above."
+                        )
                     raise SimulationFailedError(
                         f"The simulated cell ended with status {status} before it was ready; see above."
                     )

@@ -164,6 +164,7 @@ class SessionDesk:
             tracker_position_mm=cell.tracker_position_mm,
             fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
             joint_limits=cell.limits.joints or cell.robot.joint_limits,
+            certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
         )
 

@@ -162,6 +162,46 @@ def test_a_killed_service_lets_go_of_its_database(service, database_url):
         assert ended(second)[0] == 0
 
 
+def test_a_service_killed_in_a_session_keeps_its_readings_and_finds_it_awaiting_a_person(
+    service, database_url
+):
+    with httpx.Client(base_url=url_of(service), timeout=20) as client:
+        joints = [[5.0 * k, 40.0, -30.0, 5.0 * k, 30.0, 0.0] for k in range(-18, 18)]
+        stops = [{"config": k, "joints_deg": q, "nest": 1} for k, q in enumerate(joints, 1)]
+        wanted = {"name": "a", "role": "calibration", "plan": {"method": "given", "stops": stops}}
+        client.post("/api/v1/sessions", json=wanted).raise_for_status()
+        client.post("/api/v1/sessions/1/start").raise_for_status()
+        client.post("/api/v1/sessions/1/confirm", json={"person": "Ada"}).raise_for_status()
+        acknowledged = readings_until(client, 12)
+    os.kill(service.pid, signal.SIGKILL)
+    service.wait()
+
+    second = start(database_url)
+    try:
+        with httpx.Client(base_url=url_of(second), timeout=20) as client:
+            found = client.get("/api/v1/sessions/1").json()
+            kept = client.get("/api/v1/sessions/1/readings").json()
+    finally:
+        second.send_signal(signal.SIGTERM)
+        ended(second)
+
+    assert found["state"] == "awaiting_confirmation"
+    assert "restarted" in found["reason"]
+    assert [reading["id"] for reading in kept][: len(acknowledged)] == acknowledged
+
+
+def readings_until(client, count):
+    """Return the numbers of the first readings that the session tells of."""
+    found = []
+    with client.stream("GET", "/api/v1/events", params={"session_id": 1}) as stream:
+        for line in stream.iter_lines():
+            if line.startswith("data: ") and "reading_id" in line:
+                found.append(json.loads(line.removeprefix("data: "))["reading_id"])
+                if len(found) == count:
+                    break
+    return found
+
+
 def test_the_service_is_ready_without_the_libraries_of_the_worker():
     script = "import sys, service.app; print(sorted({'scipy', 'matplotlib', 'plotly'} & set(sys.modules)))"
 
