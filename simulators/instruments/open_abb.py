@@ -30,6 +30,7 @@ from simulators.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
 
 _BUFFER_POSES = 512
 _LINE_STEP_MM = 20.0
+_LONGEST_LINE_MM = 4000.0  # these arms reach less than 1.2 m to every side, tool included
 _NO_AXIS = 9e9  # RAPID's value of an external axis that is not connected
 _ROBOTWARE = "5.61.0100"
 
@@ -205,8 +206,14 @@ def _pose(values: FloatArray) -> FloatArray:
 
 
 def _line(start: FloatArray, end: FloatArray) -> list[FloatArray]:
-    """Placements on the straight line from `start` (left out) to `end`, orientation turning evenly."""
-    steps = max(1, math.ceil(float(np.linalg.norm(end[:3, 3] - start[:3, 3])) / _LINE_STEP_MM))
+    """Return placements on the straight line from `start` (left out) to `end`, orientation turning evenly.
+
+    Raises UnreachableError when it is longer than any arm here.
+    """
+    length_mm = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+    if not length_mm <= _LONGEST_LINE_MM:
+        raise UnreachableError(f"a line of {length_mm:g} mm leads out of the arm's reach")
+    steps = max(1, math.ceil(length_mm / _LINE_STEP_MM))
     turn = to_quaternion(end[:3, :3] @ start[:3, :3].T)
     frames = [_between(start, end, turn, step / steps) for step in range(1, steps)]
     return [*frames, end]

@@ -31,6 +31,7 @@ from simulators.scenario_table import read_table
 from simulators.tracker import seen_from
 
 _LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
+_LATEST_S = 1e9  # thirty years of cell time
 # An operator turns the tracker by hand to about this much.
 _AIM_STEP_MM = 20.0
 
@@ -39,12 +40,17 @@ def truth_endpoint(cell: Cell) -> Endpoint:
     """Build the truth endpoint of a cell."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        try:
-            while line := await reader.readline():
-                writer.write(_encode(answer(line, cell)))
-                await writer.drain()
-        except ValueError:  # the reader's word for a line that does not end
-            writer.write(_encode({"error": f"a request is one line of at most {_LONGEST_LINE_BYTES} bytes"}))
+        while True:
+            try:
+                line = await reader.readline()
+            except ValueError:  # the reader's word for a line that does not end
+                sentence = f"a request is one line of at most {_LONGEST_LINE_BYTES} bytes"
+                writer.write(_encode({"error": sentence}))
+                return
+            if not line:
+                return
+            writer.write(_encode(answer(line, cell)))
+            await writer.drain()
 
     return Endpoint("truth", "truth", serve, buffer_bytes=_LONGEST_LINE_BYTES)
 
@@ -147,6 +153,8 @@ def _times(value: object, n: int) -> FloatArray:
     times = _numbers(value, "time_s")
     if times.ndim > 1 or times.size not in {1, n}:
         raise TruthRequestError(f'key "time_s" must be one time or {n}, one per row of joints_rad')
+    if (np.abs(times) > _LATEST_S).any():
+        raise TruthRequestError(f'key "time_s" must lie within {_LATEST_S:g} s of the start')
     return times
 
 

@@ -28,6 +28,7 @@ from simulators.tracker import HOME_MM
 
 _SEARCH_S = 1.0  # until a reflector near the aim is locked on and its distance set
 _CHANGE_FACE_S = 4.0
+_FARTHEST_MM = 320_000.0  # twice the range of an AT401: farther coordinates are in the wrong unit
 # Status of everything that finds no reflector or lost it.
 NO_REFLECTOR = ResultStatus.NO_DISTANCE_SET
 
@@ -82,7 +83,7 @@ class Aiming:
             )
         else:
             aim = self._settings.view.from_wire(values.vector())
-        return aim if np.isfinite(aim).all() and aim.any() else None
+        return aim if aim.any() and (np.abs(aim) <= _FARTHEST_MM).all() else None
 
     @property
     def search_radius_mm(self) -> float:
@@ -155,7 +156,7 @@ class Aiming:
         """Search around the present direction; a failed search is reported as an error packet."""
         given = request.values.number("aprox_distance")
         distance_mm = self._settings.units.from_wire(Quantity.LENGTH, given)
-        if not distance_mm > 0.0 or not math.isfinite(distance_mm):
+        if not 0.0 < distance_mm <= _FARTHEST_MM:
             yield Answer(request.command, wrong_parameter(1))
             return
         yield from self._search(math.atan2(self.search_radius_mm, distance_mm))
@@ -184,7 +185,7 @@ class Aiming:
         from_wire = self._settings.units.from_wire
         turns = [from_wire(Quantity.ANGLE, request.values.number(name)) for name in ("hz_val", "vt_val")]
         horizontal, zenith = direction(self._tracker.aim_mm)
-        if not all(map(math.isfinite, turns)) or not 0.0 < zenith + turns[1] < math.pi:
+        if not 0.0 < zenith + turns[1] < math.pi:
             yield Answer(request.command, wrong_parameter(2))
             return
         distance = float(np.linalg.norm(self._tracker.aim_mm))

@@ -33,6 +33,7 @@ from simulators.instruments.leica_emscon.parameters import (
     PARAMETERS,
     REFLECTOR,
     Parameter,
+    not_finite,
     wrong_parameter,
 )
 from simulators.instruments.leica_emscon.settings import ServerSettings
@@ -97,6 +98,9 @@ class Dialogue:
                 yield step
 
     def _steps(self, request: Request) -> Steps:
+        status = not_finite(request.values)
+        if status != ResultStatus.ALL_OK:
+            return iter([Answer(request.command, status)])
         handler = self._handlers.get(request.command)
         if handler is not None:
             return handler(request)

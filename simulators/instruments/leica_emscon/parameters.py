@@ -54,10 +54,17 @@ class Parameter:
         """Return the status that a bad member earns by its position, 0 when all are good."""
         for position, (name, value) in enumerate(values.items(), start=1):
             check = self.checks.get(name)
-            finite = not isinstance(value, float) or math.isfinite(value)
-            if not finite or (check is not None and not check(value)):
+            if check is not None and not check(value):
                 return wrong_parameter(position)
         return ResultStatus.ALL_OK
+
+
+def not_finite(values: Record) -> int:
+    """Return the status of the first member that is no finite number, 0 when there is none."""
+    for position, value in enumerate(values.values(), start=1):
+        if isinstance(value, float) and not math.isfinite(value):
+            return wrong_parameter(position)
+    return ResultStatus.ALL_OK
 
 
 def wrong_parameter(position: int) -> int:

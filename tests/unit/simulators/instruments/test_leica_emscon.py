@@ -333,11 +333,22 @@ async def test_going_to_an_empty_place_is_refused_and_leaves_nothing_locked(serv
     assert await server.ask(49) == [answer(49, NO_DISTANCE)]
 
 
-@pytest.mark.parametrize("aim", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 0.0)])
+@pytest.mark.parametrize(
+    "aim", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0, 0), (1e300, 0, 0)]
+)
 async def test_a_position_that_is_none_is_refused(server, aim):
     await server.start()
 
     assert await server.ask(55, struct.pack("<3di", *aim, 1)) == [answer(55, 4)]
+
+
+@pytest.mark.parametrize("command", [56, 57, 59, 63])
+async def test_an_angle_or_distance_that_is_no_number_is_refused(server, command):
+    await server.start()
+    members = bytearray(exchange(command).request.size)
+    struct.pack_into("<d", members, 0, float("inf"))
+
+    assert await server.ask(command, bytes(members)) == [answer(command, 4)]
 
 
 async def test_the_search_radius_decides_what_a_search_finds(server):

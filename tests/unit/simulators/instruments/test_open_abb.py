@@ -159,6 +159,12 @@ async def test_a_pose_out_of_reach_stops_the_program(program):
         await program.answer(b"1 2000 0 500 1 0 0 0 #")
 
 
+@pytest.mark.parametrize("x", ["1e9", "1e99"])
+async def test_a_pose_beyond_the_moon_stops_the_program_at_once(program, x):
+    with pytest.raises(ProgramStoppedError, match="out of the arm's reach"):
+        await program.answer(f"1 {x} 0 500 1 0 0 0 #".encode())
+
+
 async def test_a_quaternion_of_no_length_stops_the_program(program):
     with pytest.raises(ProgramStoppedError):
         await program.answer(b"6 0 0 0 0 0 0 0 #")

@@ -101,6 +101,10 @@ def test_a_fault_may_be_scripted_while_the_cell_runs(make_cell):
             {"op": "positions", "joints_rad": [[0] * 6], "time_s": [1, 2]},
             'key "time_s" must be one time or 1',
         ),
+        (
+            {"op": "positions", "joints_rad": [[0] * 6], "time_s": 1e308},
+            'key "time_s" must lie within 1e+09 s',
+        ),
         ({"op": "positions", "joints_rad": [[None] * 6]}, 'key "joints_rad" must hold finite numbers'),
         ({"op": "effect", "name": "joint_gain"}, 'key "subject" is missing'),
         ({"op": "fault", "kind": "smr_missing", "nest": 9}, 'key "nest" must be 1 to 3, not 9'),
