@@ -77,7 +77,7 @@ async def _address(process: asyncio.subprocess.Process, log: Path) -> str:
 def _last_words(log: Path) -> str:
     """Return what a service that did not start wrote, but for the lines of its log."""
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-    return " ".join(line for line in lines if not line.startswith(("INFO", "WARNING", "DEBUG")))
+    return "\n".join(line for line in lines if not line.startswith(("INFO", "WARNING", "DEBUG")))
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:
