@@ -7,8 +7,6 @@ from collections.abc import AsyncIterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol, runtime_checkable
 
-from fastapi import FastAPI
-
 from drivers.api import Clock
 from drivers.registry import DriverRegistry, load_registry
 from service.analysis.campaigns import CampaignDesk
@@ -28,7 +26,7 @@ from service.storage.jobs import JobRepository
 from service.storage.readings import ReadingRepository
 from service.storage.results import ResultRepository
 from service.storage.sessions import SessionRepository
-from service.web.application import create_application
+from service.web.application import Application, create_application
 from service.web.context import Context, Endpoint
 
 _REAL_CLOCK: Final = "monotonic_clock"
@@ -38,7 +36,7 @@ _RESTARTED: Final = "The service ended before the job did; start it again."
 
 def create_app(
     settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
-) -> FastAPI:
+) -> Application:
     """Return the service as an ASGI application; its lifespan opens and closes everything it works with.
 
     Parameters
@@ -49,14 +47,7 @@ def create_app(
     perform : Perform
         Who does the jobs; by default a worker process each.
     """
-
-    @contextlib.asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        async with open_context(settings, registry, perform) as context:
-            app.state.context = context
-            yield
-
-    return create_application(program_version(), lifespan)
+    return create_application(program_version(), lambda: open_context(settings, registry, perform))
 
 
 def program_version() -> str:

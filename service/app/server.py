@@ -7,11 +7,10 @@ import logging
 import signal
 import socket
 import sys
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Final
 
 import uvicorn
-from fastapi import FastAPI
 
 from drivers.errors import DriverError
 from service.app.composition import open_context, program_version, stop_streams
@@ -52,14 +51,8 @@ async def _serve(settings: Settings) -> None:
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
         async with open_context(settings) as context:
-
-            @contextlib.asynccontextmanager
-            async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-                app.state.context = context
-                yield
-
             config = uvicorn.Config(
-                create_application(program_version(), lifespan),
+                create_application(program_version(), lambda: contextlib.nullcontext(context)),
                 log_config=None,
                 log_level=logging.WARNING,
                 timeout_graceful_shutdown=_GRACE_S,

@@ -1,8 +1,9 @@
 """The web application: routes, problems, limits, and an OpenAPI document that hides nothing."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -23,9 +24,11 @@ from service.web import (
     sessions,
     validations,
 )
+from service.web.context import Context
 from service.web.limits import RequestLimits
 
-Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
+Application: TypeAlias = FastAPI
+OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Context]]
 _RESOURCES: Final = (
     cells,
     devices,
@@ -47,8 +50,15 @@ _DESCRIPTION: Final = (
 )
 
 
-def create_application(version: str, lifespan: Lifespan) -> FastAPI:
-    """Return the application; `lifespan` puts a `Context` into `app.state.context`."""
+def create_application(version: str, open_context: OpenContext) -> Application:
+    """Return the application; it opens its context when it starts and closes it when it ends."""
+
+    @contextlib.asynccontextmanager
+    async def lifespan(started: FastAPI) -> AsyncIterator[None]:
+        async with open_context() as context:
+            started.state.context = context
+            yield
+
     app = FastAPI(
         title="truepose",
         version=version,

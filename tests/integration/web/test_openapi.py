@@ -17,7 +17,7 @@ from service.web.application import create_application
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 
-DOCUMENT = create_application("test", lambda app: contextlib.nullcontext()).openapi()
+DOCUMENT = create_application("test", contextlib.nullcontext).openapi()
 EVENTS = "/api/v1/events"  # the stream does not end by itself; `test_events.py` is about it
 OPERATIONS = [
     (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path != EVENTS
