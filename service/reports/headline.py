@@ -35,9 +35,14 @@ def headline(identification: Identification, judged: Judged | None, budget: Budg
     warning = "" if converged else f"Not to be used: {identification.message} "
     return Headline(
         sentence=warning + _sentence(identification, judged, budget, pair),
-        good=converged and pair.identified.mean_mm <= pair.nominal.mean_mm,
+        good=converged and _improves(pair),
         figures=_figures(judged, budget, pair),
     )
+
+
+def _improves(pair: NominalAndIdentified) -> bool:
+    nominal, identified = pair.nominal, pair.identified
+    return identified.mean_mm <= nominal.mean_mm and identified.rms_mm <= nominal.rms_mm
 
 
 def judging_figures(identification: Identification) -> NominalAndIdentified | None:
@@ -59,7 +64,17 @@ def _sentence(
     return (
         f"On {judged_on(identification, nominal)} the mean {identification.quantity} error {verb} {before} "
         f"with the nominal model to {after} with the identified one; {_noise(judged, identified)}"
+        f"{_far_errors(pair)}"
     )
+
+
+def _far_errors(pair: NominalAndIdentified) -> str:
+    """Say when a falling mean hides growing errors: the mean alone would praise such a model."""
+    nominal, identified = pair.nominal, pair.identified
+    if identified.rms_mm <= nominal.rms_mm or identified.mean_mm > nominal.mean_mm:
+        return ""
+    change = f"{millimetres(nominal.rms_mm)} mm before, {millimetres(identified.rms_mm)} mm after"
+    return f" But the RMS does not fall ({change}): some errors have grown."
 
 
 def _noise(judged: Judged, identified: Statistics) -> str:

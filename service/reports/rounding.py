@@ -5,7 +5,7 @@ GUM (JCGM 100:2008), 7.2.6: at most two significant digits of an uncertainty.
 
 import math
 
-MISSING = "n/a"
+MISSING = "\N{EN DASH}"
 _SMALLEST_PLAIN = 1e-4  # below this, numbers are written with a power of ten
 _EXACT_DECIMALS = 9  # rounding of pi / 2 and the like stays below; no drawing goes there
 

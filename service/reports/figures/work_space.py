@@ -98,5 +98,7 @@ def _view(axes: Axes, points: FloatArray, vectors: FloatArray) -> None:
         *points.T, *vectors.T, color=AFTER, angles="xy", scale_units="xy", scale=1.0, width=0.005, headwidth=4
     )
     axes.plot(*points.T, ".", color=MUTED, markersize=1.2)
+    axes.update_datalim(points + vectors)  # quiver itself counts the tails only
+    axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     axes.locator_params(nbins=4)

@@ -1,0 +1,125 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.reports.budget import budget
+from service.reports.conditions import ReportConditions
+from service.reports.judged import judged
+from service.reports.shifts import DRAWS, motion_shifts, spread_of_mean_mm
+
+# A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
+MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)
+
+
+@pytest.fixture
+def shown(identification, campaign):
+    return judged(identification, campaign)
+
+
+def rows_of(shown, identification, campaign, **conditions):
+    made = budget(shown, identification.model, campaign, ReportConditions(**conditions))
+    return made, {row.source: row for row in made.contributions}
+
+
+def test_one_reading_per_configuration_gives_the_usual_standard_error(shown, identification, campaign):
+    _, rows = rows_of(shown, identification, campaign)
+
+    norms = np.linalg.norm(shown.identified_mm, axis=1)
+    expected = norms.std(ddof=1) / np.sqrt(len(norms))
+    assert rows["Finite number of configurations"].after_mm == pytest.approx(expected, rel=1e-12)
+
+
+def test_reading_every_stop_twice_buys_no_certainty(shown, identification, campaign):
+    twice = np.repeat(np.arange(60), 2)
+    stops = replace(shown.stops, config=shown.stops.config[twice], joints_rad=shown.stops.joints_rad[twice])
+    doubled = replace(
+        shown,
+        readings=replace(shown.readings, stops=stops, nest=shown.readings.nest[twice]),
+        nominal_mm=shown.nominal_mm[twice],
+        identified_mm=shown.identified_mm[twice],
+        covariance_mm2=shown.covariance_mm2[twice],
+        position_mm=shown.position_mm[twice],
+    )
+
+    _, once = rows_of(shown, identification, campaign)
+    _, again = rows_of(doubled, identification, campaign)
+
+    source = "Finite number of configurations"
+    assert again[source].after_mm == pytest.approx(once[source].after_mm, rel=1e-12)
+
+
+def test_a_shift_along_all_errors_moves_their_mean_by_itself():
+    residual = np.tile([5.0, 0.0, 0.0], (20, 1))
+    shift = np.tile([0.01, 0.0, 0.0], (1, 20, 1))
+
+    assert spread_of_mean_mm(residual, shift) == pytest.approx(0.01, rel=MONTE_CARLO)
+
+
+def test_a_shift_across_all_errors_hardly_moves_their_mean():
+    residual = np.tile([5.0, 0.0, 0.0], (20, 1))
+    shift = np.tile([0.0, 0.01, 0.0], (1, 20, 1))
+
+    # Second order: the norm grows by s^2 / (2 * 5 mm), of which sqrt(2) * 1e-5 mm is spread.
+    assert spread_of_mean_mm(residual, shift) == pytest.approx(np.sqrt(2.0) * 1e-5, rel=0.25)
+
+
+def test_motions_of_the_world_have_the_covariance_they_are_drawn_from(shown):
+    covariance = np.diag([1e-4, 4e-4, 9e-4, 1e-8, 2e-8, 3e-8])
+    covariance[0, 4] = covariance[4, 0] = 5e-7
+
+    shifts = motion_shifts(shown, covariance)
+
+    point = shown.position_mm[0]
+    jacobian = np.hstack([np.eye(3), np.array([np.cross(axis, point) for axis in np.eye(3)]).T])
+    carried = np.einsum("kd,ke->de", shifts[:, 0], shifts[:, 0])
+    assert carried == pytest.approx(jacobian @ covariance @ jacobian.T, rel=1e-9, abs=1e-15)
+
+
+def test_the_combination_is_the_root_of_the_sum_of_squares(shown, identification, campaign):
+    made, rows = rows_of(shown, identification, campaign, temperature_c=(20.0, 24.0))
+
+    parts = [row.after_mm for row in rows.values() if row.after_mm is not None]
+    assert len(parts) == 5  # sampling, parameters, nests, registration, temperature
+    assert made.after_mm == pytest.approx(np.sqrt(np.sum(np.square(parts))), rel=1e-12)
+
+
+def test_better_known_parameters_count_less(shown, identification, campaign):
+    sharper = replace(identification.model, covariance=identification.model.covariance / 100.0)
+
+    _, rows = rows_of(shown, identification, campaign)
+    _, sharp = rows_of(shown, replace(identification, model=sharper), campaign)
+
+    source = "Identified parameters"
+    # Ten times smaller to first order; second order only helps.
+    assert sharp[source].after_mm < 0.2 * rows[source].after_mm
+
+
+def test_an_unverified_scale_is_named_and_not_counted(shown, identification, campaign):
+    _, rows = rows_of(shown, identification, campaign)
+
+    row = rows["Scale of the instrument"]
+    assert row.stated == "scale not verified"
+    assert (row.before_mm, row.after_mm) == (None, None)
+
+
+def test_a_verified_scale_counts_with_its_uncertainty(shown, identification, campaign):
+    _, rows = rows_of(shown, identification, campaign, scale=1.0, scale_standard_uncertainty=1e-5)
+
+    assert 0.0 < rows["Scale of the instrument"].after_mm < 1e-5 * 2000.0  # no point is 2 m away
+
+
+def test_noise_of_instrument_and_arm_is_not_counted_twice(shown, identification, campaign):
+    _, rows = rows_of(shown, identification, campaign)
+
+    assert rows["Instrument, noise"].stated == "u = 0.010 mm per axis"
+    assert rows["Instrument, noise"].after_mm is None
+    assert rows["Robot, scatter"].after_mm is None
+
+
+def test_a_campaign_without_registration_says_that_errors_are_in_the_instruments_frame(
+    shown, identification, campaign
+):
+    _, rows = rows_of(shown, identification, replace(campaign, registration=None))
+
+    assert "instrument's own frame" in rows["Registration of the world frame"].remark

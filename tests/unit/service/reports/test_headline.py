@@ -1,0 +1,59 @@
+from service.domain.results import NominalAndIdentified, Status
+from service.reports.budget import budget
+from service.reports.conditions import ReportConditions
+from service.reports.headline import headline
+from service.reports.judged import judged
+from tests.builders import make_identification, make_statistics
+
+
+def headline_of(identification, campaign):
+    shown = judged(identification, campaign)
+    return headline(identification, shown, budget(shown, identification.model, campaign, ReportConditions()))
+
+
+def test_one_sentence_says_before_after_uncertainty_and_noise(identification, campaign):
+    made = headline_of(identification, campaign)
+
+    assert made.good
+    assert made.sentence.startswith("On 60 held-out positions the mean position error falls from ")
+    assert made.sentence.count("(U = ") == 2
+    assert "the instrument's own noise alone would show 0.0160 mm" in made.sentence  # sqrt(8/pi) * 0.01
+
+
+def test_a_model_that_errs_more_than_the_nominal_one_is_not_praised(campaign, identification):
+    worse = NominalAndIdentified(make_statistics(mean_mm=0.1), make_statistics(mean_mm=0.2))
+
+    made = headline_of(make_identification(validation=worse, model=identification.model), campaign)
+
+    assert not made.good
+    assert "does not fall: it goes from" in made.sentence
+
+
+def test_a_falling_mean_does_not_hide_a_growing_rms(campaign, identification):
+    mixed = NominalAndIdentified(
+        make_statistics(mean_mm=1.6, rms_mm=1.9), make_statistics(mean_mm=1.1, rms_mm=2.0)
+    )
+
+    made = headline_of(make_identification(validation=mixed, model=identification.model), campaign)
+
+    assert not made.good
+    assert "the RMS does not fall (1.900 mm before, 2.000 mm after)" in made.sentence
+
+
+def test_an_identification_that_did_not_converge_is_refused_first(campaign, identification):
+    failed = make_identification(
+        status=Status.NOT_CONVERGED, message="It did not settle.", model=identification.model
+    )
+
+    made = headline_of(failed, campaign)
+
+    assert not made.good
+    assert made.sentence.startswith("Not to be used: It did not settle. ")
+
+
+def test_without_a_model_the_message_is_the_headline():
+    identification = make_identification(model=None, message="Only 3 configurations were measured.")
+
+    made = headline(identification, None, None)
+
+    assert (made.sentence, made.good) == ("Only 3 configurations were measured.", False)

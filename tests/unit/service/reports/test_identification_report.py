@@ -1,0 +1,267 @@
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from service.domain.campaign import LegReadings
+from service.domain.cell import Artefact
+from service.domain.results import Outlier, PureError
+from service.identification import identify, predict
+from service.reports import (
+    Instrument,
+    Period,
+    ReportConditions,
+    ReportInput,
+    TrueParameter,
+    Truth,
+    write_identification_report,
+)
+from service.reports.errors import UnwritableReportError
+from tests.builders import make_identification, make_model, make_statistics
+
+HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
+
+
+class Page(HTMLParser):
+    """What a browser would find: elements with attributes, and the text between them."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self._texts = [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self._texts.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self._texts).split())
+
+    @property
+    def tags(self):
+        return {tag for tag, _ in self.elements}
+
+
+def report_of(tmp_path, identification, campaign, **parts):
+    path = tmp_path / "out" / "report.html"
+    write_identification_report(path, ReportInput(identification, campaign, **parts))
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def plain_report(tmp_path_factory, identification, campaign):
+    """A report with everything that is optional left out; drawing one takes a second."""
+    return report_of(tmp_path_factory.mktemp("plain"), identification, campaign)
+
+
+UNFITTED = make_identification(
+    model=None, message="Only 3 configurations.", calibration=None, cross_validation=None, parameters=()
+)  # has no pictures and is quick to write: for tests of what stands beside them
+
+
+def test_a_plain_campaign_gives_a_complete_report(plain_report):
+    page = Page(plain_report)
+
+    for heading in (
+        "Errors before and after",
+        "How much of the measured error is the instrument's own",
+        "Where the errors point",
+        "Residual against each joint",
+        "Uncertainty of the headline figures",
+        "Outliers",
+        "Repeatability and lack of fit",
+        "Parameters",
+        "What these data do not tell apart",
+        "Conditions",
+        "Method",
+    ):
+        assert heading in page.text
+    assert sum(tag == "svg" for tag, _ in page.elements) == 5
+    assert "truepose 0." in page.text
+
+
+def test_the_file_asks_nothing_from_anywhere(plain_report):
+    page = Page(plain_report)
+
+    assert not page.tags & {"script", "link", "iframe", "object", "embed", "base"}
+    loaded = [
+        value
+        for tag, attributes in page.elements
+        for name, value in attributes.items()
+        if name in {"src", "href", "xlink:href", "srcset", "data"}
+    ]
+    assert all(value.startswith(("#", "data:image/png;base64,")) for value in loaded)
+    assert "@import" not in plain_report
+    assert len(plain_report) < 6_000_000
+
+
+def test_text_of_users_stays_text(tmp_path, identification, campaign):
+    hostile = replace(
+        campaign,
+        robot=replace(campaign.robot, name=HOSTILE, source=HOSTILE),
+        notes=(HOSTILE,),
+        ignored=(HOSTILE,),
+    )
+    conditions = ReportConditions(
+        instruments=(Instrument(HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE),),
+        artefacts=(Artefact(HOSTILE, HOSTILE, HOSTILE),),
+        robot_serial_number=HOSTILE,
+        person=HOSTILE,
+        load=HOSTILE,
+        sessions=(Period(HOSTILE, HOSTILE, HOSTILE),),
+        notes=(HOSTILE,),
+    )
+    truth = Truth((TrueParameter(HOSTILE, 1.0, 1.0, 0.1, HOSTILE),), ((HOSTILE, make_statistics()),))
+    said = replace(identification, message=HOSTILE, outliers=(Outlier(0, 1, 1, 0.5, HOSTILE),))
+
+    page = Page(report_of(tmp_path, said, hostile, conditions=conditions, truth=truth))
+
+    assert "script" not in page.tags
+    assert "img" not in page.tags
+    assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
+    assert HOSTILE in page.text
+
+
+def test_whatever_nobody_stated_is_shown_as_not_stated(plain_report):
+    text = Page(plain_report).text
+
+    for name in (
+        "Robot serial number:",
+        "Measured by:",
+        "Written:",
+        "Load",
+        "Warm-up",
+        "Approach",
+        "Sessions",
+    ):
+        assert f"{name} not stated" in text
+    assert "Instruments: not stated." in text
+    assert "scale not verified" in text
+    assert "SIMULATED" not in text
+
+
+def test_stated_conditions_stand_in_the_report(tmp_path, campaign):
+    conditions = ReportConditions(
+        instruments=(Instrument("laser tracker", "Leica", "AT960", "750123", "3.2", "No. 2031, 2026-03-01"),),
+        settle_s=4.0,
+        scale=1.000002,
+        scale_standard_uncertainty=1.5e-6,
+        sessions=(Period("calibration", "09:00", "10:10"),),
+    )
+
+    text = Page(report_of(tmp_path, UNFITTED, campaign, conditions=conditions)).text
+
+    assert "laser tracker Leica AT960 750123 3.2 No. 2031, 2026-03-01" in text
+    assert "Settling before a reading 4 s" in text
+    assert "certified over measured length 1 +2e-06, u = 1.5e-06" in text
+    assert "Session calibration 09:00 to 10:10" in text
+
+
+@pytest.mark.parametrize("source", ["conditions", "notes"])
+def test_a_simulated_measurement_says_so_before_anything_else(tmp_path, campaign, source):
+    conditions = ReportConditions(simulated=source == "conditions")
+    notes = ("SIMULATED: no robot took part.",) if source == "notes" else ()
+
+    html = report_of(tmp_path, UNFITTED, replace(campaign, notes=notes), conditions=conditions)
+
+    assert 0 < html.index("SIMULATED.") < html.index("<h1>")
+
+
+def test_without_held_out_readings_the_report_warns_that_its_pictures_flatter(
+    tmp_path, campaign_without_validation
+):
+    identification = identify(campaign_without_validation, ("base", "geometry"))
+
+    text = Page(report_of(tmp_path, identification, campaign_without_validation)).text
+
+    assert "the pictures show the readings that the model was made from, and flatter it" in text
+    assert "Cross-validation" in text
+    assert "each predicted by a model that never saw its configuration" in text
+
+
+def test_an_identification_without_a_model_says_why_and_shows_no_picture(tmp_path, campaign):
+    page = Page(report_of(tmp_path, UNFITTED, campaign))
+
+    assert "Only 3 configurations." in page.text
+    assert "svg" not in page.tags
+    assert "Conditions" in page.text
+
+
+def test_outliers_stand_with_their_reason_and_figures_with_and_without(tmp_path, identification, campaign):
+    spoilt = campaign.calibration.position_mm.copy()
+    spoilt[7, 2] += 5.0
+    gross = replace(campaign, calibration=replace(campaign.calibration, position_mm=spoilt))
+
+    text = Page(report_of(tmp_path, identify(gross, ("base", "geometry")), gross)).text
+
+    assert "Calibration, without outliers without the 1 given no weight" in text
+    assert "no reading is deleted" in text
+    # Row, configuration, nest and a residual of 5 mm but for noise (0.01 mm) and what the others pull (less).
+    assert re.search(r"\b8 8 1 (4\.9[5-9]|5\.0[0-5])\d* off by", text)
+
+
+@pytest.mark.parametrize(
+    ("p_value", "said"),
+    [
+        (0.4, "explains the readings as well as they repeat"),
+        (1e-9, "p < 0.0001: beyond repeatability the model lacks"),
+    ],
+)
+def test_revisits_tell_repeatability_and_lack_of_fit(tmp_path, campaign, p_value, said):
+    pure = PureError(12, 36, 0.0123, 1.1, p_value)
+
+    text = Page(report_of(tmp_path, replace(UNFITTED, pure_error=pure), campaign)).text
+
+    assert "12 readings of configurations visited before (36 degrees of freedom)" in text
+    assert "0.0123 mm standard deviation per axis" in text
+    assert said in text
+
+
+def test_true_values_stand_beside_the_identified_ones(tmp_path, campaign):
+    truth = Truth(
+        (TrueParameter("a_3", 0.21, 0.2, 0.01, "mm"), TrueParameter("d_2", 0.5, 0.2, 0.01, "mm")),
+        (("after best rigid alignment", make_statistics(mean_mm=0.0123)),),
+    )
+
+    text = Page(report_of(tmp_path, UNFITTED, campaign, truth=truth)).text
+
+    assert "1 of 2 true parameters lie within the stated 95 % interval" in text
+    assert "after best rigid alignment 10 0.0123" in text
+    assert "a_3 0.210 0.200 0.010 mm +1.0" in text
+
+
+def test_lengths_are_reported_as_lengths(tmp_path, campaign):
+    points = campaign.calibration
+    foot = np.array([250.0, -400.0, 900.0])
+    legs = [_legs_from(foot, points.stops), _legs_from(foot, campaign.validation.stops)]
+    ballbar = replace(campaign, calibration=None, validation=None, legs=legs[0], validation_legs=legs[1])
+
+    text = Page(report_of(tmp_path, identify(ballbar, ("geometry",)), ballbar)).text
+
+    assert "On 60 held-out lengths the mean length error" in text
+    assert "Absolute length errors [mm]" in text
+    assert "drawn along their legs" in text
+    assert "lengths need no world frame" in text
+
+
+def _legs_from(foot_mm, stops):
+    one = np.ones(len(stops), np.int64)
+    position, _ = predict(make_model(), stops, one)
+    length = np.linalg.norm(position - foot_mm, axis=1)
+    return LegReadings(stops, one, one, one, length, np.full(len(stops), 0.001))
+
+
+def test_the_same_data_give_the_same_file(tmp_path, plain_report, identification, campaign):
+    assert report_of(tmp_path, identification, campaign) == plain_report
+
+
+def test_a_report_that_cannot_be_written_says_where(tmp_path, campaign):
+    (tmp_path / "taken").write_text("a file, no folder")
+
+    with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
+        write_identification_report(tmp_path / "taken" / "report.html", ReportInput(UNFITTED, campaign))

@@ -1,0 +1,46 @@
+import math
+
+import pytest
+
+from service.reports.rounding import MISSING, exact, millimetres, p_value, rounded, uncertainty
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "text"),
+    [
+        (301.91862, 0.00471, "301.9186"),
+        (-90.0704, 0.0032, "-90.0704"),
+        (12.345, 0.0996, "12.35"),  # 0.0996 is 0.10 to two digits
+        (1234.5, 27.0, "1234"),
+        (3.5934e-8, 9.8e-10, "3.593e-08"),
+        (-0.00001, 0.0012, "0.0000"),  # no negative zero
+        (2.5, 0.0, "2.5"),
+        (2.5, math.nan, "2.5"),
+    ],
+)
+def test_a_value_ends_at_the_second_digit_of_its_uncertainty(value, u, text):
+    assert rounded(value, u) == text
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.0996, "0.10"), (0.00471, "0.0047"), (9.8e-10, "9.8e-10")])
+def test_an_uncertainty_has_two_digits(value, text):
+    assert uncertainty(value) == text
+
+
+def test_what_is_not_a_number_is_shown_as_missing():
+    assert rounded(math.nan, 0.1) == millimetres(math.inf) == MISSING
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(-90.00000000000001, "-90"), (-1e-17, "0"), (270.0, "270"), (69.8125, "69.8125")]
+)
+def test_a_nominal_value_keeps_the_digits_it_was_given_with(value, text):
+    assert exact(value) == text
+
+
+def test_lengths_below_a_tenth_of_a_millimetre_show_tenths_of_a_micrometre():
+    assert [millimetres(value) for value in (0.02785, 0.79512, 12.3456)] == ["0.0278", "0.795", "12.35"]
+
+
+def test_a_tiny_p_value_is_only_said_to_be_small():
+    assert (p_value(3e-9), p_value(0.0421)) == ("< 0.0001", "0.042")
