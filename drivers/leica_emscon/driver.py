@@ -1,5 +1,6 @@
 """A Leica laser tracker that speaks emScon: stationary measurements of one reflector at a time."""
 
+import contextlib
 import math
 from dataclasses import dataclass
 from typing import Literal
@@ -30,6 +31,7 @@ from drivers.leica_emscon.protocol.settings import (
     LengthUnit,
     MeasMode,
     PressureUnit,
+    StatisticMode,
     TemperatureUnit,
     WeatherMonitorStatus,
 )
@@ -124,6 +126,7 @@ class LaserTracker:
         await self._ask(Command.SET_MEASUREMENT_MODE, Record(meas_mode=MeasMode.STATIONARY))
         await self._ask(Command.SET_COORDINATE_SYSTEM_TYPE, Record(coord_sys_type=CoordinateSystemType.RHR))
         await self._ask(Command.SET_SYSTEM_SETTINGS, Record(await self._settings() | _OWN_SETTINGS))
+        await self._ask_for_covariances()
         await self._choose_reflector()
         self._measure_ms = None
         self._search_radius_mm = None
@@ -259,6 +262,14 @@ class LaserTracker:
                 return 2
             case other:
                 raise RemoteProtocolError(f"the tracker says it stands in face {other}; 1 or 2 was expected")
+
+    async def _ask_for_covariances(self) -> None:
+        """Have results carry the covariance of the point; older trackers state deviations only."""
+        extended = Record(
+            stationary_measurements=StatisticMode.EXTENDED, continuous_measurements=StatisticMode.STANDARD
+        )
+        with contextlib.suppress(CommandUnknownError):
+            await self._ask(Command.SET_STATISTIC_MODE, extended)
 
     def _require_prepared(self) -> None:
         if not self._prepared:

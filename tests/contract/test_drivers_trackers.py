@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from drivers.errors import BeamBrokenError, ConnectionLostError, NotInitialisedError, ReflectorNotFoundError
@@ -32,6 +33,21 @@ async def test_a_fixed_nest_is_found_and_measured_where_it_is(bench, name):
     assert reading.face == 1
     assert all(0.0 < deviation < 0.1 for deviation in reading.standard_deviation_mm)
     assert reading.rms_mm == pytest.approx(math.hypot(*reading.standard_deviation_mm), rel=1e-6)
+
+
+@trackers
+async def test_a_reading_states_the_covariance_of_the_accuracy_model(bench, name):
+    tracker = await ready(bench, name)
+    nest_mm = bench.fixed_nest_mm(1)
+    await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
+
+    stated = np.array((await tracker.measure_point(duration_s=1.0)).covariance_mm2)
+
+    beam = np.array(nest_mm) / math.hypot(*nest_mm)
+    assert stated == pytest.approx(stated.T)
+    # the scenario's model: along the beam 8 um + 0.8 um/m, across it 10 um + 3.5 um/m, here 2 to 4 m away
+    assert 0.009 < math.sqrt(beam @ stated @ beam) < 0.012
+    assert 0.016 < math.sqrt((np.trace(stated) - beam @ stated @ beam) / 2.0) < 0.025
 
 
 @trackers

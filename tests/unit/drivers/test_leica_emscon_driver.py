@@ -178,6 +178,33 @@ async def test_the_older_result_packet_is_taken_as_well():
     assert (await tracker.measure_point(duration_s=1.0)).point_mm == (4.0, 5.0, 6.0)
 
 
+async def test_the_covariance_is_that_of_the_accuracy_model_and_absent_where_none_is_stated():
+    fake = FakeTracker()
+    stated = {"apriori_std1": 0.01, "apriori_std2": 0.02, "apriori_std3": 0.02, "apriori_covar12": 1e-5}
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        single(val1=1.0, val2=2.0, val3=3.0, **stated),
+    ]
+    tracker = await ready_tracker(fake)
+
+    covariance = (await tracker.measure_point(duration_s=1.0)).covariance_mm2
+    silent = (await (await ready_tracker(FakeTracker())).measure_point(duration_s=1.0)).covariance_mm2
+
+    assert covariance == ((1e-4, 1e-5, 0.0), (1e-5, 4e-4, 0.0), (0.0, 0.0, 4e-4))
+    assert silent is None
+
+
+async def test_an_older_tracker_without_statistic_modes_is_initialised_all_the_same():
+    fake = FakeTracker()
+    fake.script[Command.SET_STATISTIC_MODE] = lambda _: [
+        Answer(Command.SET_STATISTIC_MODE, ResultStatus.NOT_IMPLEMENTED)
+    ]
+
+    tracker = await ready_tracker(fake)
+
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
 async def test_unasked_packets_in_between_do_not_disturb_a_measurement():
     fake = FakeTracker()
     streamed = Result(PacketType.REFLECTOR_POS_RESULT, Record(val1=9.0, val2=9.0, val3=9.0))
