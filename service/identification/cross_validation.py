@@ -11,6 +11,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.identification.observations import Block
 from service.identification.robust import fit
+from service.identification.rows import sites
 from service.identification.structure import Structure
 
 _LEAVE_ONE_OUT = 40  # up to so many configurations one is left out at a time, beyond it a tenth
@@ -40,7 +41,7 @@ def held_out_residuals(
     n = len(first.weights)
     residual: FloatArray | None = None
     variance = np.zeros(n)
-    owners = [_sites(block) for block in blocks]
+    owners = [sites(block.targets.stops) for block in blocks]
     for held in _folds(owners[0]):
         kept = tuple(
             block.subset(np.flatnonzero(~np.isin(owner, held)))
@@ -60,16 +61,8 @@ def held_out_residuals(
     return residual, variance
 
 
-def _sites(block: Block) -> IntArray:
-    """Number of the configuration, a revisit counting as the one it revisits, shape (n,)."""
-    stops = block.targets.stops
-    if stops.repeat_of is None:
-        return stops.config
-    return np.where(stops.repeat_of >= 0, stops.repeat_of, stops.config)
-
-
-def _folds(sites: IntArray) -> Iterator[IntArray]:
-    distinct = np.unique(sites)
+def _folds(configurations: IntArray) -> Iterator[IntArray]:
+    distinct = np.unique(configurations)
     if len(distinct) <= _LEAVE_ONE_OUT:
         yield from distinct[:, None]
     else:

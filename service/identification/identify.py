@@ -37,6 +37,7 @@ from service.identification.problem import (
 )
 from service.identification.pure_error import pure_error
 from service.identification.robust import RobustFit, fit, robust_fit
+from service.identification.rows import sites
 from service.identification.solver import posterior_covariance
 from service.identification.statistics import expected_noise_mm, statistics
 
@@ -156,7 +157,7 @@ def _quantity(problem: Problem) -> Literal["position", "length"]:
 def _counts(problem: Problem, identified: RobustFit) -> Counts:
     sizes = [result.residual.size for result in identified.results]
     return Counts(
-        configurations=len(np.unique(problem.blocks[0].targets.stops.config)),
+        configurations=len(np.unique(sites(problem.blocks[0].targets.stops))),
         observations=int(sum(sizes)),
         parameters=len(problem.structure.specs),
         outliers=int(sum(flags.sum() for flags in identified.gross)),

@@ -11,6 +11,7 @@ from service.domain.robot import FramePlacement
 from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.problem import torque_source
 from service.identification.robust import RobustFit
+from service.identification.rows import sites
 from service.identification.structure import Structure, base_axes
 from service.kinematics.frames import angles_xyz, placement_of
 
@@ -103,7 +104,7 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
     stops = fits.identified.blocks[0].targets.stops
     return {
         "robot": fits.campaign.robot.name,
-        "configurations": len(np.unique(stops.config)),
+        "configurations": len(np.unique(sites(stops))),
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,

@@ -11,6 +11,7 @@ from scipy.stats import f as f_distribution
 from service.domain.arrays import FloatArray
 from service.domain.results import PureError
 from service.identification.observations import PositionBlock
+from service.identification.rows import sites
 
 _NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
 
@@ -28,8 +29,7 @@ def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int)
     repeat_of = block.targets.stops.repeat_of
     if repeat_of is None or not np.any(repeat_of >= 0):
         return None
-    config = block.targets.stops.config
-    site = np.where(repeat_of >= 0, repeat_of, config)
+    site = sites(block.targets.stops)
     kept = block.weights > 0.5
     keys = np.stack([site, block.targets.nest], axis=1)[kept]
     _, group, sizes = np.unique(keys, axis=0, return_inverse=True, return_counts=True)

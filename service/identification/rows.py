@@ -18,3 +18,10 @@ def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
     """Return every stop once per nest, stops in their order, and the nest of each row."""
     rows = np.repeat(np.arange(len(stops)), len(nests))
     return taken(stops, rows), np.tile(nests, len(stops))
+
+
+def sites(stops: Stops) -> IntArray:
+    """Return the number of each row's configuration, a revisit counting as the one it revisits, shape (n,)."""
+    if stops.repeat_of is None:
+        return stops.config
+    return np.where(stops.repeat_of >= 0, stops.repeat_of, stops.config)
