@@ -2,9 +2,10 @@
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from service.analysis.tasks import Answer, IdentifyTask, PlanTask, Task, ValidateTask
 from service.analysis.worker_process import Told, perform_in_worker
@@ -15,6 +16,8 @@ from service.storage.campaigns import CampaignRepository
 from service.storage.jobs import JobRepository
 from service.storage.records import JobKind, JobState, RequestKey
 from service.storage.results import ResultRepository
+
+_LOG: Final = logging.getLogger(__name__)
 
 
 class Perform(Protocol):
@@ -143,6 +146,11 @@ class JobDesk:
                 await work.store(job_id, answer)
             except TrueposeError as error:
                 await self._jobs.change_state(job_id, JobState.FAILED, str(error))
+            except Exception as error:
+                # Whatever it is, the job must not look as if somebody still worked on it.
+                _LOG.exception("job %d failed", job_id)
+                sentence = f"The program failed ({type(error).__name__}: {error}); its log has the details."
+                await self._jobs.change_state(job_id, JobState.FAILED, sentence)
 
     def _told(self, job_id: int) -> Told:
         async def told(fraction: float, doing: str) -> None:

@@ -35,6 +35,8 @@ def serve(settings: Settings) -> int:
     logging.getLogger("alembic").setLevel(logging.WARNING)
     try:
         asyncio.run(_serve(settings))
+    except KeyboardInterrupt:  # before the service was ready and took care of signals itself
+        return 0
     except (ExchangeError, ScenarioRefusedError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:

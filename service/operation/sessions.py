@@ -9,6 +9,7 @@ import contextlib
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from service.domain.session import SessionPlan, SessionState
 from service.operation.devices import Rack
@@ -23,12 +24,14 @@ from service.storage.readings import ReadingRepository
 from service.storage.records import SessionRecord, SessionSetup
 from service.storage.sessions import SessionRepository
 
-_LOG = logging.getLogger(__name__)
-_MOVABLE = tuple(
+_LOG: Final = logging.getLogger(__name__)
+_MOVABLE: Final = tuple(
     state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
 )
-_RESTARTED = "The service was restarted during the session; look at the cell, then confirm."
-_STOPPED = "The service was stopped during the session; start it again, look at the cell, then confirm."
+_RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
+_STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
+    "The service was stopped during the session; start it again, look at the cell, then confirm."
+)
 MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
 
 

@@ -8,6 +8,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import httpx
 import pytest
@@ -77,6 +78,23 @@ def test_a_signal_ends_it_in_order_and_the_simulated_cell_with_it(service, datab
     assert "Traceback" not in err
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("127.0.0.1", port), timeout=1)
+
+
+def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
+    url = url_of(service)
+    (child,) = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text().split()
+    os.kill(int(child), signal.SIGKILL)
+
+    for _ in range(100):
+        health = httpx.get(f"{url}/health").json()
+        if health["status"] != "ok":
+            break
+        time.sleep(0.05)
+
+    assert health["status"] == "degraded"
+    assert health["fault"] == "The simulated cell has ended with status -9; start the service again."
+    refused = httpx.post(f"{url}/api/v1/devices/tracker/connect", timeout=60)
+    assert refused.status_code == 503
 
 
 def test_an_open_stream_does_not_hold_up_the_end(service):

@@ -197,6 +197,14 @@ async def test_a_job_that_fails_keeps_the_sentence(client, until, worker, campai
     assert job["result_id"] is None
 
 
+async def test_a_fault_of_the_program_does_not_leave_a_job_running(client, until, worker, campaign_id):
+    worker.error = ZeroDivisionError("division by zero")
+
+    job = await until(await identification_job(client, campaign_id), "state", "failed")
+
+    assert job["message"].startswith("The program failed (ZeroDivisionError: division by zero)")
+
+
 async def test_a_job_asked_twice_with_one_key_runs_once(client, until, campaign_id):
     key = {"Idempotency-Key": "i-1"}
     first = await identification_job(client, campaign_id, **key)

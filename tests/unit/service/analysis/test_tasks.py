@@ -1,0 +1,43 @@
+"""A task reads what it is given and refuses what cannot be done with a sentence."""
+
+import dataclasses
+
+import pytest
+
+from service.analysis.errors import NothingMeasuredError
+from service.analysis.tasks import PlanTask, held_out
+from service.domain.errors import ConfigurationError
+from service.exchange.cell_file import simulated_cell
+from service.storage.records import SessionSetup
+from tests.builders import make_campaign
+from tests.measured_sessions import make_plan, make_setup
+
+
+def quiet(fraction, doing):
+    pass
+
+
+def test_calibration_readings_never_stand_in_for_validation_readings():
+    campaign = dataclasses.replace(make_campaign(), validation=None, validation_legs=None)
+
+    with pytest.raises(NothingMeasuredError, match="no validation readings"):
+        held_out(campaign)
+
+
+def test_a_plan_keeps_what_was_wanted_of_the_session():
+    cell = simulated_cell("irb120-tilted", 0)
+    wanted = dataclasses.replace(
+        make_plan(role="validation"), stops=(), settle_s=7.0, approach_offset_rad=None
+    )
+
+    plan = PlanTask(SessionSetup(cell), wanted, 4, 1).perform(quiet)
+
+    assert (plan.role, plan.settle_s, plan.approach_offset_rad) == ("validation", 7.0, None)
+    assert len(plan.stops) == 4
+
+
+def test_without_ranges_nothing_is_chosen():
+    task = PlanTask(make_setup(), dataclasses.replace(make_plan(), stops=()), 4, 1)
+
+    with pytest.raises(ConfigurationError, match=r"under \[limits\] of the cell file"):
+        task.perform(quiet)
