@@ -30,8 +30,6 @@ _MOVABLE: Final = tuple(
 )
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
-    "The service was stopped during the session; start it again, look at the cell, then confirm."
-)
 MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
 
 
