@@ -128,7 +128,12 @@ class ValidationRequest(Request):
 
     model_id: Number
     campaign_id: Number
-    limit_mm: float | None = Field(None, gt=0, le=1000, description="The mean error may be so large.")
+    limit_mm: float | None = Field(
+        None,
+        gt=0,
+        le=1000,
+        description="Largest error that passes; null: the mean error must be below the nominal model's.",
+    )
 
 
 class IdentificationReply(Reply):
