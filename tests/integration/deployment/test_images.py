@@ -1,9 +1,14 @@
 """Every command of compose file and Dockerfiles, executed in a plain environment with free ports."""
 
+import json
+import socket
+
 import httpx
+import numpy as np
 import pytest
 
-from tests.integration.deployment.deployment_files import compose_file, dockerfiles
+from service.exchange.cell_file import read_cell
+from tests.integration.deployment.deployment_files import CHECKOUT, compose_file, dockerfiles
 from tests.integration.deployment.images import (
     announced,
     copy_sources,
@@ -64,6 +69,18 @@ def test_the_cell_puts_every_device_on_the_port_that_the_files_count_on(running_
     (exposed,) = dockerfiles()["cell"].all("EXPOSE")
     assert exposed.split() == [str(7000 + offset) for offset in offsets.values()]
     assert offsets["clock"] == 3  # what the health check asks
+
+
+def test_the_cell_files_notes_on_where_the_nests_are_belong_to_this_cell(running_cell):
+    first, _ = running_cell
+    noted = read_cell(CHECKOUT / "docs" / "examples" / "networked-cell.toml").fixed_nests_seen_mm
+
+    with socket.create_connection((_HERE, first + 4), timeout=5.0) as truth:
+        truth.sendall(b'{"op": "aim"}\n')
+        seen = json.loads(truth.makefile().readline())["fixed_nests_seen_from_tracker_mm"]
+
+    # An aim is rounded to 20 mm here and there; the tracker looks within 50 mm of it.
+    assert np.array(noted) == pytest.approx(np.array(seen), abs=20.0)
 
 
 def test_the_cells_health_check_tells_a_running_cell_from_none(running_cell, cell_image):
