@@ -14,11 +14,12 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign
-from service.domain.results import Model
+from service.domain.results import Identification, Model, NominalAndIdentified, Statistics
 from service.identification.considered import world_registration
+from service.identification.rows import sites
 from service.kinematics.frames import placement_translation
 from service.reports.conditions import ReportConditions
-from service.reports.judged import Judged
+from service.reports.judged import Judged, judging_figures
 from service.reports.rounding import uncertainty
 from service.reports.shifts import growth, motion_shifts, nest_shifts, parameter_shifts, spread_of_mean_mm
 
@@ -42,8 +43,6 @@ class Budget:
     """The rows and their combination."""
 
     contributions: tuple[Contribution, ...]
-    mean_before_mm: float
-    mean_after_mm: float
 
     @property
     def before_mm(self) -> float:
@@ -60,10 +59,15 @@ def _combined(parts_mm: list[float | None]) -> float:
     return float(np.sqrt(sum(part**2 for part in parts_mm if part is not None)))
 
 
-def budget(judged: Judged, model: Model, campaign: Campaign, conditions: ReportConditions) -> Budget:
-    """Return the budget of the mean norms of `judged`."""
+def budget(
+    judged: Judged, identification: Identification, campaign: Campaign, conditions: ReportConditions
+) -> Budget | None:
+    """Return the budget of the mean errors in the headline; None where nothing was fitted."""
+    model, figures = identification.model, judging_figures(identification)
+    if model is None or figures is None:
+        return None
     rows = (
-        _sampling(judged),
+        _sampling(judged, figures),
         _parameters(judged, model),
         _instrument(judged),
         _scatter(judged, model, campaign),
@@ -72,30 +76,32 @@ def budget(judged: Judged, model: Model, campaign: Campaign, conditions: ReportC
         _scale(judged, model, conditions),
         _temperature(judged, model, conditions),
     )
-    means = [float(np.linalg.norm(r, axis=1).mean()) for r in (judged.nominal_mm, judged.identified_mm)]
-    return Budget(rows, means[0], means[1])
+    return Budget(rows)
 
 
-def _sampling(judged: Judged) -> Contribution:
-    n = len(np.unique(judged.stops.config))
+def _sampling(judged: Judged, figures: NominalAndIdentified) -> Contribution:
+    n = len(np.unique(sites(judged.stops)))
     return Contribution(
         "Finite number of configurations",
         "A",
         f"{n} configurations",
-        _standard_error(judged, judged.nominal_mm),
-        _standard_error(judged, judged.identified_mm),
-        "standard error of the mean, by configuration: readings of one stop share its error",
+        _standard_error(judged, judged.nominal_mm, figures.nominal),
+        _standard_error(judged, judged.identified_mm, figures.identified),
+        "standard error of the mean, by configuration: its readings and revisits share its error",
     )
 
 
-def _standard_error(judged: Judged, residual_mm: FloatArray) -> float | None:
+def _standard_error(judged: Judged, residual_mm: FloatArray, figures: Statistics) -> float | None:
     norms = np.linalg.norm(residual_mm, axis=1)
-    _, group, sizes = np.unique(judged.stops.config, return_inverse=True, return_counts=True)
+    _, group, sizes = np.unique(sites(judged.stops), return_inverse=True, return_counts=True)
     if len(sizes) < 2:
         return None
     # Clusters of unequal size: the ratio estimator's variance, W. G. Cochran, Sampling Techniques, 1977, 6.4.
     totals = np.bincount(group.ravel(), norms - norms.mean())
-    return float(np.sqrt((totals**2).sum() * len(sizes) / (len(sizes) - 1)) / sizes.sum())
+    error = float(np.sqrt((totals**2).sum() * len(sizes) / (len(sizes) - 1)) / sizes.sum())
+    # Cross-validated errors scatter more than the calibration's, which are all that is at hand then.
+    spread = float(norms.std(ddof=1))
+    return error * figures.sd_mm / spread if spread > 0.0 else error
 
 
 def _parameters(judged: Judged, model: Model) -> Contribution:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from service.domain.results import Identification, NominalAndIdentified, Statistics, Status
 from service.reports.budget import Budget
-from service.reports.judged import Judged
+from service.reports.judged import Judged, judging_figures
 from service.reports.rounding import millimetres, rounded, uncertainty
 
 
@@ -43,11 +43,6 @@ def headline(identification: Identification, judged: Judged | None, budget: Budg
 def _improves(pair: NominalAndIdentified) -> bool:
     nominal, identified = pair.nominal, pair.identified
     return identified.mean_mm <= nominal.mean_mm and identified.rms_mm <= nominal.rms_mm
-
-
-def judging_figures(identification: Identification) -> NominalAndIdentified | None:
-    """Return the figures that judge the model: validation, else cross-validation, else calibration."""
-    return identification.validation or identification.cross_validation or identification.calibration
 
 
 def _sentence(

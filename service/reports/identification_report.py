@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from service.domain.campaign import Campaign, Stops
-from service.domain.results import Identification, NominalAndIdentified
+from service.domain.results import Identification, Model, NominalAndIdentified
 from service.reports.budget import Budget, budget
 from service.reports.conditions import ReportConditions, condition_rows
 from service.reports.figures.correlation import correlation_map, strongest_pairs
@@ -79,7 +79,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         parameters=parameter_rows(identification, campaign),
         truth=report.truth,
         truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
-        **_evidence(shown),
+        **_evidence(shown, identification.model),
         **_correlation(identification),
     )
 
@@ -109,9 +109,7 @@ def _simulated(conditions: ReportConditions, campaign: Campaign) -> bool:
 def _budget(
     shown: Judged | None, identification: Identification, campaign: Campaign, conditions: ReportConditions
 ) -> Budget | None:
-    if shown is None or identification.model is None:
-        return None
-    return budget(shown, identification.model, campaign, conditions)
+    return None if shown is None else budget(shown, identification, campaign, conditions)
 
 
 def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
@@ -139,9 +137,9 @@ def figures_rows(identification: Identification, shown: Judged | None) -> Iterat
         yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
 
 
-def _evidence(shown: Judged | None) -> dict[str, object]:
+def _evidence(shown: Judged | None, model: Model | None) -> dict[str, object]:
     """Return the figures drawn from residuals; all None where there are none."""
-    if shown is None:
+    if shown is None or model is None:
         return dict.fromkeys(("judged", "histogram", "joints", "space", "splits"))
     splits = (
         ("before", noise_split(shown, shown.nominal_mm)),
@@ -150,7 +148,7 @@ def _evidence(shown: Judged | None) -> dict[str, object]:
     return {
         "judged": shown,
         "histogram": histogram(shown),
-        "joints": joint_residuals(shown),
+        "joints": joint_residuals(shown, model),
         "space": work_space(shown),
         "splits": splits,
     }

@@ -43,6 +43,11 @@ class Judged:
         return residual_mm if self.direction is None else residual_mm * self.direction
 
 
+def judging_figures(identification: Identification) -> NominalAndIdentified | None:
+    """Return the figures that judge the model: validation, else cross-validation, else calibration."""
+    return identification.validation or identification.cross_validation or identification.calibration
+
+
 def judged(identification: Identification, campaign: Campaign) -> Judged | None:
     """Return the held-out readings, else those of the calibration; None without a model.
 
@@ -83,6 +88,7 @@ def _points(model: Model, points: PointReadings, held_out: bool, scatter_mm: flo
 
 def _legs(model: Model, legs: LegReadings, held_out: bool, scatter_mm: float) -> Judged:
     predicted, _ = predict(model, legs.stops, legs.nest)
+    lengths = predict_lengths(model, legs)  # refuses base nests that the model does not know
     # The nominal fit's base nests are within millimetres of the identified ones: enough for a direction.
     places = {(anchor.placement, anchor.base_point): anchor.centre_mm for anchor in model.nominal_anchors}
     feet = np.array([
@@ -93,7 +99,7 @@ def _legs(model: Model, legs: LegReadings, held_out: bool, scatter_mm: float) ->
         readings=legs,
         held_out=held_out,
         nominal_mm=(legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None],
-        identified_mm=(legs.length_mm - predict_lengths(model, legs))[:, None],
+        identified_mm=(legs.length_mm - lengths)[:, None],
         covariance_mm2=legs.standard_uncertainty_mm[:, None, None] ** 2,
         scatter_mm=scatter_mm,
         position_mm=predicted,

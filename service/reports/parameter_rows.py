@@ -86,9 +86,14 @@ def _row(parameter: Parameter, nominal: float | None, identified: float, togethe
 
 
 def _standing(parameter: Parameter, together: bool) -> Standing:
-    if parameter.standard_uncertainty > _UNDETERMINED * parameter.prior_width:
+    if is_held_by_prior(parameter):
         return "prior"
     return "combination" if together else "determined"
+
+
+def is_held_by_prior(parameter: Parameter) -> bool:
+    """Whether the data say so little that the prior holds the parameter."""
+    return parameter.standard_uncertainty > _UNDETERMINED * parameter.prior_width
 
 
 def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | None:

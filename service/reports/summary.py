@@ -2,27 +2,94 @@
 
 from collections.abc import Iterable
 
+from rich.console import Group, RenderableType
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
-from service.domain.results import Identification
+from service.domain.results import Identification, NominalAndIdentified, Validation
+from service.exchange.model_document import file_factor, file_unit
 from service.reports.identification_report import figures_rows
-from service.reports.rounding import millimetres
+from service.reports.parameter_rows import is_held_by_prior
+from service.reports.rounding import millimetres, rounded, uncertainty
 from service.reports.truth import TrueParameter, truth_row
+
+
+def identification_summary(identification: Identification) -> Group:
+    """Return message, errors, parameters and what the data leave open."""
+    parts: list[RenderableType] = [Text(identification.message)]
+    if any(figures_rows(identification, None)):
+        parts.append(figures_table(identification))
+    if identification.parameters:
+        parts.append(_parameter_table(identification))
+    parts += [
+        Text(f"Not told apart: {', '.join(group.parameters)}: {group.reason}.")
+        for group in identification.not_identifiable
+    ]
+    parts += [
+        Text(f"No weight: configuration {outlier.config}, nest {outlier.nest}: {outlier.reason}.")
+        for outlier in identification.outliers
+    ]
+    return Group(*parts)
+
+
+def validation_summary(validation: Validation) -> Group:
+    """Return the errors of positions (or lengths) and of distances, and whether they pass."""
+    table = _error_table(f"{validation.quantity.capitalize()} errors, mm")
+    _add_pair(table, validation.quantity.capitalize(), validation.position)
+    if validation.distance is not None:
+        _add_pair(table, "Distance between points", validation.distance)
+    return Group(table, Text(_verdict(validation)))
+
+
+def _verdict(validation: Validation) -> str:
+    if validation.limit_mm is None:
+        verb = "is below" if validation.passed else "is not below"
+        return f"The identified model's mean error {verb} the nominal one's."
+    verb = "stays within" if validation.passed else "exceeds"
+    return f"The largest error {verb} the limit of {validation.limit_mm:g} mm."
 
 
 def figures_table(identification: Identification) -> Table:
     """Return nominal and identified errors [mm] side by side."""
-    table = Table(title=f"{identification.quantity.capitalize()} errors, mm")
+    table = _error_table(f"{identification.quantity.capitalize()} errors, mm")
+    for row in figures_rows(identification, None):
+        _add_pair(table, row.label, row.pair)
+    return table
+
+
+def _error_table(title: str) -> Table:
+    table = Table(title=title)
     table.add_column("readings")
     table.add_column("model")
     for name in ("n", "mean", "rms", "sd", "max", "noise"):
         table.add_column(name, justify="right")
-    for row in figures_rows(identification, None):
-        for model, figures in (("nominal", row.pair.nominal), ("identified", row.pair.identified)):
-            values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)
-            label = row.label if model == "nominal" else ""
-            table.add_row(label, model, str(figures.n), *(millimetres(value) for value in values))
+    return table
+
+
+def _add_pair(table: Table, label: str, pair: NominalAndIdentified) -> None:
+    for first, model, figures in ((label, "nominal", pair.nominal), ("", "identified", pair.identified)):
+        values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)
+        table.add_row(first, model, str(figures.n), *(millimetres(value) for value in values))
+
+
+def _parameter_table(identification: Identification) -> Table:
+    """Return what was added to the start, as the documents do; what only a prior holds stands out."""
+    table = Table(title="Parameters, change against the start")
+    table.add_column("parameter")
+    for name in ("value", "u"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    for parameter in identification.parameters:
+        factor = file_factor(parameter.unit)
+        u = parameter.standard_uncertainty * factor
+        table.add_row(
+            escape(parameter.name),
+            rounded(parameter.value * factor, u),
+            uncertainty(u),
+            file_unit(parameter.unit),
+            style="yellow" if is_held_by_prior(parameter) else "",
+        )
     return table
 
 

@@ -1,21 +1,35 @@
-"""Residual against each joint angle: what a missing effect of that joint would bend."""
+"""Residual against each joint angle, as that joint would see it.
+
+In world axes a gear's wave is hidden: the arm's attitude turns it everywhere. Each panel therefore
+splits the residual along the motion of its joint, along its axis and away from it.
+"""
 
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from service.domain.arrays import FloatArray
+from service.domain.results import Model
+from service.identification.evaluation import Targets, evaluate
+from service.identification.prediction import structure_of, values_of
+from service.kinematics.chain import theta_gradient
 from service.reports.figures.canvas import AFTER, MUTED, X, Y, Z, new_figure, page_style, to_svg
 from service.reports.judged import Judged
 
 _COLUMNS = 3
+_DIRECTIONS = ("along the joint's motion", "along its axis", "away from its axis")
 _MOST_POINTS = 400  # dots of one colour in one panel; more make no one wiser and the file heavy
-_BANDWIDTH = 0.08  # of the joint's range: follows one wave per range, not single readings
+_BANDWIDTH = 0.04  # of the joint's range: shows two waves per turn nearly undamped
+_READINGS_ASKED = 5.0  # a wider guide where readings are few: 2.5 times as many then carry each of its points
 _FEWEST_BESIDE = 5.0  # readings that must carry the guide where it is drawn
 
 
-def joint_residuals(judged: Judged) -> Markup:
-    """Return one panel per joint with the identified model's residuals, per component, and an eye-guide."""
+_SHORTEST_ARM_MM = 1e-3  # nearer to its axis, a joint moves the nest in no direction to speak of
+
+
+def joint_residuals(judged: Judged, model: Model) -> Markup:
+    """Return one panel per joint with the identified model's residuals and an eye-guide."""
+    seen = residuals_by_joint(judged, model)
     angles_deg = np.degrees(judged.stops.joints_rad)
     rows = -(-angles_deg.shape[1] // _COLUMNS)
     with page_style():
@@ -23,7 +37,7 @@ def joint_residuals(judged: Judged) -> Markup:
         panels = figure.subplots(rows, _COLUMNS, sharey=True, squeeze=False).ravel()
         for joint, axes in enumerate(panels):
             if joint < angles_deg.shape[1]:
-                _panel(axes, angles_deg[:, joint], judged)
+                _panel(axes, angles_deg[:, joint], seen[joint], judged)
                 axes.set_title(f"joint {joint + 1} [deg]")
             else:
                 axes.set_visible(False)
@@ -34,9 +48,8 @@ def joint_residuals(judged: Judged) -> Markup:
         return to_svg(figure, "joints", "Residuals of the identified model against each joint angle")
 
 
-def _panel(axes: Axes, angle_deg: FloatArray, judged: Judged) -> None:
-    residual = judged.identified_mm
-    names = zip((X, Y, Z), "xyz", strict=True) if residual.shape[1] == 3 else [(AFTER, "length")]
+def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray, judged: Judged) -> None:
+    names = zip((X, Y, Z), _DIRECTIONS, strict=True) if residual.shape[1] == 3 else [(AFTER, "length")]
     shown = slice(None, None, -(-len(residual) // _MOST_POINTS))
     noise = float(np.sqrt(np.trace(judged.covariance_mm2, axis1=1, axis2=2).mean() / residual.shape[1]))
     axes.axhspan(
@@ -46,6 +59,27 @@ def _panel(axes: Axes, angle_deg: FloatArray, judged: Judged) -> None:
         axes.plot(angle_deg[shown], residual[shown, component], ".", color=colour, markersize=2.0, alpha=0.45)
         grid, guide = eye_guide(angle_deg, residual[:, component])
         axes.plot(grid, guide, color=colour, linewidth=1.6, label=name)
+
+
+def residuals_by_joint(judged: Judged, model: Model) -> FloatArray:
+    """Return the residuals of the identified model in cylinder coordinates of each joint.
+
+    Returns
+    -------
+    ndarray, shape (J, n, 3)
+        Along the motion of the joint, along its axis, away from its axis [mm]; (J, n, 1) for lengths,
+        which have no other direction than their own.
+    """
+    stops, residual = judged.stops, judged.identified_mm
+    if judged.direction is not None:
+        return np.broadcast_to(residual, (stops.joints_rad.shape[1], *residual.shape))
+    state = evaluate(structure_of(model), values_of(model), Targets(stops, judged.readings.nest))
+    motion = theta_gradient(state.chain, state.position_mm)
+    arm = np.linalg.norm(motion, axis=2, keepdims=True)
+    along = np.where(arm > _SHORTEST_ARM_MM, motion / np.maximum(arm, _SHORTEST_ARM_MM), 0.0)
+    axis = state.chain.z
+    away = np.cross(along, axis)
+    return np.stack([np.einsum("jnk,nk->jn", d, residual) for d in (along, axis, away)], axis=2)
 
 
 def _limit(axes: Axes, residual: FloatArray) -> None:
@@ -74,7 +108,8 @@ def eye_guide(angle_deg: FloatArray, residual_mm: FloatArray) -> tuple[FloatArra
         return np.zeros(0), np.zeros(0)
     cut = 4.0 * float(np.median(np.abs(residual_mm)))
     grid = np.linspace(angle_deg.min(), angle_deg.max(), 80)
-    weights = np.exp(-0.5 * ((grid[:, None] - angle_deg) / (_BANDWIDTH * span)) ** 2)
+    width = span * max(_BANDWIDTH, _READINGS_ASKED / len(angle_deg))
+    weights = np.exp(-0.5 * ((grid[:, None] - angle_deg) / width) ** 2)
     beside = weights.sum(axis=1)
     guide = weights @ np.clip(residual_mm, -cut, cut) / np.maximum(beside, 1e-12)
     return grid, np.where(beside >= _FEWEST_BESIDE, guide, np.nan)

@@ -3,10 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from service.domain.results import NominalAndIdentified
+from service.identification.rows import taken
+from service.identification.statistics import statistics
 from service.reports.budget import budget
 from service.reports.conditions import ReportConditions
 from service.reports.judged import judged
 from service.reports.shifts import DRAWS, motion_shifts, spread_of_mean_mm
+from tests.builders import make_pair
 
 # A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
 MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)
@@ -18,7 +22,7 @@ def shown(identification, campaign):
 
 
 def rows_of(shown, identification, campaign, **conditions):
-    made = budget(shown, identification.model, campaign, ReportConditions(**conditions))
+    made = budget(shown, identification, campaign, ReportConditions(**conditions))
     return made, {row.source: row for row in made.contributions}
 
 
@@ -30,10 +34,31 @@ def test_one_reading_per_configuration_gives_the_usual_standard_error(shown, ide
     assert rows["Finite number of configurations"].after_mm == pytest.approx(expected, rel=1e-12)
 
 
-def test_reading_every_stop_twice_buys_no_certainty(shown, identification, campaign):
-    twice = np.repeat(np.arange(60), 2)
-    stops = replace(shown.stops, config=shown.stops.config[twice], joints_rad=shown.stops.joints_rad[twice])
-    doubled = replace(
+@pytest.mark.parametrize("as_revisits", [False, True])
+def test_reading_every_configuration_twice_buys_no_certainty(shown, identification, campaign, as_revisits):
+    doubled = read_twice(shown, as_revisits)
+    # The scatter of the doubled errors, so that only their number could change the figure.
+    pair = NominalAndIdentified(statistics(doubled.nominal_mm, 0.0), statistics(doubled.identified_mm, 0.0))
+
+    _, once = rows_of(shown, identification, campaign)
+    _, again = rows_of(doubled, replace(identification, validation=pair), campaign)
+
+    source = "Finite number of configurations"
+    assert again[source].stated == "60 configurations"
+    assert again[source].after_mm == pytest.approx(once[source].after_mm, rel=1e-12)
+
+
+def read_twice(shown, as_revisits):
+    twice = np.tile(np.arange(60), 2)
+    stops = taken(shown.stops, twice)
+    if as_revisits:
+        first = shown.stops.config
+        stops = replace(
+            stops,
+            config=np.concatenate([first, first + 1000]),
+            repeat_of=np.concatenate([np.full(60, -1), first]),
+        )
+    return replace(
         shown,
         readings=replace(shown.readings, stops=stops, nest=shown.readings.nest[twice]),
         nominal_mm=shown.nominal_mm[twice],
@@ -42,11 +67,17 @@ def test_reading_every_stop_twice_buys_no_certainty(shown, identification, campa
         position_mm=shown.position_mm[twice],
     )
 
-    _, once = rows_of(shown, identification, campaign)
-    _, again = rows_of(doubled, identification, campaign)
 
-    source = "Finite number of configurations"
-    assert again[source].after_mm == pytest.approx(once[source].after_mm, rel=1e-12)
+def test_cross_validated_errors_count_with_their_own_scatter(identification, campaign_without_validation):
+    plain = judged(identification, campaign_without_validation)
+    sd = float(np.linalg.norm(plain.identified_mm, axis=1).std(ddof=1))
+    crossed = make_pair(sd_mm=2.0 * sd)
+    judging = replace(identification, validation=None, cross_validation=crossed)
+
+    _, rows = rows_of(plain, judging, campaign_without_validation)
+
+    expected = 2.0 * sd / np.sqrt(40.0)
+    assert rows["Finite number of configurations"].after_mm == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_shift_along_all_errors_moves_their_mean_by_itself():

@@ -1,12 +1,14 @@
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from service.identification import predict
 from service.reports.figures.correlation import correlation_map, correlation_matrix, strongest_pairs
 from service.reports.figures.histogram import histogram
-from service.reports.figures.joint_residuals import eye_guide, joint_residuals
+from service.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
 from service.reports.figures.work_space import exaggeration, work_space
 from service.reports.judged import judged
 from tests.builders import make_model
@@ -18,7 +20,7 @@ def pictures(identification, campaign):
     space = work_space(shown)
     return {
         "histogram": histogram(shown),
-        "joints": joint_residuals(shown),
+        "joints": joint_residuals(shown, identification.model),
         "space": space.in_space,
         "views": space.views,
         "correlation": correlation_map(identification.model),
@@ -64,15 +66,38 @@ def test_points_without_error_or_extent_are_not_exaggerated():
     assert exaggeration(np.eye(3), np.zeros((3, 3))) == 1.0
 
 
+def test_a_joint_that_turns_too_far_is_seen_along_its_own_motion(identification, campaign):
+    shown, model = judged(identification, campaign), identification.model
+    turned = replace(shown.stops, joints_rad=shown.stops.joints_rad + np.array([0.0, 1e-5, 0.0]))
+    moved, _ = predict(model, turned, shown.readings.nest)
+    shown = replace(shown, identified_mm=moved - shown.position_mm)
+
+    seen = residuals_by_joint(shown, model)
+
+    length = np.linalg.norm(shown.identified_mm, axis=1)
+    # 1e-5 rad of a circle departs from its tangent by half of 1e-5 of its length.
+    assert seen[1, :, 0] == pytest.approx(length, rel=1e-5)
+    assert np.abs(seen[1, :, 1:]).max() < 1e-5 * length.max()
+
+
+def test_the_split_keeps_the_length_of_every_residual(identification, campaign):
+    shown = judged(identification, campaign)
+
+    seen = residuals_by_joint(shown, identification.model)
+
+    expected = np.broadcast_to(np.linalg.norm(shown.identified_mm, axis=1), seen.shape[:2])
+    assert np.linalg.norm(seen, axis=2) == pytest.approx(expected, rel=1e-12)
+
+
 def test_the_eye_guide_follows_a_wave_of_the_joint():
     angle = np.linspace(-90.0, 90.0, 400)
 
     grid, guide = eye_guide(angle, 0.05 * np.sin(np.radians(2.0 * angle)))
 
     inner = np.abs(grid) < 60.0
-    # A normal kernel of 14.4 deg damps two periods per turn by exp(-(2 * 0.251)^2 / 2) = 0.88.
-    expected = 0.88 * 0.05 * np.sin(np.radians(2.0 * grid))
-    assert guide[inner] == pytest.approx(expected[inner], abs=0.004)
+    # A normal kernel of 7.2 deg damps two periods per turn by exp(-(2 * 0.1257)^2 / 2) = 0.969.
+    expected = 0.969 * 0.05 * np.sin(np.radians(2.0 * grid))
+    assert guide[inner] == pytest.approx(expected[inner], abs=0.001)  # the cut and the sum for an integral
 
 
 def test_the_eye_guide_is_not_drawn_where_few_readings_stand():

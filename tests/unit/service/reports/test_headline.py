@@ -8,7 +8,7 @@ from tests.builders import make_identification, make_statistics
 
 def headline_of(identification, campaign):
     shown = judged(identification, campaign)
-    return headline(identification, shown, budget(shown, identification.model, campaign, ReportConditions()))
+    return headline(identification, shown, budget(shown, identification, campaign, ReportConditions()))
 
 
 def test_one_sentence_says_before_after_uncertainty_and_noise(identification, campaign):

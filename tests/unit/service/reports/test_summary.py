@@ -1,9 +1,16 @@
 import io
 import re
 
+import pytest
 from rich.console import Console
 
-from service.reports.summary import figures_table, truth_table
+from service.domain.results import NotIdentifiable, Outlier, Validation
+from service.reports.summary import (
+    figures_table,
+    identification_summary,
+    truth_table,
+    validation_summary,
+)
 from service.reports.truth import TrueParameter
 from tests.builders import make_identification, make_pair
 
@@ -21,6 +28,48 @@ def test_nominal_and_identified_errors_stand_one_above_the_other():
     assert any("nominal" in line and "0.100" in line for line in lines)
     assert any("identified" in line and "0.0278" in line for line in lines)
     assert "Position errors, mm" in text
+
+
+def test_the_summary_names_what_is_open_and_what_got_no_weight():
+    identification = make_identification(
+        not_identifiable=(NotIdentifiable(("d_2", "d_3"), "axes 2 and 3 are parallel"),),
+        outliers=(Outlier(4, 12, 1, 3.2, "off by [bold]3.2 mm"),),
+    )
+
+    text = printed(identification_summary(identification))
+
+    assert text.startswith("The identification converged.")
+    assert "Cross-validation" in text
+    assert re.search(r"alpha_2\W+0.0573\W+0.0057\W+deg", text)
+    assert "Not told apart: d_2, d_3: axes 2 and 3 are parallel." in text
+    assert "No weight: configuration 12, nest 1: off by [bold]3.2 mm." in text
+
+
+def test_the_summary_of_what_was_not_fitted_is_its_message():
+    identification = make_identification(
+        model=None, parameters=(), calibration=None, cross_validation=None, message="Too few data."
+    )
+
+    assert printed(identification_summary(identification)) == "Too few data.\n"
+
+
+@pytest.mark.parametrize(
+    ("limit_mm", "passed", "sentence"),
+    [
+        (0.2, True, "The largest error stays within the limit of 0.2 mm."),
+        (0.1, False, "The largest error exceeds the limit of 0.1 mm."),
+        (None, True, "The identified model's mean error is below the nominal one's."),
+        (None, False, "The identified model's mean error is not below the nominal one's."),
+    ],
+)
+def test_a_validation_ends_with_its_verdict(limit_mm, passed, sentence):
+    validation = Validation("position", make_pair(), make_pair(mean_mm=0.031), limit_mm, passed)
+
+    text = printed(validation_summary(validation))
+
+    assert text.rstrip().endswith(sentence)
+    assert re.search(r"Distance between points\W+nominal", text)
+    assert "0.0310" in text
 
 
 def test_cross_validation_stands_in_where_nothing_was_held_out():
