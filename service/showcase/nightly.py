@@ -21,7 +21,7 @@ _INTERRUPTED: Final = 130
 
 
 def run_nightly(out: Path, seed: int, cases: Sequence[NightCase] | None = None) -> int:
-    """Run all cases one after the other; leave junit.xml, report.html, result.json and their folders in `out`.
+    """Run all cases one after the other; leave junit.xml, report.html, result.json and their data in `out`.
 
     Parameters
     ----------

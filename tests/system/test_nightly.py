@@ -1,0 +1,102 @@
+"""The night run with few configurations: it must find a robot that goes wrong, and say what it found."""
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+from service.showcase.cell_run import CellRequest
+from service.showcase.night_cases import Check, NightCase, night_cases, shipped_case, wrong_axis_case
+from service.showcase.nightly import run_nightly
+from simulators.scenario_file import shipped_scenarios
+
+REPOSITORY = Path(__file__).parents[2]
+
+
+def unreachable(judged):
+    error_mm = judged.errors.absolute.mean_mm
+    return [Check("true error, absolute, mean", "at most 0 mm", f"{error_mm:.4f} mm", error_mm <= 0.0)]
+
+
+def suites(out):
+    return {suite.get("name"): suite for suite in ElementTree.parse(out / "junit.xml").getroot()}
+
+
+@pytest.fixture(scope="module")
+def wrong_axis(tmp_path_factory):
+    out = tmp_path_factory.mktemp("night")
+    # 31 parameters from 3 x 35 coordinates; the error that is looked for is ten times the largest of theirs.
+    return run_nightly(out, 3, [wrong_axis_case(3, calibration=30, validation=30)]), out
+
+
+def test_a_wrong_axis_after_the_calibration_fails_the_validation_and_so_passes_the_night(wrong_axis):
+    status, out = wrong_axis
+    (case,) = json.loads((out / "result.json").read_text())["cases"]
+    judged = json.loads((out / "irb120-wrong-axis" / "result.json").read_text())
+
+    assert status == 0
+    assert [check["pass"] for check in case["checks"]] == [True, True]
+    assert judged["validation"]["pass"] is False
+    # The axis turns by up to 1e-3 * 80 deg too far, 0.3 m or more from the nests: 0.4 mm.
+    assert judged["validation"]["position"]["identified"]["max_mm"] > 0.25
+    assert judged["identification"]["statistics"]["calibration"]["identified"]["mean_mm"] < 0.04
+
+
+def test_the_true_positions_follow_the_robot_that_went_wrong(wrong_axis):
+    judged = json.loads((wrong_axis[1] / "irb120-wrong-axis" / "result.json").read_text())
+
+    measured = judged["validation"]["position"]["identified"]["rms_mm"]
+    true = judged["truth"]["validation_true_error"]["rms_mm"]
+
+    # They differ by the noise of the readings, 0.028 mm in quadrature, beside an error ten times as large.
+    assert true == pytest.approx(measured, rel=0.1)
+
+
+def test_the_junit_document_has_a_suite_per_cell_and_counts_that_agree(wrong_axis):
+    suite = suites(wrong_axis[1])["irb120-wrong-axis"]
+
+    assert len(suite.findall("testcase")) == int(suite.get("tests")) == 2
+    assert suite.findall("testcase/failure") == []
+    assert float(suite.get("time")) > 0
+    assert {p.get("name"): p.get("value") for p in suite.iter("property")}["seed"] == "3"
+
+
+def test_a_figure_that_is_missed_fails_the_night_and_a_cell_that_fails_does_not_stop_it(tmp_path):
+    missed = NightCase("missed", CellRequest("irb120-tilted", 4, 25, 10), unreachable)
+    broken = NightCase("broken", CellRequest("irb120-nonsense", 4, 25, 10), unreachable)
+
+    status = run_nightly(tmp_path, 4, [broken, missed])
+
+    found = suites(tmp_path)
+    assert status == 3
+    assert "irb120-nonsense" in found["broken"].find("testcase/error").get("message")
+    assert found["missed"].find("testcase/failure").get("message").endswith("to be reached: at most 0 mm")
+    report = (tmp_path / "report.html").read_text()
+    assert "at most 0 mm" in report
+    assert "not measured" in report
+    assert json.loads((tmp_path / "result.json").read_text())["pass"] is False
+
+
+def test_every_shipped_scenario_has_its_night():
+    cases = night_cases(0)
+
+    assert sorted(case.name for case in cases) == sorted([*shipped_scenarios(), "irb120-wrong-axis"])
+
+
+def test_the_promised_figures_are_checked_at_the_promised_size():
+    request = shipped_case("irb120-tilted", 7).request
+
+    assert (request.calibration, request.validation, request.limit_mm) == (50, 1000, 0.11)
+
+
+def test_the_scheduled_workflow_runs_the_night_and_keeps_what_it_leaves():
+    workflow = yaml.safe_load((REPOSITORY / ".github/workflows/nightly.yml").read_text())
+    steps = workflow["jobs"]["nightly"]["steps"]
+    (kept,) = [step["with"]["path"] for step in steps if "upload-artifact" in step.get("uses", "")]
+    makefile = (REPOSITORY / "Makefile").read_text()
+
+    assert "schedule" in workflow[True]  # YAML 1.1 reads the key `on` as true
+    assert "make nightly" in [step.get("run") for step in steps]
+    assert f"nightly --out {kept}" in makefile
