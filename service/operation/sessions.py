@@ -138,8 +138,9 @@ class SessionDesk:
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
         self._under_way = _UnderWay(record.id, runner, task)
-        while runner.question is None and not task.done():
-            await asyncio.sleep(0.001)  # one write to the journal, then the runner asks
+        # The question comes first, the state that it puts the session in once the journal has it.
+        while not task.done() and (runner.question is None or runner.state is SessionState.PLANNED):
+            await asyncio.sleep(0.001)
         return runner.question or ""
 
     async def _run(self, session_id: int, runner: SessionRunner) -> None:
