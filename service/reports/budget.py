@@ -84,7 +84,7 @@ def _sampling(judged: Judged, figures: NominalAndIdentified) -> Contribution:
     return Contribution(
         "Finite number of configurations",
         "A",
-        f"{n} configurations",
+        f"{n:,} configurations",
         _standard_error(judged, judged.nominal_mm, figures.nominal),
         _standard_error(judged, judged.identified_mm, figures.identified),
         "standard error of the mean, by configuration: its readings and revisits share its error",

@@ -78,10 +78,14 @@ def scale_sentence(conditions: ReportConditions) -> str:
     """Return what is known of the instrument's scale."""
     if conditions.scale is None:
         return "scale not verified: no certified length was measured"
-    deviation = f"certified over measured length 1 {conditions.scale - 1.0:+.2g}"
+    deviation = f"certified over measured length is 1 {_signed(conditions.scale - 1.0)}"
     if conditions.scale_standard_uncertainty is None:
         return f"verified on a certified length: {deviation}, uncertainty {NOT_STATED}"
     return f"verified on a certified length: {deviation}, u = {conditions.scale_standard_uncertainty:.2g}"
+
+
+def _signed(value: float) -> str:
+    return f"{'-' if value < 0.0 else '+'} {abs(value):.2g}"
 
 
 def _quantity(value: float | None, unit: str) -> str:

@@ -74,8 +74,8 @@ def _add_pair(table: Table, label: str, pair: NominalAndIdentified) -> None:
 
 
 def _parameter_table(identification: Identification) -> Table:
-    """Return what was added to the start, as the documents do; what only a prior holds stands out."""
-    table = Table(title="Parameters, change against the start")
+    """Return what is added to the nominal values, as documents do; what only a prior holds stands out."""
+    table = Table(title="Parameters, added to the nominal values")
     table.add_column("parameter")
     for name in ("value", "u"):
         table.add_column(name, justify="right")

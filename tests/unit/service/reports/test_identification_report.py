@@ -158,7 +158,7 @@ def test_stated_conditions_stand_in_the_report(tmp_path, campaign):
 
     assert "laser tracker Leica AT960 750123 3.2 No. 2031, 2026-03-01" in text
     assert "Settling before a reading 4 s" in text
-    assert "certified over measured length 1 +2e-06, u = 1.5e-06" in text
+    assert "certified over measured length is 1 + 2e-06, u = 1.5e-06" in text
     assert "Session calibration 09:00 to 10:10" in text
 
 
