@@ -55,7 +55,7 @@ def run_nightly(out: Path, seed: int, cases: Sequence[NightCase] | None = None) 
 
 def _outcome(case: NightCase, folder: Path, progress: RunProgress) -> CaseOutcome:
     began_s = time.perf_counter()
-    progress.say(case.name)
+    progress.chapter(case.name)
     try:
         checks = _run(case, folder, progress)
     except TrueposeError as error:

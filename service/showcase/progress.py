@@ -34,6 +34,12 @@ class RunProgress:
         self._bars.update(bar, completed=total, total=total)
         self._bars.stop_task(bar)
 
+    def chapter(self, title: str) -> None:
+        """Begin with the next of several runs: its bars take the place of the ones before."""
+        for bar in self._bars.task_ids:
+            self._bars.remove_task(bar)
+        self.say(title)
+
     def say(self, sentence: str) -> None:
         """Print a sentence beside the bars."""
         self._console.print(sentence, soft_wrap=True, markup=False)
