@@ -2,20 +2,24 @@
 
 import csv
 import json
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-_FOLDER = Path(__file__).parents[3] / "docs" / "examples" / "campaign"
+_CHECKOUT = Path(__file__).parents[3]
+_FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"
 
 
 def _truepose(*arguments, cwd):
     return subprocess.run(
         [sys.executable, "-m", "service", *map(str, arguments)],
         cwd=cwd,
-        env={"PYTHONPATH": str(_FOLDER.parents[2]), "PATH": ""},
+        env={"PYTHONPATH": str(_CHECKOUT), "PATH": ""},
         capture_output=True,
         text=True,
         check=False,
@@ -68,3 +72,16 @@ def test_the_example_model_predicts_the_rows_it_is_given(identified, tmp_path):
         rows = list(csv.DictReader(predicted))
         assert [row["config"] for row in rows] == [row["config"] for row in csv.DictReader(given)]
     assert list(rows[0]) == ["config", "nest", "x_mm", "y_mm", "z_mm", "u_mm"]
+
+
+def test_the_commands_of_the_readme_work_one_after_the_other(tmp_path):
+    readme = (_CHECKOUT / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^truepose ((?:identify|validate|predict) .*)$", readme, flags=re.MULTILINE)
+    shutil.copytree(_FOLDER, tmp_path / "docs" / "examples" / "campaign")
+
+    done = [_truepose(*shlex.split(line), cwd=tmp_path) for line in lines]
+
+    assert [line.split()[0] for line in lines] == ["identify", "validate", "predict"]
+    assert [run.returncode for run in done] == [0, 0, 0], "".join(run.stderr for run in done)
+    assert "0.0278" in readme and "0.0278" in done[0].stdout
+    assert (tmp_path / "predicted.csv").is_file()
