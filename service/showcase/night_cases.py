@@ -122,8 +122,8 @@ def _sound_checks(judged: JudgedRun) -> list[Check]:
 
 def _true_error_checks(errors: TrueErrors) -> list[Check]:
     return [
-        _at_most("true error after rigid alignment, mean", errors.aligned.mean_mm, 0.017),
-        _at_most("true error, absolute, mean", errors.absolute.mean_mm, 0.025),
+        _at_most("true error, aligned, mean", errors.aligned.mean_mm, 0.017),
+        _at_most("true error, mean", errors.absolute.mean_mm, 0.025),
     ]
 
 
@@ -144,17 +144,17 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
     found = validation is not None and not validation["pass"]
     said = _outcome(judged)
     if validation is not None:
-        said += f", largest error {validation['position']['identified']['max_mm']:.3f} mm"
+        said += f", {validation['position']['identified']['max_mm']:.3f} mm off"
     return [
         _converged(judged),
-        Check("validation after joint 3 went wrong by 1e-3", "failed", said, found),
+        Check("validation of a wrong joint 3", "failed", said, found),
     ]
 
 
 def _at_most(figure: str, measured_mm: float, limit_mm: float) -> Check:
     return Check(
         figure=figure,
-        target=f"at most {limit_mm:g} mm",
+        target=f"<= {limit_mm:g} mm",
         measured=f"{measured_mm:.4f} mm",
         passed=measured_mm <= limit_mm,
     )

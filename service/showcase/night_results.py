@@ -129,8 +129,9 @@ def print_night(outcomes: Sequence[CaseOutcome], out: Path) -> None:
     for name in ("cell", "figure", "to be reached", "measured", ""):
         table.add_column(name)
     for outcome in outcomes:
-        for row in _section(outcome).rows:
-            table.add_row(outcome.case.name, row.figure, row.target, row.measured, row.verdict)
+        for number, row in enumerate(_section(outcome).rows):
+            name = outcome.case.name if number == 0 else ""
+            table.add_row(name, row.figure, row.target, row.measured, row.verdict)
     console = Console(highlight=False)
     console.print(table, markup=False)
     console.print(f"JUnit, report and result are in {out}.", soft_wrap=True, markup=False)
