@@ -1,11 +1,13 @@
 """Commands on campaign folders, model files and point files. Heavy imports wait until a command runs."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from service.cli.output import console, print_json, remark
+from service.cli.output import print_json, print_tables, remark
+from service.domain.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from service.domain.campaign import Campaign
@@ -27,26 +29,56 @@ def identify_command(
 
     Example: truepose identify my-campaign --model-out robot.json --json
     """
-    from service.exchange.model_file import write_model
     from service.exchange.result_documents import identification_document
     from service.identification import identify
 
+    _require_folders(model_out, report)
     measured = _read(campaign)
     remark(measured.ignored)
-    names = None if effects == "auto" else tuple(name.strip() for name in effects.split(",") if name.strip())
-    answer = identify(measured, names)
+    answer = identify(measured, _effect_names(effects))
+    # Files first: who reads "converged" may rely on the model being there.
+    if model_out is not None:
+        _write_model(model_out, answer)
+    if report is not None:
+        _write_report(report, measured, answer)
     if json:
         print_json(identification_document(answer, measured.robot.name))
     else:
         _show(answer)
-    if report is not None:
-        _write_report(report, measured, answer)
-    converged = answer.model is not None and answer.status.value == "converged"
-    if model_out is not None and converged and answer.model is not None:
-        write_model(answer.model, model_out)
-    elif model_out is not None:
-        remark([f"No model was written to {model_out}: {answer.message}"])
-    return 0 if converged else 1
+    return 0 if _converged(answer) else 1
+
+
+def _effect_names(effects: str) -> tuple[str, ...] | None:
+    if effects.strip() == "auto":
+        return None
+    names = tuple(name.strip() for name in effects.split(",") if name.strip())
+    if not names:
+        raise ConfigurationError(
+            "--effects names no effect: give `auto`, or names separated by commas, e.g. base,geometry."
+        )
+    return names
+
+
+def _require_folders(*files: Path | None) -> None:
+    """Refuse before the work is done what could not be written after it."""
+    for file in files:
+        if file is not None and not file.parent.is_dir():
+            raise ConfigurationError(f"{file}: there is no folder {file.parent}; make it first.")
+        if file is not None and file.is_dir():
+            raise ConfigurationError(f"{file} is a folder: name a file in it.")
+
+
+def _converged(answer: "Identification") -> bool:
+    return answer.model is not None and answer.status.value == "converged"
+
+
+def _write_model(path: Path, answer: "Identification") -> None:
+    from service.exchange.model_file import write_model
+
+    if answer.model is not None and _converged(answer):
+        write_model(answer.model, path)
+    else:
+        remark([f"No model was written to {path}: {answer.message}"])
 
 
 def _read(path: Path) -> "Campaign":
@@ -61,7 +93,7 @@ def _read(path: Path) -> "Campaign":
 def _show(answer: "Identification") -> None:
     from service.reports.summary import identification_summary
 
-    console().print(identification_summary(answer))
+    print_tables(identification_summary(answer))
 
 
 def _write_report(path: Path, campaign: "Campaign", answer: "Identification") -> None:
@@ -86,6 +118,7 @@ def predict_command(
     from service.identification import predict
     from service.identification.rows import each_nest
 
+    _require_folders(out)
     identified = read_model(model)
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
@@ -111,6 +144,8 @@ def validate_command(
     from service.exchange.result_documents import validation_document
     from service.validation import validate
 
+    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
+        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
     identified: Model = read_model(model)
     measured = read_validation_file(
         points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
@@ -122,5 +157,5 @@ def validate_command(
     else:
         from service.reports.summary import validation_summary
 
-        console().print(validation_summary(answer))
+        print_tables(validation_summary(answer))
     return 0 if answer.passed else 1

@@ -1,6 +1,6 @@
 """Commands that start something: the service, a simulated cell, the demo, the night run."""
 
-import subprocess
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -76,17 +76,5 @@ def simulate_command(
     """
     arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
     command = [sys.executable, "-m", "simulators", scenario, *(str(argument) for argument in arguments)]
-    process = subprocess.Popen(command)
-    return _wait(process)
-
-
-def _wait(process: "subprocess.Popen[bytes]") -> int:
-    """Wait for a child that ends by the same signals as we do; never leave it behind."""
-    try:
-        return process.wait()
-    except KeyboardInterrupt:  # the child, in the same group, got it too and ends by itself
-        return process.wait()
-    finally:
-        if process.poll() is None:
-            process.terminate()
-            process.wait()
+    # In our place, not beside us: whoever signals this process ends the cell, and no child is left behind.
+    os.execv(sys.executable, command)

@@ -1,24 +1,38 @@
-"""What a command prints: one JSON document on standard output, or tables; everything else on standard error."""
+"""What a command prints: one JSON document or tables on standard output, all else on standard error."""
 
 import json
+import os
 import sys
 from collections.abc import Iterable
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 
 
 def print_json(document: Any) -> None:
     """Print one JSON document on standard output."""
-    sys.stdout.write(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    _write(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def console() -> Console:
-    """Return the console for tables on standard output."""
-    return Console(file=sys.stdout, highlight=False)
+def print_tables(tables: RenderableType) -> None:
+    """Print tables on standard output, coloured on a terminal only."""
+    console = Console(file=sys.stdout, highlight=False)
+    with console.capture() as printed:
+        console.print(tables)
+    _write(printed.get())
 
 
 def remark(sentences: Iterable[str]) -> None:
     """Print sentences on standard error."""
     for sentence in sentences:
         sys.stderr.write(f"{sentence}\n")
+
+
+def _write(text: str) -> None:
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader has had enough (`| head`); the answer, and with it the exit status, is still ours to
+        # give. What is left in the buffer would fail once more when the interpreter ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

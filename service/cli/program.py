@@ -4,48 +4,64 @@ Exit status: 0 done, 1 the question was answered with "no", 2 unusable input, 3 
 service failed, 130 interrupted.
 """
 
+import functools
 import sys
+from collections.abc import Callable
 
 import typer
 
 from service.cli.campaigns import identify_command, predict_command, validate_command
 from service.cli.cells import demo_command, nightly_command, serve_command, simulate_command
 from service.domain.errors import TrueposeError
-from service.exchange.errors import ExchangeError
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
 
-app = typer.Typer(
-    name="truepose",
-    help="Measures, identifies and validates industrial robots.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-app.command("demo")(demo_command)
-app.command("serve")(serve_command)
-app.command("simulate")(simulate_command)
-app.command("identify")(identify_command)
-app.command("predict")(predict_command)
-app.command("validate")(validate_command)
-app.command("nightly")(nightly_command)
+_COMMANDS: dict[str, Callable[..., int]] = {
+    "demo": demo_command,
+    "serve": serve_command,
+    "simulate": simulate_command,
+    "identify": identify_command,
+    "predict": predict_command,
+    "validate": validate_command,
+    "nightly": nightly_command,
+}
 
 
 def main() -> int:
     """Run the command and return its exit status."""
+    app = typer.Typer(
+        name="truepose",
+        help="Measures, identifies and validates industrial robots.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    for name, command in _COMMANDS.items():
+        app.command(name)(_exiting(command))
     try:
-        status = app(standalone_mode=False)
-    except typer.TyperException as error:
-        error.show(sys.stderr)
-        return UNUSABLE_INPUT
-    except (TrueposeError, ExchangeError, OSError) as error:
-        sys.stderr.write(f"{_sentence(error)}\n")
-        return UNUSABLE_INPUT
-    except (KeyboardInterrupt, typer.Abort):
-        sys.stderr.write("Interrupted.\n")
-        return INTERRUPTED
-    return status if isinstance(status, int) else 0
+        app(prog_name="truepose")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+def _exiting(command: Callable[..., int]) -> Callable[..., None]:
+    """Make a command end with its own status, and with a sentence where the input cannot be used."""
+
+    @functools.wraps(command)
+    def ending(*arguments: object, **options: object) -> None:
+        try:
+            status = command(*arguments, **options)
+        except (TrueposeError, OSError) as error:
+            sys.stderr.write(f"{_sentence(error)}\n")
+            status = UNUSABLE_INPUT
+        except KeyboardInterrupt:
+            sys.stderr.write("Interrupted.\n")
+            status = INTERRUPTED
+        raise typer.Exit(status)
+
+    return ending
 
 
 def _sentence(error: Exception) -> str:

@@ -1,6 +1,6 @@
 """A campaign: one robot measured with one set-up, as tables of equal-length arrays."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
@@ -126,4 +126,4 @@ class Campaign:
     ballbar_range_mm: float | None = None
     setup_uncertainty_mm: float | None = None
     notes: tuple[str, ...] = ()
-    ignored: tuple[str, ...] = field(default=())  # columns and keys kept but not understood, one sentence each
+    ignored: tuple[str, ...] = ()  # columns and keys kept but not understood, one sentence each

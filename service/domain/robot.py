@@ -72,7 +72,8 @@ class Nest:
 
     centre_mm: tuple[float, float, float] | None
     standard_uncertainty_mm: float | None = None
-    facing: tuple[float, float, float] | None = None  # unit vector its reflector faces; None: seen from everywhere
+    # Unit vector its reflector faces; None: seen from everywhere.
+    facing: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,6 @@ class FixedNest:
 
 @dataclass(frozen=True, slots=True)
 class WorldRegistration:
-    """How well the frame of the readings sits in the world: covariance of a small motion about the world origin."""
+    """How well the frame of the readings sits in the world: covariance of a small motion about its origin."""
 
     covariance: FloatArray  # (6, 6): translation [mm], rotation vector [rad]

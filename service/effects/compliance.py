@@ -36,7 +36,7 @@ class Compliance:
         loaded = setting.largest_torque_n_mm * widths > _VISIBLE_RAD
         return tuple(
             ParameterSpec(joint_name("c", j), "rad/(N*mm)", float(means[j]), float(widths[j]))
-            for j in np.flatnonzero(loaded)
+            for j in np.flatnonzero(loaded).tolist()
         )
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:

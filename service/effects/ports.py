@@ -28,7 +28,7 @@ class Port(NamedTuple):
     """One scalar place of action."""
 
     kind: PortKind
-    index: int
+    number: int  # which of that kind, 0-based
 
 
 class Term(NamedTuple):

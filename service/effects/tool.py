@@ -1,4 +1,4 @@
-"""The tool as far as it is unknown: nest centres in the last frame, and its orientation where poses are measured."""
+"""The tool as far as it is unknown: nests in the last frame, and its orientation where poses are measured."""
 
 from service.effects.names import nest_name, nest_port_index
 from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term

@@ -181,4 +181,4 @@ def _refined(robot: Robot, evidence: Evidence, known: Known, joint: int, shift: 
             high = second
         else:
             low = first
-    return 0.5 * (low + high)
+    return float(0.5 * (low + high))

@@ -62,7 +62,8 @@ class State:
     @property
     def orientation(self) -> FloatArray:
         """Orientation of the tool in the world, shape (n, 3, 3)."""
-        return self.chain.rotation[-1] @ self.tool_rotation
+        turned: FloatArray = self.chain.rotation[-1] @ self.tool_rotation
+        return turned
 
 
 def evaluate(
@@ -168,7 +169,8 @@ def _triple(moved: dict[Port, FloatArray | float], kind: PortKind, first: int) -
 
 def _nests(structure: Structure, moved: dict[Port, FloatArray | float]) -> FloatArray:
     shifts = [moved.get(Port(PortKind.NEST, k), 0.0) for k in range(structure.nests_mm.size)]
-    return structure.nests_mm + np.array(shifts, dtype=float).reshape(-1, 3)
+    moved_nests: FloatArray = structure.nests_mm + np.array(shifts, dtype=float).reshape(-1, 3)
+    return moved_nests
 
 
 def _instrument(structure: Structure) -> FloatArray:
@@ -181,8 +183,10 @@ def _displaced(nominal: LinkValues, moved: dict[Port, FloatArray | float]) -> Li
     def shifted(kind: PortKind, start: FloatArray) -> FloatArray:
         shifts = [moved.get(Port(kind, j), 0.0) for j in range(joints)]
         if all(np.ndim(shift) == 0 for shift in shifts):
-            return start + np.array(shifts, dtype=float)
-        return start + np.stack([np.broadcast_to(shift, n) for shift in shifts], axis=1)
+            change = np.array(shifts, dtype=float)
+        else:
+            change = np.stack([np.broadcast_to(shift, n) for shift in shifts], axis=1)
+        return np.asarray(start + change)
 
     return LinkValues(
         alpha_rad=shifted(PortKind.ALPHA, nominal.alpha_rad),
@@ -194,7 +198,7 @@ def _displaced(nominal: LinkValues, moved: dict[Port, FloatArray | float]) -> Li
 
 
 def position_jacobian(state: State) -> FloatArray:
-    """Derivatives of the positions in the parameters.
+    """Differentiate the positions in the parameters.
 
     Returns
     -------
@@ -232,7 +236,7 @@ def _position_gradients(state: State) -> dict[Port, FloatArray]:
         Port(kind, joint): stack[joint] for kind, stack in stacks.items() for joint in range(len(stack))
     }
     gradients |= {
-        term.port: beta_gradient(chain, points, term.port.index)
+        term.port: beta_gradient(chain, points, term.port.number)
         for term in state.terms
         if term.port.kind is PortKind.BETA
     }
@@ -254,7 +258,7 @@ def _nest_gradients(state: State) -> dict[Port, FloatArray]:
     gradients: dict[Port, FloatArray] = {}
     for term in state.terms:
         if term.port.kind is PortKind.NEST:
-            nest, component = divmod(term.port.index, 3)
+            nest, component = divmod(term.port.number, 3)
             here = (state.targets.nest == nest + 1)[:, None]
             gradients[term.port] = np.where(here, last[:, :, component], 0.0)
     return gradients
@@ -278,16 +282,16 @@ def rotation_jacobian(state: State) -> FloatArray:
 
 def _rotation_axis(state: State, port: Port) -> FloatArray | None:
     chain = state.chain
+    axis: FloatArray | None = None
     match port.kind:
         case PortKind.THETA:
-            return chain.z[port.index]
+            axis = chain.z[port.number]
         case PortKind.ALPHA:
-            return chain.x_before[port.index]
+            axis = chain.x_before[port.number]
         case PortKind.BETA:
-            return chain.y_middle[port.index]
-        case PortKind.BASE if port.index >= 3:
-            return state.base_axes[port.index - 3]
+            axis = chain.y_middle[port.number]
+        case PortKind.BASE if port.number >= 3:
+            axis = state.base_axes[port.number - 3]
         case PortKind.TOOL_ROTATION:
-            return chain.rotation[-1] @ state.tool_axes[port.index]
-        case _:
-            return None
+            axis = chain.rotation[-1] @ state.tool_axes[port.number]
+    return axis

@@ -101,7 +101,8 @@ class _Search:
         ])
 
     def _points(self, nests: FloatArray) -> FloatArray:
-        return self.origin + np.einsum("nij,nj->ni", self.rotation, nests[self.nest - 1])
+        points: FloatArray = self.origin + np.einsum("nij,nj->ni", self.rotation, nests[self.nest - 1])
+        return points
 
     def _trilaterate(self, points: FloatArray, anchor: int) -> FloatArray:
         here = self.anchor == anchor

@@ -237,11 +237,11 @@ def _by_median(block: Block, result: BlockResult, dof: float) -> float:
 
 
 def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
-    """Readings kept, less what the parameters absorb of them: the trace of the block's leverage."""
+    """Return the readings kept, less what the parameters absorb of them: the trace of the leverage."""
     kept = float(block.weights.sum()) * result.residual.shape[1]
     white = result.white_jacobian
     absorbed = float(np.einsum("pm,pq,qm->", white, covariance, white, optimize=True))
-    return max(kept - absorbed, 1.0)
+    return float(max(kept - absorbed, 1.0))
 
 
 def _stated_chi2(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> float:

@@ -1,6 +1,6 @@
 """Rows of stops: one for each nest."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from service.domain.campaign import Stops
 def taken(stops: Stops, rows: IntArray) -> Stops:
     """Return some rows of a table of stops, shape (m,) indices."""
     columns = {field.name: getattr(stops, field.name) for field in fields(stops)}
-    return replace(stops, **{name: None if c is None else c[rows] for name, c in columns.items()})
+    return Stops(**{name: None if c is None else c[rows] for name, c in columns.items()})
 
 
 def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:

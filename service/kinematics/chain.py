@@ -41,7 +41,7 @@ class LinkValues:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Frames of n configurations in the world; the joint is the first index, so that one joint is contiguous."""
+    """Frames of n configurations in the world; the joint comes first, so that one joint is contiguous."""
 
     x_before: FloatArray  # (J, n, 3) x axis of the frame before joint i
     origin_before: FloatArray  # (J, n, 3) [mm]
@@ -54,7 +54,8 @@ class Chain:
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
         """Return points of the last frame in the world [mm], shape (n, 3), from (3,) or (n, 3)."""
         points = np.broadcast_to(in_last_frame_mm, self.origin[-1].shape)
-        return self.origin[-1] + np.einsum("nij,nj->ni", self.rotation[-1], points)
+        placed: FloatArray = self.origin[-1] + np.einsum("nij,nj->ni", self.rotation[-1], points)
+        return placed
 
 
 def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
@@ -103,8 +104,11 @@ def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: Float
 
 
 def _empty_chain(joints: int, n: int) -> Chain:
-    vectors = [np.empty((joints, n, 3)) for _ in range(6)]
-    return Chain(*vectors[:4], np.empty((joints, n, 3, 3)), *vectors[4:])
+    def vectors() -> FloatArray:
+        return np.empty((joints, n, 3))
+
+    rotations = np.empty((joints, n, 3, 3))
+    return Chain(vectors(), vectors(), vectors(), vectors(), rotations, vectors(), vectors())
 
 
 def _column(values: FloatArray, joint: int) -> FloatArray | float:

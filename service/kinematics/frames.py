@@ -1,9 +1,11 @@
-"""Rotations and frames. Rotation matrices turn coordinates of the turned frame into those of the reference frame."""
+"""Rotations and frames; a rotation matrix takes coordinates in the turned frame to the reference frame."""
 
 import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.robot import FramePlacement
+
+_LOCKED = 1e-9  # cosine of ry below which rx and rz turn about the same axis as far as doubles can tell
 
 
 def rotation_x(angle_rad: FloatArray | float) -> FloatArray:
@@ -38,13 +40,17 @@ def rotation_xyz(rx_rad: float, ry_rad: float, rz_rad: float) -> FloatArray:
 
 
 def angles_xyz(rotation: FloatArray) -> tuple[float, float, float]:
-    """Return rx, ry, rz [rad] of a rotation RotX RotY RotZ; at ry = +-90 deg, rz is set to 0."""
-    sine = float(np.clip(rotation[0, 2], -1.0, 1.0))
-    if abs(sine) > 1.0 - 1e-12:
-        return float(np.arctan2(rotation[2, 1], rotation[1, 1])), float(np.arcsin(sine)), 0.0
-    rx = float(np.arctan2(-rotation[1, 2], rotation[2, 2]))
-    rz = float(np.arctan2(-rotation[0, 1], rotation[0, 0]))
-    return rx, float(np.arcsin(sine)), rz
+    """Return rx, ry, rz [rad] of a rotation RotX RotY RotZ; at ry = +-90 deg, rz is 0.
+
+    Close to there rx is ill determined, but the three together are not: ry and rz are those of what
+    remains once the chosen rx is undone.
+    """
+    if np.hypot(rotation[1, 2], rotation[2, 2]) < _LOCKED:
+        rx = float(np.arctan2(rotation[2, 1], rotation[1, 1]))
+    else:
+        rx = float(np.arctan2(-rotation[1, 2], rotation[2, 2]))
+    rest = rotation_x(-rx) @ rotation
+    return rx, float(np.arctan2(rest[0, 2], rest[2, 2])), float(np.arctan2(rest[1, 0], rest[1, 1]))
 
 
 def placement_rotation(placement: FramePlacement) -> FloatArray:
@@ -81,7 +87,8 @@ def rotation_from_vector(vector_rad: FloatArray) -> FloatArray:
     cross = cross_matrix(vector)
     sine_ratio = np.sinc(angle / np.pi)
     cosine_ratio = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    return np.eye(3) + sine_ratio * cross + cosine_ratio * (cross @ cross)
+    rotation: FloatArray = np.eye(3) + sine_ratio * cross + cosine_ratio * (cross @ cross)
+    return rotation
 
 
 def vector_from_rotation(rotation: FloatArray) -> FloatArray:
@@ -98,7 +105,8 @@ def vector_from_rotation(rotation: FloatArray) -> FloatArray:
     cosine = 0.5 * (np.trace(rotation, axis1=-2, axis2=-1) - 1.0)
     angle = np.arctan2(sine, cosine)
     ratio = np.divide(angle, 2 * sine, out=np.full_like(angle, 0.5), where=sine > 1e-9)
-    return skew * ratio[..., None]
+    vector: FloatArray = skew * ratio[..., None]
+    return vector
 
 
 def cross_matrix(vector: FloatArray) -> FloatArray:

@@ -67,4 +67,6 @@ def moment_regressor(
     ndarray, shape (n,)
         Torque per moment [N mm per kg mm].
     """
-    return np.einsum("ni,ni->n", chain.z[joint], cross(chain.rotation[frame, :, :, component], gravity_m_s2))
+    turning = cross(chain.rotation[frame, :, :, component], gravity_m_s2)
+    torque: FloatArray = np.einsum("ni,ni->n", chain.z[joint], turning)
+    return torque
