@@ -7,6 +7,7 @@ point everywhere its first derivative nearly vanishes. Each systematic source is
 Monte Carlo (JCGM 101:2008) with a fixed seed.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -46,12 +47,12 @@ class Budget:
 
     @property
     def before_mm(self) -> float:
-        """Combined standard uncertainty of the mean error before."""
+        """Combined standard uncertainty of the mean error before; NaN where a part is unknown."""
         return _combined([row.before_mm for row in self.contributions])
 
     @property
     def after_mm(self) -> float:
-        """Combined standard uncertainty of the mean error after."""
+        """Combined standard uncertainty of the mean error after; NaN where a part is unknown."""
         return _combined([row.after_mm for row in self.contributions])
 
 
@@ -91,11 +92,12 @@ def _sampling(judged: Judged, figures: NominalAndIdentified) -> Contribution:
     )
 
 
-def _standard_error(judged: Judged, residual_mm: FloatArray, figures: Statistics) -> float | None:
+def _standard_error(judged: Judged, residual_mm: FloatArray, figures: Statistics) -> float:
+    """Return the standard error of the mean norm; NaN from a single configuration, which tells no scatter."""
     norms = np.linalg.norm(residual_mm, axis=1)
     _, group, sizes = np.unique(sites(judged.stops), return_inverse=True, return_counts=True)
     if len(sizes) < 2:
-        return None
+        return math.nan
     # Clusters of unequal size: the ratio estimator's variance, W. G. Cochran, Sampling Techniques, 1977, 6.4.
     totals = np.bincount(group.ravel(), norms - norms.mean())
     error = float(np.sqrt((totals**2).sum() * len(sizes) / (len(sizes) - 1)) / sizes.sum())

@@ -1,5 +1,6 @@
 """The one sentence that a person at the robot reads, and the few numbers beside it."""
 
+import math
 from dataclasses import dataclass
 
 from service.domain.results import Identification, NominalAndIdentified, Statistics, Status
@@ -42,20 +43,15 @@ def headline(identification: Identification, judged: Judged | None, budget: Budg
 
 def _improves(pair: NominalAndIdentified) -> bool:
     nominal, identified = pair.nominal, pair.identified
-    return identified.mean_mm <= nominal.mean_mm and identified.rms_mm <= nominal.rms_mm
+    return identified.mean_mm < nominal.mean_mm and identified.rms_mm < nominal.rms_mm
 
 
 def _sentence(
     identification: Identification, judged: Judged, budget: Budget, pair: NominalAndIdentified
 ) -> str:
     nominal, identified = pair.nominal, pair.identified
-    verb = "falls from" if identified.mean_mm <= nominal.mean_mm else "does not fall: it goes from"
-    before = (
-        f"{rounded(nominal.mean_mm, 2 * budget.before_mm)} mm (U = {uncertainty(2 * budget.before_mm)} mm)"
-    )
-    after = (
-        f"{rounded(identified.mean_mm, 2 * budget.after_mm)} mm (U = {uncertainty(2 * budget.after_mm)} mm)"
-    )
+    verb = "falls from" if identified.mean_mm < nominal.mean_mm else "does not fall: it goes from"
+    before, after = _stated(nominal, budget.before_mm), _stated(identified, budget.after_mm)
     return (
         f"On {judged_on(identification, nominal)} the mean {identification.quantity} error {verb} {before} "
         f"with the nominal model to {after} with the identified one; {_noise(judged, identified)}"
@@ -63,16 +59,28 @@ def _sentence(
     )
 
 
+def _stated(statistics: Statistics, u_mm: float) -> str:
+    return f"{rounded(statistics.mean_mm, 2 * u_mm)} mm ({_expanded(u_mm)})"
+
+
+def _expanded(u_mm: float) -> str:
+    if not math.isfinite(u_mm):
+        return "U not known from one configuration"
+    return f"U = {uncertainty(2 * u_mm)} mm"
+
+
 def _far_errors(pair: NominalAndIdentified) -> str:
     """Say when a falling mean hides growing errors: the mean alone would praise such a model."""
     nominal, identified = pair.nominal, pair.identified
-    if identified.rms_mm <= nominal.rms_mm or identified.mean_mm > nominal.mean_mm:
+    if identified.rms_mm < nominal.rms_mm or identified.mean_mm >= nominal.mean_mm:
         return ""
     change = f"{millimetres(nominal.rms_mm)} mm before, {millimetres(identified.rms_mm)} mm after"
     return f" But the RMS does not fall ({change}): some errors have grown."
 
 
 def _noise(judged: Judged, identified: Statistics) -> str:
+    if judged.noise_mm == 0.0:
+        return "the instrument's own noise is not stated."
     if judged.noise_mm >= identified.mean_mm:
         return (
             f"the instrument's own noise alone would show {millimetres(judged.noise_mm)} mm, "
@@ -83,7 +91,7 @@ def _noise(judged: Judged, identified: Statistics) -> str:
 
 def judged_on(identification: Identification, statistics: Statistics) -> str:
     """Return what the figures stand on, e.g. "1,000 held-out positions"."""
-    things = f"{identification.quantity}s"
+    things = identification.quantity if statistics.n == 1 else f"{identification.quantity}s"
     if identification.validation is not None:
         return f"{statistics.n:,} held-out {things}"
     if identification.cross_validation is not None:
@@ -109,6 +117,4 @@ def _figures(judged: Judged, budget: Budget, pair: NominalAndIdentified) -> tupl
 
 
 def _mean(name: str, statistics: Statistics, u_mm: float) -> Figure:
-    return Figure(
-        name, f"{rounded(statistics.mean_mm, 2 * u_mm)} mm", f"± {uncertainty(2 * u_mm)} mm (U = 2u)"
-    )
+    return Figure(name, f"{rounded(statistics.mean_mm, 2 * u_mm)} mm", _expanded(u_mm))

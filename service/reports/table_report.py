@@ -77,7 +77,7 @@ def verdict_sentence(sections: Sequence[Section]) -> str:
     if _all_passed(sections):
         return f"All {len(verdicts)} figures reach their targets."
     failed, missing = verdicts.count(Verdict.FAILED), verdicts.count(Verdict.NOT_MEASURED)
-    return f"Of {len(verdicts)} figures {failed} miss their targets and {missing} were not measured."
+    return f"Of {len(verdicts)} figures with a target: {failed} failed, {missing} not measured."
 
 
 def _verdicts(sections: Sequence[Section]) -> list[Verdict]:

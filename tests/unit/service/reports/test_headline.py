@@ -1,4 +1,10 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
 from service.domain.results import NominalAndIdentified, Status
+from service.identification.rows import taken
 from service.reports.budget import budget
 from service.reports.conditions import ReportConditions
 from service.reports.headline import headline
@@ -20,8 +26,9 @@ def test_one_sentence_says_before_after_uncertainty_and_noise(identification, ca
     assert "the instrument's own noise alone would show 0.0160 mm" in made.sentence  # sqrt(8/pi) * 0.01
 
 
-def test_a_model_that_errs_more_than_the_nominal_one_is_not_praised(campaign, identification):
-    worse = NominalAndIdentified(make_statistics(mean_mm=0.1), make_statistics(mean_mm=0.2))
+@pytest.mark.parametrize("after_mm", [0.1, 0.2])
+def test_a_model_that_errs_no_less_than_the_nominal_one_is_not_praised(campaign, identification, after_mm):
+    worse = NominalAndIdentified(make_statistics(mean_mm=0.1), make_statistics(mean_mm=after_mm))
 
     made = headline_of(make_identification(validation=worse, model=identification.model), campaign)
 
@@ -57,3 +64,28 @@ def test_without_a_model_the_message_is_the_headline():
     made = headline(identification, None, None)
 
     assert (made.sentence, made.good) == ("Only 3 configurations were measured.", False)
+
+
+def test_a_single_held_out_configuration_tells_no_uncertainty(identification, campaign):
+    points = campaign.validation
+    alone = replace(
+        points,
+        stops=taken(points.stops, np.array([0])),
+        nest=points.nest[:1],
+        position_mm=points.position_mm[:1],
+        standard_uncertainty_mm=points.standard_uncertainty_mm[:1],
+    )
+    pair = NominalAndIdentified(make_statistics(n=1), make_statistics(n=1))
+
+    made = headline_of(replace(identification, validation=pair), replace(campaign, validation=alone))
+
+    assert made.sentence.startswith("On 1 held-out position the mean")
+    assert made.sentence.count("U not known from one configuration") == 2
+
+
+def test_noise_that_nobody_stated_is_no_noise_of_zero(identification, campaign):
+    silent = replace(campaign.validation, standard_uncertainty_mm=np.zeros(60))
+
+    made = headline_of(identification, replace(campaign, validation=silent))
+
+    assert "the instrument's own noise is not stated" in made.sentence

@@ -14,7 +14,7 @@ def section(*verdicts):
         ((Verdict.PASSED, Verdict.PASSED, Verdict.NO_TARGET), "All 2 figures reach their targets."),
         (
             (Verdict.PASSED, Verdict.FAILED, Verdict.NOT_MEASURED),
-            "Of 3 figures 1 miss their targets and 1 were not measured.",
+            "Of 3 figures with a target: 1 failed, 1 not measured.",
         ),
         ((Verdict.NO_TARGET,), "No figure has a target."),
         ((), "No figure has a target."),
