@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import dataclasses
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final, Protocol, runtime_checkable
 
@@ -130,7 +130,8 @@ def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
 
 
 def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Rack:
-    clock = _clock(simulation, drivers)
+    clock_entries = [entry for entry in cell.devices if drivers.plugin(entry.driver).kind == "clock"]
+    clock = _clock(simulation, clock_entries, drivers)
     mounted = [
         MountedDevice(
             entry=entry,
@@ -139,12 +140,17 @@ def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) ->
             device=drivers.open(entry.driver, entry.options, clock),
         )
         for entry in cell.devices
+        if entry not in clock_entries
     ]
     return Rack(mounted, clock)
 
 
-def _clock(simulation: Simulation | None, drivers: DriverRegistry) -> Clock:
-    if simulation is None:
+def _clock(
+    simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry
+) -> Clock:
+    if entries:  # a simulated cell on the network brings its clock like its instruments
+        opened = drivers.open(entries[0].driver, entries[0].options)
+    elif simulation is None:
         opened = drivers.open(_REAL_CLOCK, {})
     else:
         endpoint = next(e for e in simulation.endpoints if e.device == "clock")

@@ -21,6 +21,5 @@ class JointGain:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Turn the joint by gain times its own angle."""
-        angle_rad = rows.stops.joints_rad
         joints = [joint_of(name) for name in names]
-        return [Term(k, Port(PortKind.THETA, j), angle_rad[:, j]) for k, j in enumerate(joints)]
+        return [Term(k, Port(PortKind.THETA, j), rows.turn_rad[:, j]) for k, j in enumerate(joints)]

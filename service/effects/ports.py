@@ -64,6 +64,7 @@ class Rows(NamedTuple):
     stops: Stops
     nest: IntArray  # (n,)
     torque_n_mm: FloatArray | None  # (n, J) measured, or gravity's at the present parameters; None: unknown
+    turn_rad: FloatArray  # (n, J) what each joint turns by: its angle with its sign
     chain: Chain  # at the present parameters
     gravity_m_s2: FloatArray  # (3,) world
 

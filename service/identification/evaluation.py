@@ -117,7 +117,8 @@ def _evaluate_loaded(
     nominal = nominal_values(structure.robot, targets.stops.joints_rad)
     if previous is None:
         previous = forward(nominal, structure.base_rotation, structure.base_origin_mm)
-    rows = Rows(targets.stops, targets.nest, torque, previous, structure.gravity_m_s2)
+    turn = targets.stops.joints_rad * np.array([row.sign for row in structure.robot.joints])
+    rows = Rows(targets.stops, targets.nest, torque, turn, previous, structure.gravity_m_s2)
     terms = collect_terms(structure, rows)
     moved = _moved_ports(terms, values)
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))

@@ -75,6 +75,21 @@ def test_positions_with_unknown_base_and_nests_of_a_robot_with_signs():
     compare(problem, displaced(problem), rel=1e-6)
 
 
+def test_a_joint_with_a_gain_turns_further_the_way_it_turns_whatever_its_sign():
+    campaign = nominal_campaign(
+        robot=SEVEN_AXES, joints_rad=JOINTS_7, nests=((0.0, 10.0, 80.0),)
+    )
+    problem = build(campaign, ("base", "joint_gain"))
+    values = np.zeros(len(problem.start))
+    values[problem.structure.index_of("gain_2")] = 1e-3  # joint 2 has sign -1
+
+    gained = evaluate(problem.structure, values, problem.blocks[0].targets).position_mm
+
+    further = JOINTS_7 * (1.0 + 1e-3 * (np.arange(7) == 1))
+    turned = nominal_campaign(robot=SEVEN_AXES, joints_rad=further, nests=((0.0, 10.0, 80.0),))
+    assert gained == pytest.approx(turned.calibration.position_mm, abs=1e-9)
+
+
 def test_products_of_compliance_and_unknown_moments():
     campaign = nominal_campaign(12, robot=replace(IRB_120, masses=()))
     problem = build(campaign, ("base", "geometry", "compliance"))
