@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
-from service.domain.cell import Artefact
+from service.domain.cell import Cell
 from service.exchange.cell_file import simulated_cell
 from service.reports import (
     Instrument,
@@ -26,11 +26,11 @@ _ROLES: Final = {"tracker": "laser tracker", "robot": "robot controller"}
 def write_report(judged: JudgedRun, file: Path) -> None:
     """Write the HTML report; raises UnwritableReportError."""
     run = judged.run
-    artefacts = _artefacts(run.request.scenario, run.request.seed)
+    cell = simulated_cell(run.request.scenario, run.request.seed)
     report = ReportInput(
         identification=judged.identification,
         campaign=run.campaign,
-        conditions=report_conditions(run.records, artefacts),
+        conditions=report_conditions(run.records, cell),
         truth=_truth(judged),
     )
     write_identification_report(file, report)
@@ -43,19 +43,14 @@ def _truth(judged: JudgedRun) -> Truth | None:
     return Truth(parameters=judged.parameters, errors=errors)
 
 
-def _artefacts(scenario: str, seed: int) -> tuple[Artefact, ...]:
-    cell = simulated_cell(scenario, seed)
-    return tuple(artefact for artefact in (cell.tool, cell.world) if artefact is not None)
-
-
-def report_conditions(records: SessionRecords, artefacts: tuple[Artefact, ...]) -> ReportConditions:
-    """Return the conditions as the service's records state them."""
+def report_conditions(records: SessionRecords, described: Cell) -> ReportConditions:
+    """Return the conditions as the service's records state them, and the artefacts that the cell describes."""
     cell, plan = records.cell, records.plan
     registration = records.calibration["registration"] or {}
     return ReportConditions(
         simulated=cell["simulated"],
         instruments=tuple(_instrument(device) for device in records.devices),
-        artefacts=artefacts,
+        artefacts=tuple(artefact for artefact in (described.tool, described.world) if artefact is not None),
         robot_serial_number=cell["robot_serial_number"],
         person=PERSON,
         written_at=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -71,8 +66,13 @@ def report_conditions(records: SessionRecords, artefacts: tuple[Artefact, ...]) 
         registration_rms_mm=registration.get("rms_mm"),
         scale=registration.get("scale"),
         scale_standard_uncertainty=registration.get("scale_standard_uncertainty"),
-        notes=tuple(records.calibration["notes"] + records.validation["notes"]),
+        notes=(*_plant(described), *records.calibration["notes"], *records.validation["notes"]),
     )
+
+
+def _plant(described: Cell) -> tuple[str, ...]:
+    simulated = described.simulated
+    return () if simulated is None else (f"Scenario {simulated.scenario}, seed {simulated.seed}.",)
 
 
 def _instrument(device: dict[str, Any]) -> Instrument:

@@ -107,12 +107,13 @@ def test_the_campaign_left_behind_gives_the_same_identification(demo):
     np.testing.assert_allclose(*values, rtol=1e-9)
 
 
-def test_the_report_states_who_measured(demo):
+def test_the_report_states_who_measured_what_under_which_load(demo):
     report = (demo.out / "report.html").read_text()
 
     assert "Leica" in report
     assert "robot controller" in report
     assert "2.7 kg at (50, 25, 100) mm" in report
+    assert f"Scenario {SCENARIO}, seed 5." in report
 
 
 def test_the_tables_show_errors_and_parameters(demo):
