@@ -44,7 +44,7 @@ def _truth(judged: JudgedRun) -> Truth | None:
 
 
 def report_conditions(records: SessionRecords, described: Cell) -> ReportConditions:
-    """Return the conditions as the service's records state them, and the artefacts that the cell describes."""
+    """Return the conditions as the service recorded them, and the artefacts that the cell describes."""
     cell, plan = records.cell, records.plan
     registration = records.calibration["registration"] or {}
     return ReportConditions(
