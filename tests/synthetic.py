@@ -16,6 +16,7 @@ from tests.robots import IRB_120
 
 NESTS = ((0.0, 0.0, 125.0), (75.0, 93.675, 215.0), (150.0, 0.0, 125.0))
 NOISE_MM = 0.015
+_AT_THE_WORLD = FramePlacement()
 
 
 def configurations(n, seed=0, robot=IRB_120):
@@ -26,7 +27,7 @@ def configurations(n, seed=0, robot=IRB_120):
 
 
 def nominal_campaign(
-    n=60, seed=0, robot=IRB_120, base=FramePlacement(), nests=NESTS, joints_rad=None, **changes
+    n=60, seed=0, robot=IRB_120, base=_AT_THE_WORLD, nests=NESTS, joints_rad=None, **changes
 ):
     """What a robot without errors and an instrument without noise would give."""
     joints = configurations(n, seed, robot) if joints_rad is None else joints_rad

@@ -12,7 +12,7 @@ Unit = Literal["mm", "rad", "rad/(N*mm)", "rad*s2/m", "1", "1/K", "mm/h", "kg"]
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """Norms of errors of n observations [mm]; `noise_mm` is the mean norm that stated uncertainties alone give."""
+    """Norms of errors of n observations [mm]; `noise_mm` is the mean norm that stated noise alone gives."""
 
     n: int
     mean_mm: float

@@ -12,7 +12,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, FixedNestReadings
 from service.domain.robot import FixedNest, WorldRegistration
-from service.identification.observations import BlockResult, PositionBlock
+from service.identification.observations import Block, BlockResult, OrientationBlock, PositionBlock
 from service.identification.robust import RobustFit
 from service.kinematics.frames import cross_matrix
 
@@ -38,30 +38,43 @@ def considered(campaign: Campaign, fit: RobustFit) -> Considered:
     if not isinstance(fit.blocks[0], PositionBlock):
         return Considered(covariance, nothing, nothing)
     gain = _Gain(fit)
-    nests = gain(_nest_sensitivity(campaign, fit.results[0]))
+    nests = gain(_nest_sensitivities(campaign, fit))
     registration = world_registration(campaign)
     if registration is None:
         return Considered(covariance, nests @ nests.T, nothing)
-    frame = gain(_frame_sensitivity(fit.results[0]))
+    frame = gain([
+        _frame_sensitivity(result, block) for result, block in zip(fit.results, fit.blocks, strict=True)
+    ])
     return Considered(covariance, nests @ nests.T, frame @ registration.covariance @ frame.T)
 
 
 class _Gain:
-    """Change of the parameters per change of something held: -C J^T W S."""
+    """Change of the parameters per change of something held: -C J^T W S, summed over the blocks."""
 
     def __init__(self, fit: RobustFit) -> None:
-        self._result = fit.results[0]
-        self._left = fit.solution.covariance @ self._result.white_jacobian  # (P, 3 n)
+        self._results = fit.results
+        self._left = [fit.solution.covariance @ result.white_jacobian for result in fit.results]  # (P, n d)
 
-    def __call__(self, sensitivity: FloatArray) -> FloatArray:
-        if len(sensitivity) == 0:
-            return np.zeros((len(self._left), 0))
-        white = self._result.whitening.apply(sensitivity).reshape(len(sensitivity), -1)
-        return np.asarray(-self._left @ white.T)
+    def __call__(self, sensitivities: list[FloatArray]) -> FloatArray:
+        """Return the gain, shape (P, S), from one sensitivity (S, n, d) per block."""
+        gain = np.zeros((len(self._left[0]), len(sensitivities[0])))
+        for left, result, sensitivity in zip(self._left, self._results, sensitivities, strict=True):
+            white = result.whitening.apply(sensitivity).reshape(len(sensitivity), left.shape[1])
+            gain -= left @ white.T
+        return gain
+
+
+def _nest_sensitivities(campaign: Campaign, fit: RobustFit) -> list[FloatArray]:
+    """Return the motion of each prediction per standard uncertainty of each certified nest coordinate.
+
+    One array of shape (S, n, 3) per block; where a nest sits does not turn the tool.
+    """
+    position = _nest_sensitivity(campaign, fit.results[0])
+    others = [np.zeros((len(position), *result.residual.shape)) for result in fit.results[1:]]
+    return [position, *others]
 
 
 def _nest_sensitivity(campaign: Campaign, result: BlockResult) -> FloatArray:
-    """Motion of each prediction per standard uncertainty of each certified nest coordinate, (S, n, 3)."""
     last = result.state.chain.rotation[-1]
     rows = []
     for number, nest in enumerate(campaign.nests, start=1):
@@ -72,16 +85,21 @@ def _nest_sensitivity(campaign: Campaign, result: BlockResult) -> FloatArray:
     return np.array(rows).reshape(-1, len(last), 3)
 
 
-def _frame_sensitivity(result: BlockResult) -> FloatArray:
-    """Motion of each prediction, in the frame of the readings, per small motion of the world, (6, n, 3)."""
+def _frame_sensitivity(result: BlockResult, block: Block) -> FloatArray:
+    """Return the motion of each prediction, in the frame of the readings, per small motion of the world.
+
+    Shape (6, n, 3): three shifts, three turns; a turn moves positions and turns orientations.
+    """
     points = result.state.position_mm
     shifts = np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3))
+    if isinstance(block, OrientationBlock):
+        return np.concatenate([np.zeros_like(shifts), shifts])
     turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
     return np.concatenate([shifts, turns])
 
 
 def world_registration(campaign: Campaign) -> WorldRegistration | None:
-    """Covariance of the world frame: as the campaign states it, else from its looks at the fixed nests."""
+    """Return how well the world frame is known: as stated, else from the looks at the fixed nests."""
     if campaign.registration is not None:
         return campaign.registration
     if campaign.reference is None or len(campaign.fixed_nests) < 3:

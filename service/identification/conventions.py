@@ -13,7 +13,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.robot import Robot
 from service.identification.placement import Known, quick_typical_mm
-from service.identification.problem import nominal_chain
+from service.kinematics.chain import nominal_chain
 
 # A nominal robot is off by less than this share of its reach; beyond it something else is wrong.
 _PLAUSIBLE_SHARE = 0.006

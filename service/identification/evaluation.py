@@ -84,8 +84,9 @@ def evaluate(
     -------
     State
     """
-    if targets.stops.torque_n_mm is not None or "compliance" not in structure.effects:
-        return _evaluate_loaded(structure, values, targets, targets.stops.torque_n_mm, None)
+    measured = targets.stops.torque_n_mm if structure.torques_measured else None
+    if measured is not None or "compliance" not in structure.effects:
+        return _evaluate_loaded(structure, values, targets, measured, None)
     state = previous or _evaluate_loaded(structure, values, targets, None, None)
     torque = previous.torque_n_mm if previous else _gravity(structure, state.chain)
     for _ in range(_MOST_PASSES):

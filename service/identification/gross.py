@@ -79,8 +79,3 @@ def _orientation_outliers(fit: RobustFit) -> list[Outlier]:
                 )
             )
     return found
-
-
-def gross_share(fit: RobustFit) -> float:
-    """Share of the readings of the first block that got no weight."""
-    return float(np.mean(fit.gross[0]))

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import qr
 
 from service.domain.arrays import BoolArray, FloatArray
-from service.domain.campaign import Campaign
 from service.domain.results import NotIdentifiable
 from service.effects.compliance import compliance_prior
 from service.effects.geometry import is_parallel_to_previous
@@ -25,7 +24,6 @@ def not_identifiable(
     structure: Structure,
     covariance: FloatArray,
     jacobian: FloatArray,
-    campaign: Campaign,
     setting: Setting,
     moved: BoolArray,
 ) -> tuple[NotIdentifiable, ...]:
@@ -39,7 +37,6 @@ def not_identifiable(
         Posterior with exactly these widths.
     jacobian : ndarray, shape (P, m)
         Whitened derivatives.
-    campaign : Campaign
     setting : Setting
     moved : ndarray, shape (J,)
         Whether each joint moved.
@@ -49,12 +46,12 @@ def not_identifiable(
     tuple of NotIdentifiable
         By construction first, then what these configurations leave open.
     """
-    built_in = _by_construction(structure, campaign, setting)
+    built_in = _by_construction(structure, setting)
     found = _by_data(structure, covariance, jacobian, moved)
     return (*built_in, *found)
 
 
-def _by_construction(structure: Structure, campaign: Campaign, setting: Setting) -> list[NotIdentifiable]:
+def _by_construction(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
     robot, names = structure.robot, structure.names
     entries = []
     if "base_z" in names and any(name.startswith(("d_", "theta_", "alpha_")) for name in names):
@@ -75,11 +72,11 @@ def _by_construction(structure: Structure, campaign: Campaign, setting: Setting)
             if is_parallel_to_previous(robot, joint)
         ]
     if "compliance" in structure.effects:
-        entries += _springs(structure, campaign, setting)
+        entries += _springs(structure, setting)
     return entries
 
 
-def _springs(structure: Structure, campaign: Campaign, setting: Setting) -> list[NotIdentifiable]:
+def _springs(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
     if setting.torque_source == "unknown":
         springs = tuple(f"c_{joint + 1}" for joint in range(1, structure.robot.n_joints))
         reason = (
@@ -146,20 +143,30 @@ def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) ->
     nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
     last = structure.robot.n_joints
     if "scale" in members:
-        return "no certified length was measured: the instrument's scale and the lengths of the arm are seen only together"
-    if nests and members_touch(members, (f"theta_{last}", f"d_{last}")) and not set(still) & joints_named:
+        return (
+            "no certified length was measured: "
+            "the instrument's scale and the lengths of the arm are seen only together"
+        )
+    if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:
         count = "one unknown nest" if len(nests) == 1 else "unknown nests"
         what = "zero" if f"theta_{last}" in members else "length"
         return f"{count}: the place of the tool and the {what} of joint {last} are seen only together"
     if any("*" in name for name in members):
-        return "the masses are unknown and these products load the same joints in the same way at these configurations"
+        return (
+            "the masses are unknown and these products load the same joints "
+            "in the same way at these configurations"
+        )
     standing = sorted({joint for joint in still if joint in joints_named or joint + 1 in joints_named})
     if standing:
         which = ", ".join(str(joint) for joint in standing)
         moved_text = "never moved" if len(standing) == 1 else "never moved in these data"
-        return f"joint{'s' if len(standing) > 1 else ''} {which} {moved_text}: what lies before and behind is seen only together"
+        noun = "joints" if len(standing) > 1 else "joint"
+        return f"{noun} {which} {moved_text}: what lies before and behind is seen only together"
     if any(name.startswith("c_") for name in members) and len(members) > 1:
-        return "these springs are loaded alike at these configurations: compliance and geometry are seen only together"
+        return (
+            "these springs are loaded alike at these configurations: "
+            "compliance and geometry are seen only together"
+        )
     if len(members) == 1:
         return "these configurations hardly depend on it: its prior holds it"
     return "these configurations see only a combination of them: their priors hold the rest"
@@ -168,8 +175,3 @@ def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) ->
 def _of_joint(name: str) -> bool:
     quantity = name.split("*")[0].rsplit("_", 1)[0]
     return quantity in ("alpha", "a", "beta", "theta", "d", "c", "gain")
-
-
-def members_touch(members: tuple[str, ...], names: tuple[str, ...]) -> bool:
-    """Whether any of `names` is among the members."""
-    return any(name in members for name in names)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from service.identification.considered import considered
 from service.identification.cross_validation import held_out_residuals
 from service.identification.gross import outliers
 from service.identification.identifiability import not_identifiable
+from service.identification.leg_problem import leg_block
 from service.identification.models import Fits, model_of
 from service.identification.observations import PositionBlock
 from service.identification.prediction import predict, predict_lengths, predict_nominal
@@ -31,9 +31,7 @@ from service.identification.problem import (
     Problem,
     automatic_effects,
     build,
-    leg_block,
     position_block,
-    setting_of,
 )
 from service.identification.pure_error import pure_error
 from service.identification.robust import RobustFit, fit, robust_fit
@@ -120,7 +118,9 @@ def _answer(
     carried = considered(campaign, identified)
     fits = Fits(campaign, identified, nominal, carried.total)
     draft = model_of(fits, discrepancy_mm=0.0, program_version=__version__)
-    validation = _validation(campaign, draft)
+    # Held-out readings share certificates and registration with those of the fit: that part of the
+    # uncertainty cannot show in their residuals.
+    validation = _validation(campaign, replace(draft, covariance=carried.readings))
     crossed = None if validation else _crossed(identified, nominal)
     held_out = validation or crossed
     model = (
@@ -129,7 +129,7 @@ def _answer(
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
     status, message = verdict.judge(campaign, problem, identified, nominal)
-    named = _not_identifiable(campaign, problem, identified)
+    named = _not_identifiable(problem, identified)
     kept = ~identified.gross[0]
     return Identification(
         status=status,
@@ -139,7 +139,7 @@ def _answer(
         parameters=model.parameters,
         not_identifiable=named,
         outliers=gross,
-        quantity=_quantity(problem),
+        quantity=problem.quantity,
         calibration=_pair(nominal, identified, np.ones(len(kept), dtype=bool)),
         validation=validation.statistics if validation else None,
         cross_validation=crossed.statistics if crossed else None,
@@ -148,10 +148,6 @@ def _answer(
         pure_error=_pure_error(identified),
         model=model,
     )
-
-
-def _quantity(problem: Problem) -> Literal["position", "length"]:
-    return "position" if isinstance(problem.blocks[0], PositionBlock) else "length"
 
 
 def _counts(problem: Problem, identified: RobustFit) -> Counts:
@@ -212,7 +208,7 @@ def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut:
 
 
 def _discrepancy_mm(held_out: _HeldOut, identified: RobustFit) -> float:
-    """What held-out residuals show per axis beyond noise, scatter and the parameters' own uncertainty [mm].
+    """Return what held-out residuals show per axis beyond noise, scatter and the parameters' share [mm].
 
     Readings as far out as those found gross do not count: they say nothing of the model.
     """
@@ -230,16 +226,12 @@ def _pure_error(identified: RobustFit) -> PureError | None:
     return pure_error(block, identified.results[0].residual, len(identified.structure.specs))
 
 
-def _not_identifiable(
-    campaign: Campaign, problem: Problem, identified: RobustFit
-) -> tuple[NotIdentifiable, ...]:
+def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdentifiable, ...]:
     jacobian = identified.solution.final.jacobian
     covariance = posterior_covariance(jacobian, 1.0 / problem.structure.prior_widths**2)
     stops = problem.blocks[0].targets.stops
     moved = np.ptp(stops.joints_rad, axis=0) > _MOVED_RAD
-    return not_identifiable(
-        problem.structure, covariance, jacobian, campaign, setting_of(campaign, stops), moved
-    )
+    return not_identifiable(problem.structure, covariance, jacobian, problem.setting, moved)
 
 
 def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: str) -> Identification:

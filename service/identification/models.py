@@ -9,7 +9,6 @@ from service.domain.campaign import Campaign
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.domain.robot import FramePlacement
 from service.identification.observations import LEG_OFFSET, anchor_name
-from service.identification.problem import torque_source
 from service.identification.robust import RobustFit
 from service.identification.rows import sites
 from service.identification.structure import Structure, base_axes
@@ -44,7 +43,7 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         nominal_base=nominal_base,
         nominal_nests=nominal_nests,
         instrument_mm=campaign.tracker_position_mm,
-        torques_measured="compliance" in structure.effects and torque_source(campaign) == "measured",
+        torques_measured="compliance" in structure.effects and structure.torques_measured,
         nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
         nominal_anchors=_anchors(fits.nominal),
         identified_from=_origin(fits),
@@ -87,17 +86,11 @@ def _value(fit: RobustFit, name: str) -> float:
 
 
 def _anchors(fit: RobustFit) -> tuple[Anchor, ...]:
-    return tuple(
-        Anchor(
-            *anchor,
-            (
-                _value(fit, anchor_name(anchor, 0)),
-                _value(fit, anchor_name(anchor, 1)),
-                _value(fit, anchor_name(anchor, 2)),
-            ),
-        )  # fmt: skip
-        for anchor in fit.structure.anchors
-    )
+    found = []
+    for anchor in fit.structure.anchors:
+        x, y, z = (_value(fit, anchor_name(anchor, component)) for component in range(3))
+        found.append(Anchor(*anchor, (x, y, z)))
+    return tuple(found)
 
 
 def _origin(fits: Fits) -> dict[str, str | int | float]:

@@ -80,6 +80,10 @@ class Block(Protocol):
         """Return the residuals of `result` with this block's weights, shape (n * d,)."""
         ...
 
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each reading's squared residual in its own covariance, scatter included, shape (n,)."""
+        ...
+
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals and derivatives at `values`."""
         ...
@@ -124,8 +128,14 @@ class PositionBlock:
         """Return residuals with this block's weights, shape (3 n,)."""
         return self._whitening().apply(result.residual).reshape(-1)
 
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each reading's squared residual in its own covariance, scatter included, shape (n,)."""
+        covariance = self.total_covariance() + self.scatter_mm**2 * np.eye(3)
+        whitened = np.linalg.solve(covariance, result.residual[:, :, None])[:, :, 0]
+        return np.asarray(np.einsum("ni,ni->n", result.residual, whitened))
+
     def total_covariance(self) -> FloatArray:
-        """Covariance of each reading with discrepancy, without the arm's scatter, shape (n, 3, 3)."""
+        """Return each reading's covariance with discrepancy, without the arm's scatter, shape (n, 3, 3)."""
         return self.covariance_mm2 + self.discrepancy**2 * np.eye(3)
 
     def _whitening(self) -> Whitener:
@@ -176,6 +186,10 @@ class OrientationBlock:
     def whitened(self, result: BlockResult) -> FloatArray:
         """Return residuals with this block's weights, shape (3 n,)."""
         return self._whitening().apply(result.residual).reshape(-1)
+
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each reading's squared residual over its variance, shape (n,)."""
+        return np.asarray((result.residual**2).sum(axis=1) / self.component_variance())
 
     def _whitening(self) -> Whitener:
         return Whitener((), np.sqrt(np.maximum(self.weights, 1e-12) / self.component_variance()))
@@ -259,6 +273,10 @@ class LegBlock:
         """Return residuals with this block's weights, shape (n,)."""
         direction = np.zeros((len(self.anchor), 3)) if result.direction is None else result.direction
         return self._whitening(direction).apply(result.residual).reshape(-1)
+
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each length's squared residual over its variance, scatter included, shape (n,)."""
+        return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
 
     def _whitening(self, direction: FloatArray) -> Whitener:
         return whitener(

@@ -30,6 +30,7 @@ def structure_of(model: Model) -> Structure:
         owners=tuple(p.effect for p in model.parameters),
         anchors=_anchors_of(model.parameters),
         instrument_mm=None if model.instrument_mm is None else np.array(model.instrument_mm),
+        torques_measured=model.torques_measured,
     )
 
 
@@ -110,9 +111,9 @@ def _check(model: Model, stops: Stops, nest: IntArray) -> None:
             f"Nest {int(nest.max()) if nest.max() > len(model.nests) else int(nest.min())} is unknown: "
             f"the model has nests 1 to {len(model.nests)}."
         )
-    if model.torques_measured and stops.torque_n_mm is None:
+    if model.torques_measured and (stops.torque_n_mm is None or not np.isfinite(stops.torque_n_mm).all()):
         raise ConfigurationError(
-            "The model was identified with measured joint torques: give the columns tau1_Nm.. of the rows too."
+            "The model was identified with measured joint torques: give tau1_Nm.. of every row too."
         )
 
 
@@ -128,7 +129,8 @@ def predict_lengths(model: Model, legs: LegReadings, *, nominal: bool = False) -
     missing = sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)) - set(places))
     if missing:
         raise ConfigurationError(
-            f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs the model was made from."
+            f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs "
+            "that the model was made from."
         )
     feet = np.array([
         places[key] for key in zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)

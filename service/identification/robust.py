@@ -192,7 +192,7 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     """
     n, d = result.residual.shape
     spread = block.component_variance() + block.scatter_mm**2
-    squared = (result.residual**2).sum(axis=1) / spread
+    squared = block.squared(result)
     scale = max(1.0, float(np.median(squared)) / _median_of_chi2(d))
     lacking = block.discrepancy**2 / float(np.mean(spread))
     limit = (1.0 + lacking) * scale * chi2.isf(_FALSE_ALARM / n, d)

@@ -1,5 +1,6 @@
 """Rows of stops: one for each nest."""
 
+from collections.abc import Mapping
 from dataclasses import fields
 
 import numpy as np
@@ -10,8 +11,12 @@ from service.domain.campaign import Stops
 
 def taken(stops: Stops, rows: IntArray) -> Stops:
     """Return some rows of a table of stops, shape (m,) indices."""
-    columns = {field.name: getattr(stops, field.name) for field in fields(stops)}
-    return Stops(**{name: None if c is None else c[rows] for name, c in columns.items()})
+    optional = {
+        field.name: None if (column := getattr(stops, field.name)) is None else column[rows]
+        for field in fields(stops)
+        if field.name not in ("config", "joints_rad")
+    }
+    return Stops(stops.config[rows], stops.joints_rad[rows], **optional)
 
 
 def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
@@ -21,7 +26,21 @@ def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
 
 
 def sites(stops: Stops) -> IntArray:
-    """Return the number of each row's configuration, a revisit counting as the one it revisits, shape (n,)."""
+    """Return the configuration of each row, a revisit counting as the one it revisits, shape (n,).
+
+    Revisits of revisits lead back to the first; names that go round in a circle count as one site.
+    """
     if stops.repeat_of is None:
         return stops.config
-    return np.where(stops.repeat_of >= 0, stops.repeat_of, stops.config)
+    named = stops.repeat_of >= 0
+    earlier = dict(zip(stops.config[named].tolist(), stops.repeat_of[named].tolist(), strict=True))
+    first = {config: _first(config, earlier) for config in np.unique(stops.config).tolist()}
+    return np.array([first[config] for config in stops.config.tolist()], dtype=np.int64)
+
+
+def _first(config: int, earlier: Mapping[int, int]) -> int:
+    seen: list[int] = []
+    while config in earlier and config not in seen:
+        seen.append(config)
+        config = earlier[config]
+    return min(seen[seen.index(config) :]) if config in seen else config

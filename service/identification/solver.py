@@ -84,12 +84,14 @@ def solve(
     current = linearise(values, None)
     cost = _cost(current, values - prior_means, precision)
     converged, iteration = False, 0
-    for iteration in range(1, max_iterations + 1):
+    while iteration < max_iterations:
+        iteration += 1
         normal = current.jacobian @ current.jacobian.T
         normal[np.diag_indices_from(normal)] += precision
         gradient = current.jacobian @ current.residual - precision * (values - prior_means)
         step = _damped_step(normal, gradient, damping)
-        remaining = float(step @ normal @ step)
+        # What remains to go is the undamped step: a damped one is short wherever it stands.
+        remaining = float(gradient @ (_damped_step(normal, gradient, 0.0) if damping else step))
         trial = linearise(values + step, current)
         trial_cost = _cost(trial, values + step - prior_means, precision)
         small = remaining < _STEP_TOLERANCE**2

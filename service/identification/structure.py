@@ -29,6 +29,7 @@ class Structure:
     owners: tuple[str, ...]  # effect of each parameter
     anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
     instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
+    torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -12,8 +12,10 @@ from service.identification.conventions import (
     plausible_mm,
     reach_mm,
 )
-from service.identification.problem import Problem, known_placement, nominal_chain, setting_of
+from service.identification.problem import Problem
 from service.identification.robust import RobustFit
+from service.identification.setting import known_placement, setting_of
+from service.kinematics.chain import nominal_chain
 from service.kinematics.frames import placement_rotation, placement_translation
 
 _SAME_RAD = 1e-6
@@ -34,7 +36,10 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
     pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), readings.nest])
     observations = per_reading * len(np.unique(pairs, axis=0))
     if configurations == 1:
-        return f"All {len(readings)} readings were taken in one configuration: move every joint between readings."
+        return (
+            f"All {len(readings)} readings were taken in one configuration: "
+            "move every joint between readings."
+        )
     if observations < parameters:
         return (
             f"{configurations} different configurations give {observations} observations for {parameters} "
@@ -104,7 +109,7 @@ def _typical(fit: RobustFit) -> float:
 
 
 def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
-    """A sizeable part agrees with the nominal robot where the base is known, yet the whole does not."""
+    """Return whether a sizeable part agrees with the nominal robot on its base, yet the whole does not."""
     base, points = campaign.base_nominal, campaign.calibration
     if base is None or points is None or typical_mm < plausible_mm(campaign.robot):
         return False
@@ -135,8 +140,9 @@ def _wrong_model(
             return _would_fit(nominal_mm, change)
     if unfit:
         return (
-            f"The identified model still misses the readings by typically {typical_mm:.3g} mm and no single change "
-            "of convention makes the nominal robot fit: check that the table is that of the measured robot."
+            f"The identified model still misses the readings by typically {typical_mm:.3g} mm and no single "
+            "change of convention makes the nominal robot fit: check that the table is that of the measured "
+            "robot."
         )
     if strange:
         return (

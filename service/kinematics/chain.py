@@ -103,6 +103,11 @@ def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: Float
     return chain
 
 
+def nominal_chain(robot: Robot, joints_rad: FloatArray) -> Chain:
+    """Return the nominal chain with its base at the identity."""
+    return forward(nominal_values(robot, joints_rad), np.eye(3), np.zeros(3))
+
+
 def _empty_chain(joints: int, n: int) -> Chain:
     def vectors() -> FloatArray:
         return np.empty((joints, n, 3))

@@ -11,8 +11,9 @@ from service.domain.campaign import Campaign, PointReadings, Stops
 from service.domain.robot import FramePlacement
 from service.exchange.shipped_robots import load_robot_with_tool
 from service.identification.evaluation import Targets, evaluate
-from service.identification.problem import automatic_effects, build, nominal_chain, position_block
+from service.identification.problem import automatic_effects, build, position_block
 from service.identification.robust import fit
+from service.kinematics.chain import nominal_chain
 
 _SIZES: Final = (50, 1000, 10000)
 _RUNS: Final = 9
@@ -38,7 +39,7 @@ def _median_ms(n: int) -> float:
 
 
 def _campaign(n: int) -> Campaign:
-    """An IRB 120 whose parameters are off by a fifth of their prior widths, measured with noise."""
+    """Return an IRB 120 whose parameters are off by a fifth of their prior widths, measured with noise."""
     shipped = load_robot_with_tool("abb-irb-120")
     rng = np.random.default_rng(n)
     ranges = shipped.robot.calibration_ranges or ()

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from service.domain.arrays import FloatArray
+from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import LegReadings, PointReadings
 from service.domain.errors import ConfigurationError
 from service.domain.results import Model, NominalAndIdentified, Statistics, Validation
@@ -43,11 +43,12 @@ def validate(
         return _validate_legs(model, readings, limit_mm)
     predicted, _ = predict(model, readings.stops, readings.nest)
     nominal = predict_nominal(model, readings.stops, readings.nest)
-    noise = _noise_mm(model, readings)
+    covariance = _covariance_mm2(model, readings)
+    noise = mean_norm(covariance)
     position = NominalAndIdentified(
         statistics(readings.position_mm - nominal, noise), statistics(readings.position_mm - predicted, noise)
     )
-    distance = _distances(readings, nominal, predicted)
+    distance = _distances(readings, nominal, predicted, covariance)
     return Validation("position", position, distance, limit_mm, _passes(position, limit_mm))
 
 
@@ -57,11 +58,12 @@ def _passes(position: NominalAndIdentified, limit_mm: float | None) -> bool:
     return position.identified.max_mm <= limit_mm
 
 
-def _noise_mm(model: Model, readings: PointReadings) -> float:
+def _covariance_mm2(model: Model, readings: PointReadings) -> FloatArray:
+    """Return the covariance of each reading and of the arm's scatter, shape (n, 3, 3)."""
     covariance = readings.covariance_mm2
     if covariance is None:
         covariance = readings.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
-    return mean_norm(covariance + model.repeatability_mm**2 * np.eye(3))
+    return covariance + model.repeatability_mm**2 * np.eye(3)
 
 
 def _validate_legs(model: Model, legs: LegReadings, limit_mm: float | None) -> Validation:
@@ -74,11 +76,13 @@ def _validate_legs(model: Model, legs: LegReadings, limit_mm: float | None) -> V
 
 
 def _distances(
-    readings: PointReadings, nominal: FloatArray, predicted: FloatArray
+    readings: PointReadings, nominal: FloatArray, predicted: FloatArray, covariance_mm2: FloatArray
 ) -> NominalAndIdentified | None:
     if len(readings) < 2:
         return None
-    noise = float(np.sqrt(2.0 / np.pi) * np.sqrt(2.0 * np.mean(readings.standard_uncertainty_mm**2)))
+    # A distance sees one component of the noise of each of its two ends.
+    variance = float(np.trace(covariance_mm2, axis1=1, axis2=2).mean()) / 3.0
+    noise = float(np.sqrt(2.0 / np.pi) * np.sqrt(2.0 * variance))
     before, after = _Running(), _Running()
     for first, second in _pairs(len(readings)):
         seen = _lengths(readings.position_mm, first, second)
@@ -87,15 +91,16 @@ def _distances(
     return NominalAndIdentified(before.statistics(noise), after.statistics(noise))
 
 
-def _lengths(points: FloatArray, first: "slice | FloatArray", second: "slice | FloatArray") -> FloatArray:
+def _lengths(points: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
     return np.asarray(np.linalg.norm(points[first] - points[second], axis=1))
 
 
-def _pairs(n: int) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """All pairs i < j in blocks that fit in memory."""
+def _pairs(n: int) -> Iterator[tuple[IntArray, IntArray]]:
+    """Yield all pairs i < j in blocks that fit in memory."""
     rows = max(1, _PAIRS_AT_ONCE // n)
     for start in range(0, n, rows):
-        first, second = np.meshgrid(np.arange(start, min(start + rows, n)), np.arange(n), indexing="ij")
+        here = np.arange(start, min(start + rows, n), dtype=np.int64)
+        first, second = np.meshgrid(here, np.arange(n, dtype=np.int64), indexing="ij")
         chosen = first < second
         yield first[chosen], second[chosen]
 

@@ -28,7 +28,8 @@ from service.exchange.cell_file import read_cell
 from service.exchange.shipped_robots import load_robot_with_tool, read_robot_file
 from service.identification import identify
 from service.identification.evaluation import Targets, evaluate, position_jacobian
-from service.identification.problem import build, nominal_chain
+from service.identification.problem import build
+from service.kinematics.chain import nominal_chain
 
 _EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 

@@ -22,7 +22,8 @@ def held_torques(problem, values):
     block = problem.blocks[0]
     state = evaluate(problem.structure, values, block.targets)
     stops = replace(block.targets.stops, torque_n_mm=state.torque_n_mm)
-    return replace(problem, blocks=(replace(block, targets=replace(block.targets, stops=stops)),))
+    held = replace(block, targets=replace(block.targets, stops=stops))
+    return replace(problem, structure=replace(problem.structure, torques_measured=True), blocks=(held,))
 
 
 def compare(problem, values, rel):

@@ -1,0 +1,116 @@
+"""Identification from legs: lengths between tool nests and base nests whose places are parameters too."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.campaign import Campaign, LegReadings
+from service.domain.errors import ConfigurationError
+from service.domain.robot import FramePlacement
+from service.effects.ports import ParameterSpec, Setting
+from service.identification.evaluation import Targets
+from service.identification.legs_start import LegPlacement, place_legs
+from service.identification.observations import LEG_OFFSET, LegBlock, anchor_name
+from service.identification.placement import Placement
+from service.identification.setting import known_placement
+from service.identification.start import started_structure
+from service.identification.structure import Structure
+from service.kinematics.chain import nominal_chain
+from service.kinematics.frames import placement_rotation, placement_translation
+
+_ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
+_LEG_OWNER = "legs"
+
+
+def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
+    """Return the distinct (placement, base point) pairs and the index of each reading among them."""
+    pairs = list(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))
+    distinct = sorted(set(pairs))
+    return tuple(distinct), np.array([distinct.index(pair) for pair in pairs])
+
+
+def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
+    """Return the block of leg readings for a structure with these anchors."""
+    scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
+    pairs = zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
+    index = np.array([anchors.index(pair) for pair in pairs])
+    targets = Targets(legs.stops, legs.nest)
+    return LegBlock(targets, index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs)))
+
+
+def leg_structure(
+    campaign: Campaign, legs: LegReadings, effects: tuple[str, ...], setting: Setting
+) -> tuple[Structure, LegBlock, FloatArray]:
+    """Place anchors and unknown nests, and return structure, observations and start values, shape (P,).
+
+    Raises
+    ------
+    ConfigurationError
+        The base is to be identified, which legs between unknown base points do not see.
+    """
+    if "base" in effects:
+        raise ConfigurationError(
+            "Legs between unknown base points do not see where the base stands: "
+            "leave `base` out of the effects."
+        )
+    anchors, index = leg_anchors(legs)
+    known = known_placement(campaign)
+    with_offset = campaign.ballbar_nominal_mm is None
+    found = place_legs(
+        nominal_chain(campaign.robot, legs.stops.joints_rad),
+        legs.nest,
+        index,
+        legs.length_mm,
+        known.nests_mm,
+        known.nest_unknown,
+        with_offset=with_offset,
+    )
+    placement = _at_base(campaign.base_nominal or FramePlacement(), found)
+    structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
+    anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
+    offset_mm = found.offset_mm if with_offset else None
+    structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
+    return structure, leg_block(legs, campaign, anchors), start
+
+
+def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:
+    """Return the nominal base, held, with the nests found."""
+    return Placement(
+        rotation=placement_rotation(base),
+        origin_mm=placement_translation(base),
+        nests_mm=found.nests_mm,
+        residual_mm=np.zeros((0, 3)),
+        weights=np.zeros(0),
+    )
+
+
+def _with_base(campaign: Campaign) -> Campaign:
+    """Return the campaign with the world at the nominal base: legs alone cannot tell them apart."""
+    if campaign.base_nominal is not None:
+        return campaign
+    return replace(campaign, base_nominal=FramePlacement())
+
+
+def _with_anchors(
+    structure: Structure,
+    start: FloatArray,
+    anchors: tuple[tuple[int, int], ...],
+    places_mm: FloatArray,
+    offset_mm: float | None,
+) -> tuple[Structure, FloatArray]:
+    names = [anchor_name(anchor, component) for anchor in anchors for component in range(3)]
+    values = places_mm.ravel().tolist()
+    if offset_mm is not None:
+        names.append(LEG_OFFSET)
+        values.append(offset_mm)
+    extra = tuple(
+        ParameterSpec(name, "mm", value, _ANCHOR_WIDTH_MM) for name, value in zip(names, values, strict=True)
+    )
+    widened = replace(
+        structure,
+        specs=structure.specs + extra,
+        owners=structure.owners + (_LEG_OWNER,) * len(extra),
+        anchors=anchors,
+    )
+    return widened, np.concatenate([start, values])

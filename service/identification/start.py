@@ -1,0 +1,123 @@
+"""The structure of the chosen effects about a start, and the start values of its parameters."""
+
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.campaign import Campaign
+from service.domain.errors import ConfigurationError
+from service.effects.ports import ParameterSpec, Setting
+from service.effects.registry import effect_named
+from service.identification.placement import Placement
+from service.identification.setting import known_placement
+from service.identification.structure import Structure
+from service.kinematics.frames import angles_xyz
+
+_GIMBAL_RAD = np.deg2rad(80.0)  # beyond it the angles RotX RotY RotZ about the start lose their meaning
+
+
+def started_structure(
+    campaign: Campaign,
+    effects: tuple[str, ...],
+    placement: Placement,
+    tool_rotation: FloatArray,
+    setting: Setting,
+) -> tuple[Structure, FloatArray]:
+    """Return the structure of the chosen effects about a placement, and its start values.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str
+    placement : Placement
+        Base and nests of the nominal robot.
+    tool_rotation : ndarray, shape (3, 3)
+        Orientation of the tool in the last frame; the identity where none was measured.
+    setting : Setting
+
+    Returns
+    -------
+    structure : Structure
+    start : ndarray, shape (P,)
+
+    Raises
+    ------
+    UnknownEffectError
+        An effect is not registered.
+    ConfigurationError
+        Two effects have the same parameter.
+    """
+    base_start, base_values = _placed_start(campaign, placement)
+    tool_start, tool_values = _angles_about(np.eye(3), tool_rotation)
+    unknown = known_placement(campaign).nest_unknown
+    specs, owners = _specs(effects, setting)
+    begin = _begin_values(base_values, tool_values, placement.nests_mm)
+    start = np.array([begin.get(spec.name, spec.prior_mean) for spec in specs])
+    found_free = campaign.base_nominal is None
+    specs = tuple(
+        spec._replace(prior_mean=float(value)) if _from_data(owner, found_free) else spec
+        for spec, owner, value in zip(specs, owners, start, strict=True)
+    )
+    structure = Structure(
+        robot=campaign.robot,
+        base_rotation=base_start[0],
+        base_origin_mm=base_start[1],
+        nests_mm=np.where(unknown[:, None], 0.0, placement.nests_mm),
+        tool_rotation=tool_start,
+        gravity_m_s2=np.array(campaign.gravity_m_s2),
+        effects=effects,
+        specs=specs,
+        owners=owners,
+        torques_measured=setting.torque_source == "measured",
+        instrument_mm=None
+        if campaign.tracker_position_mm is None
+        else np.array(campaign.tracker_position_mm),
+    )
+    return structure, start
+
+
+def _from_data(owner: str, base_found: bool) -> bool:
+    return owner == "tool" or (owner == "base" and base_found)
+
+
+def _placed_start(
+    campaign: Campaign, placement: Placement
+) -> tuple[tuple[FloatArray, FloatArray], dict[str, float]]:
+    known = known_placement(campaign)
+    start_rotation, origin = (np.eye(3), np.zeros(3)) if known.base is None else known.base
+    rotation, angles = _angles_about(start_rotation, placement.rotation)
+    shift = placement.origin_mm - origin
+    names = ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz")
+    values = dict(zip(names, (*(float(x) for x in shift), *angles.values()), strict=True))
+    return (rotation, origin), values
+
+
+def _angles_about(start: FloatArray, found: FloatArray) -> tuple[FloatArray, dict[str, float]]:
+    """Angles RotX RotY RotZ of `found` about `start`; about `found` itself where they would lock."""
+    angles = angles_xyz(found @ start.T)
+    if abs(angles[1]) > _GIMBAL_RAD:
+        start, angles = found, (0.0, 0.0, 0.0)
+    return start, dict(zip(("tool_rx", "tool_ry", "tool_rz"), angles, strict=True))
+
+
+def _begin_values(base: dict[str, float], tool: dict[str, float], nests_mm: FloatArray) -> dict[str, float]:
+    nests = {
+        f"nest_{k + 1}_{axis}": float(value)
+        for k, nest in enumerate(nests_mm)
+        for axis, value in zip("xyz", nest, strict=True)
+    }
+    return base | tool | nests
+
+
+def _specs(effects: tuple[str, ...], setting: Setting) -> tuple[tuple[ParameterSpec, ...], tuple[str, ...]]:
+    specs: list[ParameterSpec] = []
+    owners: list[str] = []
+    for name in effects:
+        for spec in effect_named(name).specs(setting):
+            if spec.name in {earlier.name for earlier in specs}:
+                raise ConfigurationError(
+                    f"Effect {name!r} brings the parameter {spec.name!r}, which another effect has already: "
+                    "leave one of the two out."
+                )
+            specs.append(spec)
+            owners.append(name)
+    return tuple(specs), tuple(owners)
