@@ -44,7 +44,9 @@ def main() -> int:
     for section in sections:
         sys.stdout.write(f"\n{section.title}\n")
         for row in section.rows:
-            sys.stdout.write(f"  {row.figure:62s} {row.target:>22s} {row.measured:>34s}  {row.verdict.value}\n")
+            sys.stdout.write(
+                f"  {row.figure:62s} {row.target:>22s} {row.measured:>34s}  {row.verdict.value}\n"
+            )
         if section.note:
             sys.stdout.write(f"  {section.note}\n")
     options.out.mkdir(parents=True, exist_ok=True)
@@ -193,14 +195,20 @@ def _draw_wire_row(folder: Path) -> Row:
 
 def _speed() -> Section:
     """Time the solver in a process of its own: one core is asked for before numpy is imported."""
-    one_core = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    one_core = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     done = subprocess.run(
         [sys.executable, "-m", "service.showcase.speed"],
         env=os.environ | one_core, capture_output=True, text=True, check=True,
     )  # fmt: skip
     taken = json.loads(done.stdout)
     rows = tuple(
-        _row(f"31 parameters with covariance from {n} positions, one core, median", limit, taken[str(n)], unit="ms", digits=1)
+        _row(
+            f"31 parameters with covariance from {n} positions, one core, median",
+            limit,
+            taken[str(n)],
+            unit="ms",
+            digits=1,
+        )
         for n, limit in _SPEED_MS.items()
     )
     return Section("Identification, time per solution", rows)
