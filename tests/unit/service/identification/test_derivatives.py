@@ -77,9 +77,7 @@ def test_positions_with_unknown_base_and_nests_of_a_robot_with_signs():
 
 
 def test_a_joint_with_a_gain_turns_further_the_way_it_turns_whatever_its_sign():
-    campaign = nominal_campaign(
-        robot=SEVEN_AXES, joints_rad=JOINTS_7, nests=((0.0, 10.0, 80.0),)
-    )
+    campaign = nominal_campaign(robot=SEVEN_AXES, joints_rad=JOINTS_7, nests=((0.0, 10.0, 80.0),))
     problem = build(campaign, ("base", "joint_gain"))
     values = np.zeros(len(problem.start))
     values[problem.structure.index_of("gain_2")] = 1e-3  # joint 2 has sign -1
