@@ -1,6 +1,8 @@
 """Commands on campaign folders, model files and point files. Heavy imports wait until a command runs."""
 
+import contextlib
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -68,6 +70,16 @@ def _require_folders(*files: Path | None) -> None:
             raise ConfigurationError(f"{file} is a folder: name a file in it.")
 
 
+@contextlib.contextmanager
+def _writing(file: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise ConfigurationError(
+            f"{file} cannot be written ({error.strerror}); choose another file."
+        ) from error
+
+
 def _converged(answer: "Identification") -> bool:
     return answer.model is not None and answer.status.value == "converged"
 
@@ -76,7 +88,8 @@ def _write_model(path: Path, answer: "Identification") -> None:
     from service.exchange.model_file import write_model
 
     if answer.model is not None and _converged(answer):
-        write_model(answer.model, path)
+        with _writing(path):
+            write_model(answer.model, path)
     else:
         remark([f"No model was written to {path}: {answer.message}"])
 
@@ -125,7 +138,8 @@ def predict_command(
     remark(rows.ignored)
     stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
-    write_predictions(out, stops.config, nest, position, uncertainty)
+    with _writing(out):
+        write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
 
 

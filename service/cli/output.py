@@ -32,7 +32,9 @@ def _write(text: str) -> None:
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
-    except BrokenPipeError:
-        # The reader has had enough (`| head`); the answer, and with it the exit status, is still ours to
-        # give. What is left in the buffer would fail once more when the interpreter ends.
+    except OSError as error:
+        # What is left in the buffer would fail once more when the interpreter ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # A reader that has had enough (`| head`) is none of our errors: the exit status still answers.
+        if not isinstance(error, BrokenPipeError):
+            raise
