@@ -7,6 +7,7 @@ nominal robot is compared. A robot's own errors leave some millimetres, a wrong 
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -63,7 +64,7 @@ def change_that_fits(
     evidence = _thinned(evidence)
     present = _typical(Hypothesis("", robot, evidence), free)
     best, best_mm = None, min(_CLEARLY_BETTER * present, plausible_mm(robot))
-    for hypothesis in _hypotheses(robot, evidence):
+    for hypothesis in _hypotheses(robot, evidence, known):
         typical = _typical(hypothesis, free)
         if typical < best_mm:
             best, best_mm = hypothesis.sentence, typical
@@ -89,9 +90,21 @@ def _typical(hypothesis: Hypothesis, known: Known) -> float:
     return quick_typical_mm(chain, evidence.nest, evidence.position_mm, known)
 
 
-def _hypotheses(robot: Robot, evidence: Evidence) -> Iterator[Hypothesis]:
+def _hypotheses(robot: Robot, evidence: Evidence, known: Known) -> Iterator[Hypothesis]:
     yield from _units(robot, evidence)
     yield from _joint_conventions(robot, evidence)
+    yield from _exchanged_nests(robot, evidence, known)
+
+
+def _exchanged_nests(robot: Robot, evidence: Evidence, known: Known) -> Iterator[Hypothesis]:
+    """Two labels exchanged throughout; unknown nests have no place that could contradict a label."""
+    certified = [int(number) + 1 for number in np.flatnonzero(~known.nest_unknown)]
+    for first, second in combinations(certified, 2):
+        nest = evidence.nest.copy()
+        nest[evidence.nest == first], nest[evidence.nest == second] = second, first
+        yield Hypothesis(
+            f"nests {first} and {second} are exchanged throughout", robot, replace(evidence, nest=nest)
+        )
 
 
 def _units(robot: Robot, evidence: Evidence) -> Iterator[Hypothesis]:

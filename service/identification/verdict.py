@@ -19,6 +19,8 @@ from service.kinematics.chain import nominal_chain
 from service.kinematics.frames import placement_rotation, placement_translation
 
 _SAME_RAD = 1e-6
+_SAME_MM = 1e-3
+_PART = 0.15  # share of the readings from which on it is no accident
 _TOO_MANY_GROSS = 0.2
 _IMPLAUSIBLE_WIDTHS = 10.0
 _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
@@ -39,6 +41,11 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
         return (
             f"All {len(readings)} readings were taken in one configuration: "
             "move every joint between readings."
+        )
+    if isinstance(readings, PointReadings) and np.ptp(readings.position_mm, axis=0).max() < _SAME_MM:
+        return (
+            f"All {len(readings)} readings show the same position although the joints moved: "
+            "the instrument did not follow the robot."
         )
     if observations < parameters:
         return (
@@ -89,8 +96,11 @@ def judge(
     gross = int(identified.gross[0].sum())
     n = len(identified.gross[0])
     if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
+        how_many = (
+            f"{gross} of {n} readings do" if share > _TOO_MANY_GROSS else "About half of the readings do"
+        )
         return Status.OUTLIERS_DOMINATE, (
-            f"{gross} of {n} readings do not fit the others: no model can be trusted; "
+            f"{how_many} not fit the others: no model can be trusted; "
             "check reflectors, nest labels and the order of the rows first."
         )
     wrong = _wrong_model(campaign, problem, identified, typical)
@@ -119,8 +129,8 @@ def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
     chain = nominal_chain(campaign.robot, points.stops.joints_rad)
     here = chain.points(known.nests_mm[points.nest - 1])
     seen = (points.position_mm - placement_translation(base)) @ placement_rotation(base)
-    close = np.linalg.norm(seen - here, axis=1) < 2.0 * plausible_mm(campaign.robot)
-    return bool(close.mean() > 0.15)
+    off = np.linalg.norm(seen - here, axis=1) / plausible_mm(campaign.robot)
+    return bool((off < 1.0).mean() > _PART and (off > 4.0).mean() > _PART)
 
 
 def _wrong_model(

@@ -272,6 +272,36 @@ def test_too_few_data_say_how_many_are_needed(rows, words):
     assert words in answer.message and answer.model is None
 
 
+def test_nest_labels_exchanged_throughout_are_a_convention_not_gross_readings():
+    campaign, _ = measured(nominal_campaign())
+    points = campaign.calibration
+    exchanged = np.choose(points.nest - 1, [1, 3, 2])
+
+    answer = identify(replace(campaign, calibration=replace(points, nest=exchanged)))
+
+    assert answer.status is Status.WRONG_NOMINAL_MODEL
+    assert "nests 2 and 3 are exchanged throughout" in answer.message
+
+
+def test_an_instrument_that_does_not_follow_is_no_measurement():
+    campaign, _ = measured(nominal_campaign())
+    stuck = np.broadcast_to(campaign.calibration.position_mm[0], (60, 3))
+
+    answer = identify(replace(campaign, calibration=replace(campaign.calibration, position_mm=stuck)))
+
+    assert answer.status is Status.TOO_FEW_DATA
+    assert "did not follow the robot" in answer.message
+
+
+def test_a_noisy_instrument_is_not_called_gross_readings():
+    campaign, _ = measured(nominal_campaign(), noise_mm=5.0)
+
+    answer = identify(campaign)
+
+    assert answer.status is not Status.OUTLIERS_DOMINATE
+    assert answer.outliers == ()
+
+
 def test_a_wire_from_an_unknown_anchor_is_placed_without_a_guess():
     answer = identify(leg_campaign(300, offset_mm=7.0))
 
