@@ -145,9 +145,7 @@ def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) ->
     return Rack(mounted, clock)
 
 
-def _clock(
-    simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry
-) -> Clock:
+def _clock(simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry) -> Clock:
     if entries:  # a simulated cell on the network brings its clock like its instruments
         opened = drivers.open(entries[0].driver, entries[0].options)
     elif simulation is None:
