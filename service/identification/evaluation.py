@@ -231,6 +231,7 @@ def _position_gradients(state: State) -> dict[Port, FloatArray]:
         stacks[PortKind.THETA] = theta_gradient(chain, points)
     if PortKind.ALPHA in kinds:
         stacks[PortKind.ALPHA] = alpha_gradient(chain, points)
+    if PortKind.A in kinds:
         stacks[PortKind.A] = chain.x_before
     if PortKind.D in kinds:
         stacks[PortKind.D] = chain.z

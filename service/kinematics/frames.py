@@ -5,7 +5,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.robot import FramePlacement
 
-_LOCKED = 1e-9  # cosine of ry below which rx and rz turn about the same axis as far as doubles can tell
+_LOCKED = 1e-14  # cosine of ry below which rx and rz turn about the same axis as far as doubles can tell
 
 
 def rotation_x(angle_rad: FloatArray | float) -> FloatArray:

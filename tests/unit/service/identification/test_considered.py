@@ -44,7 +44,7 @@ def scores(values, truth, covariance):
 
 
 def assert_scatter_is_as_stated(found):
-    """Variances of `DRAWS` scores are known to sqrt(2 / DRAWS) = 10 % each; up to 25 must hold at once."""
+    """Variances of `DRAWS` scores are known to sqrt(2 / DRAWS) = 10 % each; up to 26 must hold at once."""
     assert np.mean(np.square(found), axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2.0 / DRAWS))
     assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.25)
 

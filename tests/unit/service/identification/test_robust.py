@@ -68,7 +68,7 @@ def test_where_nothing_is_wrong_nothing_is_flagged_and_nothing_added():
 def test_chi_square_per_degree_of_freedom_is_one_where_the_noise_is_as_stated():
     ratios = [quiet(seed).chi2_per_dof for seed in range(CAMPAIGNS)]
 
-    degrees = CAMPAIGNS * (3 * N - 25)
+    degrees = CAMPAIGNS * (3 * N - 26)
     # the mean of all campaigns, four standard deviations of its chi-square distribution
     assert np.mean(ratios) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / degrees))
 
@@ -77,7 +77,7 @@ def test_chi_square_per_degree_of_freedom_is_one_where_the_noise_is_as_stated():
 def test_noise_beyond_what_is_stated_comes_back_as_discrepancy(times):
     fit, _ = fitted(campaign_of(noise_mm=times * 0.015))
 
-    degrees = 3 * N - 25
+    degrees = 3 * N - 26
     low, high = np.sqrt(chi2.ppf([1e-4, 1.0 - 1e-4], degrees) / degrees)
     found = np.hypot(fit.blocks[0].discrepancy, 0.015)
     assert times * 0.015 * low < found < times * 0.015 * high

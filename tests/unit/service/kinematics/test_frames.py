@@ -25,10 +25,17 @@ def test_angles_come_back_from_the_rotation_they_made(rx, ry, rz):
     assert rotation == pytest.approx(Rotation.from_euler("XYZ", [rx, ry, rz]).as_matrix(), abs=1e-12)
 
 
-def test_at_the_gimbal_lock_the_rotation_is_still_right():
-    rotation = rotation_xyz(0.4, np.pi / 2, 0.3)
+@pytest.mark.parametrize("off_rad", [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_at_and_near_the_gimbal_lock_the_rotation_is_still_right(off_rad, sign):
+    rotation = rotation_xyz(0.4, sign * (np.pi / 2 - off_rad), 0.3)
 
-    assert rotation_xyz(*angles_xyz(rotation)) == pytest.approx(rotation, abs=1e-7)  # sine of 90 deg is flat
+    # rounding alone: a robot on a wall loses nothing
+    assert rotation_xyz(*angles_xyz(rotation)) == pytest.approx(rotation, abs=1e-14)
+
+
+def test_at_the_gimbal_lock_the_last_angle_is_zero():
+    assert angles_xyz(rotation_xyz(0.4, np.pi / 2, 0.3)) == pytest.approx((0.7, np.pi / 2, 0.0), abs=1e-9)
 
 
 @given(st.tuples(ANGLE, ANGLE, ANGLE).map(np.array).filter(lambda v: np.linalg.norm(v) < 3.0))
