@@ -4,6 +4,8 @@ import numpy as np
 
 from service.domain.campaign import Campaign, PointReadings
 from service.domain.results import Status
+from service.effects.base import WIDTH_MM as BASE_WIDTH_MM
+from service.effects.base import WIDTH_RAD as BASE_WIDTH_RAD
 from service.effects.geometry import GEOMETRY_EFFECTS
 from service.effects.registry import effect_named
 from service.identification.conventions import (
@@ -25,6 +27,7 @@ _TOO_MANY_GROSS = 0.2
 _IMPLAUSIBLE_WIDTHS = 10.0
 _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
 _SUSPICIOUS_CHI2 = 2.0
+_FAR_WIDTHS = 3.0  # of the base's prior
 
 
 def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
@@ -179,6 +182,9 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
     parts = [f"Converged with {len(problem.structure.specs)} parameters"]
     if gross:
         parts.append(f"{gross} reading{'s' if gross > 1 else ''} without weight")
+    elsewhere = _base_elsewhere(problem, identified)
+    if elsewhere:
+        parts.append(elsewhere)
     strange = implausible_parameter(problem, identified)
     if strange:
         parts.append(f"{strange} is larger than any robot's error: it stands for something the model lacks")
@@ -189,3 +195,19 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
             "which the uncertainties include"
         )
     return "; ".join(parts) + "."
+
+
+def _base_elsewhere(problem: Problem, identified: RobustFit) -> str | None:
+    """Say so where the base stands far from the place that the campaign gives it."""
+    value = dict(zip(problem.structure.names, identified.values, strict=True))
+    width = {spec.name: spec for spec in problem.structure.specs}
+    if "base_x" not in value or width["base_x"].prior_mean != 0.0:  # found from the data: no place was given
+        return None
+    shift_mm = float(np.linalg.norm([value["base_x"], value["base_y"], value["base_z"]]))
+    turn_rad = float(np.linalg.norm([value["base_rx"], value["base_ry"], value["base_rz"]]))
+    if shift_mm < _FAR_WIDTHS * BASE_WIDTH_MM and turn_rad < _FAR_WIDTHS * BASE_WIDTH_RAD:
+        return None
+    return (
+        f"the base stands {shift_mm:.0f} mm and {np.rad2deg(turn_rad):.1f} deg "
+        "from base_in_world_nominal: correct it there if that is not meant"
+    )

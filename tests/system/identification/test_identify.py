@@ -293,6 +293,19 @@ def test_an_instrument_that_does_not_follow_is_no_measurement():
     assert "did not follow the robot" in answer.message
 
 
+def test_a_base_far_from_its_nominal_place_is_found_and_said():
+    campaign, _ = measured(nominal_campaign())
+    quarter = rotation_xyz(0.0, 0.0, np.pi / 2)
+    moved = campaign.calibration.position_mm @ quarter.T + [1000.0, 0.0, 0.0]
+
+    answer = identify(replace(campaign, calibration=replace(campaign.calibration, position_mm=moved)))
+
+    assert answer.status is Status.CONVERGED
+    assert "the base stands 1000 mm and 90.0 deg from base_in_world_nominal" in answer.message
+    assert answer.calibration.identified.rms_mm < 0.03  # 0.015 mm per axis
+    assert "base stands" not in identify(campaign).message
+
+
 def test_a_noisy_instrument_is_not_called_gross_readings():
     campaign, _ = measured(nominal_campaign(), noise_mm=5.0)
 
