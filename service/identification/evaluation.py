@@ -99,7 +99,8 @@ def evaluate(
 
 
 def _close(torque: FloatArray, before: FloatArray) -> bool:
-    return float(np.abs(torque - before).max()) < _BALANCED * float(np.abs(torque).max())
+    largest = float(np.abs(torque).max(initial=0.0))
+    return float(np.abs(torque - before).max(initial=0.0)) <= _BALANCED * largest
 
 
 def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:

@@ -198,7 +198,9 @@ def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) 
     return _HeldOut(pair, residual, np.zeros(len(legs)), block.component_variance() + block.scatter_mm**2)
 
 
-def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut:
+def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut | None:
+    if len(np.unique(sites(identified.blocks[0].targets.stops))) < 2:
+        return None  # revisits of one place: nothing is left to predict it from
     residual, variance = held_out_residuals(identified.structure, identified.blocks, identified.values)
     before, _ = held_out_residuals(nominal.structure, nominal.blocks, nominal.values)
     stated = identified.blocks[0].weighted(identified.blocks[0].weights, 0.0)
@@ -214,7 +216,7 @@ def _discrepancy_mm(held_out: _HeldOut, identified: RobustFit) -> float:
     """
     squared = (held_out.residual_mm**2).mean(axis=1)
     typical = float(np.median(squared))
-    usual = squared < 25.0 * typical
+    usual = squared <= 25.0 * typical
     expected = held_out.noise_variance_mm2 + held_out.parameter_variance_mm2
     return float(np.sqrt(max(float((squared - expected)[usual].mean()), 0.0)))
 

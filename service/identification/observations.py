@@ -42,7 +42,7 @@ class BlockResult:
     @property
     def white_jacobian(self) -> FloatArray:
         """Whitened derivatives, shape (P, n * d)."""
-        return self.whitening.apply(self.jacobian).reshape(len(self.jacobian), -1)
+        return self.whitening.apply(self.jacobian).reshape(len(self.jacobian), self.residual.size)
 
 
 class Block(Protocol):

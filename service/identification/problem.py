@@ -76,9 +76,16 @@ def build(campaign: Campaign, effects: tuple[str, ...]) -> Problem:
             "The campaign has neither calibration points nor legs: give one of them under `files`."
         )
     _check(campaign, readings.stops, effects)
-    if isinstance(readings, PointReadings):
-        return _point_problem(campaign, readings, effects)
-    return _leg_problem(campaign, readings, effects)
+    problem = (
+        _point_problem(campaign, readings, effects)
+        if isinstance(readings, PointReadings)
+        else _leg_problem(campaign, readings, effects)
+    )
+    if not problem.structure.specs:
+        raise ConfigurationError(
+            f"Nothing is unknown that {', '.join(effects)} could say: add effects, e.g. base,geometry."
+        )
+    return problem
 
 
 def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:

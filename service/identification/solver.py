@@ -19,12 +19,13 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
 
 from service.domain.arrays import FloatArray
 
 _STEP_TOLERANCE = 1e-3  # of a standard uncertainty: what remains to go is invisible
 _LARGEST_DAMPING = 1e8
+_SMALLEST_PIVOT = 1e-6  # its square is what rounding leaves four good digits of
 # A step may raise the cost by this much, far less than one observation: the torques are balanced to a finite
 # tolerance, so that two neighbouring costs are not of quite the same function.
 _INVISIBLE = 1e-3
@@ -83,50 +84,66 @@ def solve(
     values, damping = start.copy(), 0.0
     current = linearise(values, None)
     cost = _cost(current, values - prior_means, precision)
-    converged, iteration = False, 0
-    while iteration < max_iterations:
+    converged, iteration = len(values) == 0, 0  # a model without parameters is where it should be
+    while not converged and iteration < max_iterations:
         iteration += 1
-        normal = current.jacobian @ current.jacobian.T
-        normal[np.diag_indices_from(normal)] += precision
         gradient = current.jacobian @ current.residual - precision * (values - prior_means)
-        step = _damped_step(normal, gradient, damping)
+        step = _damped_step(current.jacobian, precision, gradient, damping)
         # What remains to go is the undamped step: a damped one is short wherever it stands.
-        remaining = float(gradient @ (_damped_step(normal, gradient, 0.0) if damping else step))
+        undamped = _damped_step(current.jacobian, precision, gradient, 0.0) if damping else step
+        remaining = float(gradient @ undamped)
         trial = linearise(values + step, current)
         trial_cost = _cost(trial, values + step - prior_means, precision)
         small = remaining < _STEP_TOLERANCE**2
         if trial_cost <= cost + _INVISIBLE or small:
             values, current, cost = values + step, trial, trial_cost
             damping = damping / 10.0 if damping > 1e-6 else 0.0
-            if small:
-                converged = True
-                break
+            converged = small
         else:
             damping = max(damping * 10.0, 1e-4)
             if damping > _LARGEST_DAMPING:
                 break
-    return Solution(values, _covariance(current, precision), converged, iteration, current)
+    covariance = posterior_covariance(current.jacobian, precision)
+    return Solution(values, covariance, converged, iteration, current)
 
 
 def _cost(point: Linearised, deviation: FloatArray, precision: FloatArray) -> float:
     return float(point.residual @ point.residual + deviation @ (precision * deviation))
 
 
-def _damped_step(normal: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
-    scale = 1.0 / np.sqrt(np.diag(normal))
-    unit = normal * np.outer(scale, scale)
-    unit[np.diag_indices_from(unit)] += damping
-    return np.asarray(scale * cho_solve(cho_factor(unit), scale * gradient))
-
-
-def _covariance(point: Linearised, precision: FloatArray) -> FloatArray:
-    return posterior_covariance(point.jacobian, precision)
+def _damped_step(
+    jacobian: FloatArray, precision: FloatArray, gradient: FloatArray, damping: float
+) -> FloatArray:
+    root, scale = _root(jacobian, precision, damping)
+    return np.asarray(scale * cho_solve((root, False), scale * gradient))
 
 
 def posterior_covariance(jacobian: FloatArray, precision: FloatArray) -> FloatArray:
     """Inverse of J J^T + diag(precision), shape (P, P), from whitened derivatives of shape (P, m)."""
+    if len(precision) == 0:
+        return np.zeros((0, 0))
+    root, scale = _root(jacobian, precision, 0.0)
+    inverse = cho_solve((root, False), np.eye(len(precision)))
+    return np.asarray(0.5 * (inverse + inverse.T) * np.outer(scale, scale))
+
+
+def _root(jacobian: FloatArray, precision: FloatArray, damping: float) -> tuple[FloatArray, FloatArray]:
+    """Return R, upper triangular, and scales s with R^T R = s (J J^T + diag(precision)) s + damping.
+
+    Readings so precise that a prior is lost beside them in J J^T keep it in the QR factors of J itself,
+    which are slower and lose half as many digits.
+    """
     normal = jacobian @ jacobian.T
     normal[np.diag_indices_from(normal)] += precision
     scale = 1.0 / np.sqrt(np.diag(normal))
-    inverse = cho_solve(cho_factor(normal * np.outer(scale, scale)), np.eye(len(normal)))
-    return np.asarray(0.5 * (inverse + inverse.T) * np.outer(scale, scale))
+    unit = normal * np.outer(scale, scale)
+    unit[np.diag_indices_from(unit)] += damping
+    try:
+        root = cholesky(unit)
+        if np.diag(root).min() > _SMALLEST_PIVOT:
+            return root, scale
+    except LinAlgError:
+        pass
+    own = np.diag(np.sqrt(precision * scale**2 + damping))
+    (factor,) = qr(np.vstack([jacobian.T * scale, own]), mode="r")
+    return np.asarray(factor[: len(scale)]), scale

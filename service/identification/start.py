@@ -41,22 +41,16 @@ def started_structure(
 
     Raises
     ------
-    UnknownEffectError
-        An effect is not registered.
-    ConfigurationError
-        Two effects have the same parameter.
+    UnknownEffectError, ConfigurationError
+        An effect is not registered, or two have the same parameter.
     """
     base_start, base_values = _placed_start(campaign, placement)
     tool_start, tool_values = _angles_about(np.eye(3), tool_rotation)
     unknown = known_placement(campaign).nest_unknown
+    instrument = campaign.tracker_position_mm
     specs, owners = _specs(effects, setting)
     begin = _begin_values(base_values, tool_values, placement.nests_mm)
     start = np.array([begin.get(spec.name, spec.prior_mean) for spec in specs])
-    found_free = campaign.base_nominal is None
-    specs = tuple(
-        spec._replace(prior_mean=float(value)) if _from_data(owner, found_free) else spec
-        for spec, owner, value in zip(specs, owners, start, strict=True)
-    )
     structure = Structure(
         robot=campaign.robot,
         base_rotation=base_start[0],
@@ -65,18 +59,23 @@ def started_structure(
         tool_rotation=tool_start,
         gravity_m_s2=np.array(campaign.gravity_m_s2),
         effects=effects,
-        specs=specs,
+        specs=_about_start(specs, owners, start, base_found=campaign.base_nominal is None),
         owners=owners,
         torques_measured=setting.torque_source == "measured",
-        instrument_mm=None
-        if campaign.tracker_position_mm is None
-        else np.array(campaign.tracker_position_mm),
+        instrument_mm=None if instrument is None else np.array(instrument),
     )
     return structure, start
 
 
-def _from_data(owner: str, base_found: bool) -> bool:
-    return owner == "tool" or (owner == "base" and base_found)
+def _about_start(
+    specs: tuple[ParameterSpec, ...], owners: tuple[str, ...], start: FloatArray, *, base_found: bool
+) -> tuple[ParameterSpec, ...]:
+    """Put the priors of what was found from the data about where it was found."""
+    found = ("base", "tool") if base_found else ("tool",)
+    return tuple(
+        spec._replace(prior_mean=float(value)) if owner in found else spec
+        for spec, owner, value in zip(specs, owners, start, strict=True)
+    )
 
 
 def _placed_start(

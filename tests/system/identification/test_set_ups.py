@@ -172,6 +172,47 @@ def test_an_effect_that_leaves_open_what_the_campaign_does_not_know_is_refused()
         identify(replace(campaign, nests=(Nest(NESTS[0]), Nest(None), Nest(NESTS[2]))), ("base", "geometry"))
 
 
+def test_effects_that_find_nothing_unknown_are_refused():
+    with pytest.raises(ConfigurationError, match="Nothing is unknown that tool could say"):
+        identify(nominal_campaign(40), ("tool",))
+
+
+def test_a_base_that_is_held_stays_where_the_drawing_puts_it():
+    effects = ("geometry", "compliance")
+    campaign, truth = measured(nominal_campaign(60), effects=effects)
+
+    answer = identify(campaign, effects)
+
+    assert_explains_the_noise(answer)
+    assert answer.model.base == answer.model.nominal_base == campaign.base_nominal
+    assert names_of(answer) == set(truth.values)
+
+
+def test_revisits_of_a_single_place_cannot_be_cross_validated():
+    campaign, _ = measured(nominal_campaign(60))
+    points = campaign.calibration
+    stops = replace(points.stops, repeat_of=np.ones(60, dtype=np.int64))
+
+    answer = identify(replace(campaign, calibration=replace(points, stops=stops)))
+
+    assert answer.cross_validation is None
+    assert answer.counts.configurations == 1
+
+
+def test_readings_without_any_noise_and_of_absurd_precision_are_identified():
+    campaign, _ = measured(nominal_campaign(60), noise_mm=0.0)
+    points = campaign.calibration
+    robot = replace(IRB_120, repeatability_mm=0.0)
+    precise = replace(points, standard_uncertainty_mm=np.full(60, 1e-9))
+    free = replace(campaign, robot=robot, calibration=precise, nests=(Nest(None),) * 3)
+
+    answer = identify(free)
+
+    assert answer.status in {Status.CONVERGED, Status.NOT_CONVERGED}
+    assert answer.calibration.identified.max_mm < 1e-2
+    assert {"theta_6", "d_6"} <= open_names(answer)
+
+
 def test_a_torque_that_is_missing_somewhere_is_asked_for():
     campaign = nominal_campaign(40)
     points = campaign.calibration

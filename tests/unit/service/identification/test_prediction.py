@@ -1,7 +1,5 @@
 """Prediction: what a model needs to be told, and what its uncertainty contains."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -119,6 +117,7 @@ def test_the_base_is_where_the_model_says():
 def test_no_rows_give_no_predictions():
     empty = Stops(np.zeros(0, dtype=np.int64), np.zeros((0, 6)))
 
-    position, uncertainty = predict(replace(model()), empty, np.zeros(0, dtype=np.int64))
+    for known in (model(), with_spring()):
+        position, uncertainty = predict(known, empty, np.zeros(0, dtype=np.int64))
 
-    assert position.shape == (0, 3) and uncertainty.shape == (0,)
+        assert position.shape == (0, 3) and uncertainty.shape == (0,)

@@ -129,3 +129,22 @@ def test_what_the_data_do_not_see_stays_at_its_prior():
 
     assert solution.values[2] == pytest.approx(7.0)
     assert solution.covariance[2, 2] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("precise", [1e3, 1e7, 1e9])
+def test_a_prior_is_not_lost_beside_readings_of_any_precision(precise):
+    """Only the sum is seen: the difference stays as uncertain as believed, whatever doubles lose in J J^T."""
+    design = precise * np.ones((10, 2))
+
+    solution = solve(linear(design, 3.0 * design[:, 0]), np.zeros(2), np.array([1.0, 0.0]), np.ones(2))
+
+    difference = np.array([1.0, -1.0])
+    assert difference @ solution.covariance @ difference == pytest.approx(2.0, rel=1e-3)
+    assert solution.values == pytest.approx([2.0, 1.0], rel=1e-3)
+
+
+def test_a_model_without_parameters_is_where_it_should_be():
+    solution = solve(linear(np.zeros((5, 0)), np.ones(5)), np.zeros(0), np.zeros(0), np.zeros(0))
+
+    assert solution.converged
+    assert solution.covariance.shape == (0, 0)
