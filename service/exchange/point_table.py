@@ -6,7 +6,7 @@ from collections.abc import Collection
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.domain.campaign import FixedNestReadings, PointReadings
+from service.domain.campaign import FixedNestReadings, PointReadings, Stops
 from service.exchange.errors import MissingEntryError
 from service.exchange.stop_columns import read_stops_of, stop_columns, torque_names
 from service.exchange.table import POSITIVE, WHOLE, Column, Table, at_least, one_of, read_table
@@ -21,6 +21,9 @@ UPPER_TRIANGLE = np.triu_indices(3)  # row by row, the order of COVARIANCE
 _QUATERNION_TOLERANCE = 2e-3
 # A quaternion of full precision is left as it is, so that writing and reading it again changes nothing.
 _ROUNDING = 1e-14
+# Controllers report 0.01 deg, and an arm may stop as far off its target; two configurations of a plan lie
+# tens of degrees apart.
+_SAME_JOINTS_DEG = 0.5
 
 Vector = tuple[float, float, float]
 
@@ -61,7 +64,7 @@ def read_point_table(
         quaternion=_quaternion(table),
         rotation_uncertainty_rad=_rotation_uncertainty(table),
     )
-    return readings, (*ignored_columns(table), *_superseded(table))
+    return readings, (*ignored_columns(table), *_superseded(table), *_doubtful_repeats(readings.stops))
 
 
 def read_reference_table(
@@ -94,6 +97,24 @@ def _superseded(table: Table) -> tuple[str, ...]:
     if COVARIANCE[0] not in table or BEAM[0] not in table:
         return ()
     return (f"columns {' and '.join(BEAM)} are ignored, {COVARIANCE[0]} to {COVARIANCE[-1]} say more",)
+
+
+def _doubtful_repeats(stops: Stops) -> tuple[str, ...]:
+    """Return a clause when a revisit names a configuration of other joints: it would be no pure error."""
+    if stops.repeat_of is None:
+        return ()
+    _, first = np.unique(stops.config, return_index=True)
+    row_of = dict(zip(stops.config[first].tolist(), first.tolist(), strict=True))
+    earlier = np.array([row_of.get(config, row) for row, config in enumerate(stops.repeat_of.tolist())])
+    away_deg = np.degrees(np.abs(stops.joints_rad - stops.joints_rad[earlier]).max(axis=1))
+    wrong = np.flatnonzero(away_deg > _SAME_JOINTS_DEG)
+    if len(wrong) == 0:
+        return ()
+    row = int(wrong[0])
+    return (
+        f"column repeat_of: configuration {stops.config[row]} is no revisit of {stops.repeat_of[row]},"
+        f" whose joints differ by {away_deg[row]:.3g} deg ({len(wrong)} such in all): correct or empty it",
+    )
 
 
 def _covariance(table: Table, tracker_position_mm: Vector | None) -> FloatArray | None:

@@ -85,6 +85,22 @@ def test_unknown_columns_are_reported_once_by_name():
     )
 
 
+def test_a_revisit_of_other_joints_is_reported():
+    campaign = read(with_columns("repeat_of", "", "1"))
+
+    assert campaign.ignored == (
+        "calibration.csv: column repeat_of: configuration 2 is no revisit of 1, whose joints differ by 5 deg"
+        " (1 such in all): correct or empty it.",
+    )
+
+
+@pytest.mark.parametrize(("q1_deg", "repeated"), [("0.01", "1"), ("5", "77"), ("5", "-1")])
+def test_a_revisit_within_the_controller_s_resolution_and_one_of_another_file_are_silent(q1_deg, repeated):
+    text = f"{HEADER},repeat_of\n{ROWS[0]},\n2,{q1_deg},10,20,1,100,200,300,0.02,{repeated}"
+
+    assert read(text).ignored == ()
+
+
 def test_another_unit_beside_the_right_one_is_only_an_unknown_column():
     campaign = read(with_columns("x_m", "0.1", "0.11"))
 
