@@ -168,3 +168,6 @@ class Validation:
     distance: NominalAndIdentified | None
     limit_mm: float | None
     passed: bool
+    claimed_mm: float = float(
+        "nan"
+    )  # mean error that the model's own uncertainty and the readings' let expect

@@ -142,9 +142,14 @@ def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) ->
     joints_named = {int(name.split("*")[0].rsplit("_", 1)[1]) for name in members if _of_joint(name)}
     nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
     last = structure.robot.n_joints
+    if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
+        return (
+            "lengths from an unknown anchor: its place, the offset of the length "
+            "and these quantities of the arm are seen only together"
+        )
     if "scale" in members:
         return (
-            "no certified length was measured: "
+            "no certified length is among the observations: "
             "the instrument's scale and the lengths of the arm are seen only together"
         )
     if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:

@@ -129,7 +129,9 @@ def _answer(
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
     status, message = verdict.judge(campaign, problem, identified, nominal)
-    named = _not_identifiable(problem, identified)
+    # Where nothing fits, the covariance speaks of the misfit, not of what the configurations can see.
+    trusted = status in (Status.CONVERGED, Status.NOT_CONVERGED)
+    named = _not_identifiable(problem, identified) if trusted else ()
     kept = ~identified.gross[0]
     return Identification(
         status=status,

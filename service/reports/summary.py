@@ -44,10 +44,22 @@ def validation_summary(validation: Validation) -> Group:
 
 def _verdict(validation: Validation) -> str:
     if validation.limit_mm is None:
-        verb = "is below" if validation.passed else "is not below"
-        return f"The identified model's mean error {verb} the nominal one's."
+        return _without_limit(validation)
     verb = "stays within" if validation.passed else "exceeds"
     return f"The largest error {verb} the limit of {validation.limit_mm:g} mm."
+
+
+def _without_limit(validation: Validation) -> str:
+    if validation.passed:
+        return (
+            "The identified model's mean error is below the nominal one's and in keeping with what it claims."
+        )
+    if validation.position.identified.mean_mm > validation.position.nominal.mean_mm:
+        return "The identified model's mean error is not below the nominal one's."
+    return (
+        f"The identified model's mean error is far above the {validation.claimed_mm:.3g} mm that it claims: "
+        "the readings are of another robot, frame or unit, or the robot has changed."
+    )
 
 
 def figures_table(identification: Identification) -> Table:

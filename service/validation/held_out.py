@@ -12,6 +12,7 @@ from service.identification import predict, predict_lengths, predict_nominal
 from service.identification.statistics import mean_norm, statistics
 
 _PAIRS_AT_ONCE = 2_000_000
+_BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 
 
 def validate(
@@ -25,8 +26,8 @@ def validate(
     readings : PointReadings or LegReadings
         n >= 1 readings.
     limit_mm : float, optional
-        Largest error that passes; without it the model passes when its mean error is below the nominal
-        model's.
+        Largest error that passes; without it the model passes when its mean error is neither above the
+        nominal model's nor far above what it claims itself.
 
     Returns
     -------
@@ -41,21 +42,26 @@ def validate(
         raise ConfigurationError("There is no reading to validate with.")
     if isinstance(readings, LegReadings):
         return _validate_legs(model, readings, limit_mm)
-    predicted, _ = predict(model, readings.stops, readings.nest)
+    predicted, uncertainty = predict(model, readings.stops, readings.nest)
     nominal = predict_nominal(model, readings.stops, readings.nest)
     covariance = _covariance_mm2(model, readings)
     noise = mean_norm(covariance)
     position = NominalAndIdentified(
         statistics(readings.position_mm - nominal, noise), statistics(readings.position_mm - predicted, noise)
     )
+    own = np.maximum(uncertainty**2 - model.repeatability_mm**2, 0.0)  # the scatter is in the covariance
+    claimed = mean_norm(covariance + own[:, None, None] * np.eye(3))
     distance = _distances(readings, nominal, predicted, covariance)
-    return Validation("position", position, distance, limit_mm, _passes(position, limit_mm))
+    passed = _passes(position, limit_mm, claimed)
+    return Validation("position", position, distance, limit_mm, passed, claimed)
 
 
-def _passes(position: NominalAndIdentified, limit_mm: float | None) -> bool:
-    if limit_mm is None:
-        return position.identified.mean_mm <= position.nominal.mean_mm
-    return position.identified.max_mm <= limit_mm
+def _passes(position: NominalAndIdentified, limit_mm: float | None, claimed_mm: float) -> bool:
+    if limit_mm is not None:
+        return position.identified.max_mm <= limit_mm
+    # A model far from what it claims does not know this robot, frame or unit, however bad the nominal one is.
+    better = position.identified.mean_mm <= position.nominal.mean_mm
+    return better and position.identified.mean_mm <= _BEYOND_CLAIM * claimed_mm
 
 
 def _covariance_mm2(model: Model, readings: PointReadings) -> FloatArray:
@@ -72,7 +78,8 @@ def _validate_legs(model: Model, legs: LegReadings, limit_mm: float | None) -> V
     nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
     identified = (legs.length_mm - predict_lengths(model, legs))[:, None]
     pair = NominalAndIdentified(statistics(nominal, noise), statistics(identified, noise))
-    return Validation("length", pair, None, limit_mm, _passes(pair, limit_mm))
+    claimed = noise * float(np.sqrt(1.0 + (model.discrepancy_mm / np.sqrt(np.mean(sigma**2))) ** 2))
+    return Validation("length", pair, None, limit_mm, _passes(pair, limit_mm, claimed), claimed)
 
 
 def _distances(

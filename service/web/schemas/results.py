@@ -132,7 +132,8 @@ class ValidationRequest(Request):
         None,
         gt=0,
         le=1000,
-        description="Largest error that passes; null: the mean error must be below the nominal model's.",
+        description="Largest error that passes; null: the mean error must be below the nominal model's "
+        "and in keeping with what the model claims.",
     )
 
 

@@ -1,5 +1,6 @@
 import io
 import re
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -53,21 +54,38 @@ def test_the_summary_of_what_was_not_fitted_is_its_message():
     assert printed(identification_summary(identification)) == "Too few data.\n"
 
 
+def test_a_model_worse_than_the_nominal_one_is_called_so():
+    pair = make_pair()
+    worse = replace(pair, identified=replace(pair.identified, mean_mm=pair.nominal.mean_mm + 1.0))
+
+    text = printed(validation_summary(Validation("position", worse, None, None, False, 0.02)))
+
+    assert "mean error is not below the nominal one's" in text
+
+
 @pytest.mark.parametrize(
     ("limit_mm", "passed", "sentence"),
     [
         (0.2, True, "The largest error stays within the limit of 0.2 mm."),
         (0.1, False, "The largest error exceeds the limit of 0.1 mm."),
-        (None, True, "The identified model's mean error is below the nominal one's."),
-        (None, False, "The identified model's mean error is not below the nominal one's."),
+        (
+            None,
+            True,
+            "is below the nominal one's and in keeping with what it claims.",
+        ),
+        (
+            None,
+            False,
+            "the readings are of another robot, frame or unit, or the robot has changed.",
+        ),
     ],
 )
 def test_a_validation_ends_with_its_verdict(limit_mm, passed, sentence):
-    validation = Validation("position", make_pair(), make_pair(mean_mm=0.031), limit_mm, passed)
+    validation = Validation("position", make_pair(), make_pair(mean_mm=0.031), limit_mm, passed, 0.02)
 
     text = printed(validation_summary(validation))
 
-    assert text.rstrip().endswith(sentence)
+    assert " ".join(text.split()).endswith(sentence)
     assert re.search(r"Distance between points\W+nominal", text)
     assert "0.0310" in text
 

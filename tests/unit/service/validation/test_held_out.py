@@ -115,7 +115,18 @@ def test_the_limit_judges_the_largest_error(limit_mm, passed):
 
 @pytest.mark.parametrize(("error_mm", "passed"), [(0.5, True), (1.5, False)])
 def test_without_a_limit_the_nominal_model_is_the_measure(error_mm, passed):
-    assert validate(model(error_mm), readings(noise_mm=0.0)).passed is passed
+    honest = replace(model(error_mm), discrepancy_mm=error_mm)
+
+    assert validate(honest, readings(noise_mm=0.0)).passed is passed
+
+
+def test_without_a_limit_a_model_far_from_what_it_claims_fails():
+    boastful = replace(model(0.5), discrepancy_mm=0.01)
+
+    answer = validate(boastful, readings(noise_mm=0.0))
+
+    assert not answer.passed
+    assert answer.position.identified.mean_mm > 3.0 * answer.claimed_mm
 
 
 def test_one_reading_has_no_distances():
