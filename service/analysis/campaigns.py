@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Sized
 
 from service.analysis.assembly import MeasuredSession, assemble_campaign
+from service.analysis.errors import RoleError
 from service.domain.campaign import Campaign
 from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from service.storage.campaigns import CampaignRepository, NewCampaign
@@ -31,7 +32,8 @@ class CampaignDesk:
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
     ) -> int:
-        """Store the campaign of one or two sessions; raises as `assemble_campaign`, and NotFoundError."""
+        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError."""
+        await self._check_roles(calibration_id, validation_id)
         calibration = await self._measured(calibration_id)
         validation = None if validation_id is None else await self._measured(validation_id)
         campaign = assemble_campaign(calibration, validation)
@@ -39,6 +41,19 @@ class CampaignDesk:
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
         stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
         return await self._campaigns.add(stored, key)
+
+    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> None:
+        # A calibration session may judge another one's model; what was kept for validation never identifies.
+        if (await self._sessions.get(calibration_id)).role != "calibration":
+            raise RoleError(
+                f"Session {calibration_id} is for validation, its readings never identify; "
+                "make the campaign of a calibration session and name this one as its validation session."
+            )
+        if calibration_id == validation_id:
+            raise RoleError(
+                f"Session {calibration_id} cannot judge the model that it identifies; "
+                "name another session, or none."
+            )
 
     async def _measured(self, session_id: int) -> MeasuredSession:
         return MeasuredSession(

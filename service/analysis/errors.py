@@ -2,6 +2,7 @@
 
 AnalysisError
 ├── SessionsDifferError    two sessions were not measured with the same robot and set-up
+├── RoleError              readings kept for validation would identify, or judge what they identified
 ├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
 └── WorkerDiedError        the worker process ended without an answer
 """
@@ -15,6 +16,10 @@ class AnalysisError(TrueposeError):
 
 class SessionsDifferError(AnalysisError):
     """Two sessions were not measured with the same robot and set-up."""
+
+
+class RoleError(AnalysisError):
+    """Readings kept for validation would identify, or would judge the model that they identified."""
 
 
 class NothingMeasuredError(AnalysisError):

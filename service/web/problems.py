@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from drivers.errors import DeviceRefusedError, DriverError
-from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.analysis.errors import NothingMeasuredError, RoleError, SessionsDifferError
 from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
@@ -33,6 +33,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     MissingDeviceError: HTTPStatus.CONFLICT,
     NothingMeasuredError: HTTPStatus.CONFLICT,
     SessionsDifferError: HTTPStatus.CONFLICT,
+    RoleError: HTTPStatus.CONFLICT,
     PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,

@@ -103,6 +103,26 @@ async def test_a_session_becomes_a_campaign_that_can_be_read(client, until):
     assert len(campaign.reference) >= 6  # three nests, before and after
 
 
+async def test_readings_kept_for_validation_never_identify(client, until):
+    validation = await measured(client, until, "validation")
+
+    refused = await client.post(f"/api/v1/sessions/{validation['id']}/campaign", json={"name": "left arm"})
+
+    assert refused.status_code == 409
+    assert "Session 1 is for validation, its readings never identify" in refused.json()["detail"]
+    assert (await client.get(CAMPAIGNS)).json() == []
+
+
+async def test_a_session_does_not_judge_the_model_that_it_identifies(client, until):
+    number = (await measured(client, until, "calibration"))["id"]
+    wanted = {"name": "left arm", "validation_session_id": number}
+
+    refused = await client.post(f"/api/v1/sessions/{number}/campaign", json=wanted)
+
+    assert refused.status_code == 409
+    assert "cannot judge the model that it identifies" in refused.json()["detail"]
+
+
 async def test_a_session_that_never_ran_makes_no_campaign(client):
     path = (await client.post("/api/v1/sessions", json=session_request())).headers["Location"]
 
