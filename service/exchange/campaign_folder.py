@@ -1,10 +1,13 @@
 """Campaign folder, format 1, in and out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from service.domain.campaign import Campaign
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.campaign import Campaign, PointReadings
 from service.exchange.campaign_description import Description, description_document, read_description
 from service.exchange.document import json_document
 from service.exchange.errors import MissingFileError, UnreadableFileError
@@ -101,7 +104,27 @@ def _with_tables(description: Description, data: Mapping[str, bytes]) -> Campaig
         for clause in clauses:
             ignored.setdefault(clause, []).append(description.files[role])
     sentences = (f"{', '.join(files)}: {clause}." for clause, files in ignored.items())
-    return replace(campaign, ignored=(*campaign.ignored, *sentences))
+    return replace(
+        campaign, ignored=(*campaign.ignored, *sentences, *_judged_by_themselves(description, campaign))
+    )
+
+
+def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[str]:
+    """Say how many validation readings are calibration readings too: a copied file proves nothing."""
+    if campaign.calibration is None or campaign.validation is None:
+        return
+    identifying = {row.tobytes() for row in _readings(campaign.calibration)}
+    shared = sum(row.tobytes() in identifying for row in _readings(campaign.validation))
+    if shared:
+        yield (
+            f"{description.files['validation']}: {shared} of {len(campaign.validation)} readings stand in "
+            f"{description.files['calibration']} as well; these judge nothing."
+        )
+
+
+def _readings(points: PointReadings) -> FloatArray:
+    """Return what makes a reading the same as another: joints, nest and position, one row each."""
+    return np.column_stack([points.stops.joints_rad, points.nest, points.position_mm])
 
 
 def campaign_files(campaign: Campaign) -> dict[str, str]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from service.exchange.campaign_folder import campaign_files, campaign_from
-from tests.builders import make_campaign
+from tests.builders import make_campaign, make_points
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
 ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.03")
@@ -83,6 +83,32 @@ def test_unknown_columns_are_reported_once_by_name():
         "calibration.csv: column operator is not part of the format and is ignored.",
         "calibration.csv: column shift is not part of the format and is ignored.",
     )
+
+
+def test_validation_readings_that_identify_as_well_are_reported():
+    text = "\n".join([PLAIN, "3,6,15,25,1,111,210,310,0.03"])
+    files = campaign_files(make_campaign(validation=make_points()))
+    copied = {**files, "calibration.csv": PLAIN, "validation.csv": text}
+
+    campaign = campaign_from(lambda name: copied[name].encode())
+
+    assert campaign.ignored == (
+        "validation.csv: 2 of 3 readings stand in calibration.csv as well; these judge nothing.",
+    )
+
+
+def test_another_reading_of_the_same_configuration_may_judge():
+    files = campaign_files(make_campaign(validation=make_points()))
+    again = {
+        **files,
+        "calibration.csv": PLAIN,
+        "validation.csv": PLAIN.replace("100,200,300", "100.01,200,300"),
+    }
+    only_the_other = again["validation.csv"].replace("\n" + ROWS[1], "")
+
+    campaign = campaign_from(lambda name: {**again, "validation.csv": only_the_other}[name].encode())
+
+    assert campaign.ignored == ()
 
 
 def test_a_revisit_of_other_joints_is_reported():
