@@ -40,19 +40,23 @@ _SPEED_MS: Final = {50: 20.0, 1000: 30.0, 10000: 170.0}
 def main() -> int:
     """Measure everything, print it, write it; status 1 where a target is missed."""
     options = _options()
-    sections = list(_sections(options.seeds, options.coverage_seeds))
-    for section in sections:
-        sys.stdout.write(f"\n{section.title}\n")
-        for row in section.rows:
-            sys.stdout.write(
-                f"  {row.figure:62s} {row.target:>22s} {row.measured:>34s}  {row.verdict.value}\n"
-            )
-        if section.note:
-            sys.stdout.write(f"  {section.note}\n")
+    sections = []
+    for section in _sections(options.seeds, options.coverage_seeds):
+        _print(section)
+        sections.append(section)
     options.out.mkdir(parents=True, exist_ok=True)
     write_table_report(options.out / "accuracy.html", "Accuracy report", sections, simulated=True)
     missed = any(row.verdict is Verdict.FAILED for section in sections for row in section.rows)
     return 1 if missed else 0
+
+
+def _print(section: Section) -> None:
+    sys.stdout.write(f"\n{section.title}\n")
+    for row in section.rows:
+        sys.stdout.write(f"  {row.figure:62s} {row.target:>22s} {row.measured:>34s}  {row.verdict.value}\n")
+    if section.note:
+        sys.stdout.write(f"  {section.note}\n")
+    sys.stdout.flush()
 
 
 def _options() -> argparse.Namespace:
