@@ -30,7 +30,9 @@ class RunProgress:
             self._bars.update(bar, completed=done, total=planned)
 
         yield told
-        total = self._bars.tasks[bar].total or 1  # a phase that told nothing is one step
+        # Bars are found by their number: those of earlier chapters are gone, so it is no place in a list.
+        (task,) = (task for task in self._bars.tasks if task.id == bar)
+        total = task.total or 1  # a phase that told nothing is one step
         self._bars.update(bar, completed=total, total=total)
         self._bars.stop_task(bar)
 
