@@ -1,11 +1,13 @@
 """The air in the cell: a slow wave of temperature, and what a sensor says of it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from simulators.errors import ScenarioError
+from simulators.physics.rigid import FloatArray
 
 PRESSURE_HPA = 1013.25
 HUMIDITY_PERCENT = 45.0
@@ -33,13 +35,15 @@ class Air:
 
     setup: AirSetup
     phase_rad: float
+    warming_k: Callable[[FloatArray], FloatArray]  # what comes on top, at times of shape (n,)
 
-    def temperature_c(self, time_s: float) -> float:
-        """Return the true temperature [C]."""
+    def temperature_c(self, time_s: FloatArray) -> FloatArray:
+        """Return the true temperature [C], shape (n,)."""
         angle = 2.0 * math.pi * time_s / self.setup.wave_period_s + self.phase_rad
-        return self.setup.temperature_c + self.setup.wave_k * math.sin(angle)
+        wave: FloatArray = self.setup.temperature_c + self.setup.wave_k * np.sin(angle)
+        return wave + self.warming_k(time_s)
 
     def sensed_c(self, time_s: float, rng: np.random.Generator | None) -> float:
         """Return what a sensor reads [C]; without generator it has no noise."""
         noise = 0.0 if rng is None else self.setup.sensor_noise_k * float(rng.standard_normal())
-        return self.temperature_c(time_s) + noise
+        return float(self.temperature_c(np.array([time_s]))[0]) + noise

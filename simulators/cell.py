@@ -6,17 +6,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from simulators.air import Air
+from simulators.building import draw_effects, draw_nests, draw_plant
 from simulators.clock import CellClock
 from simulators.faults import Fault, Faults
-from simulators.physics.arm import CarriedMass
-from simulators.physics.effects import Conditions, Effect, PlantedChange, plant_effect
+from simulators.physics.effects import Conditions, PlantedChange
+from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.equilibrium import Rest, find_rest
-from simulators.physics.plant import Plant, draw_compliances, draw_motions
-from simulators.physics.rigid import FloatArray, apply
-from simulators.physics.robots import ARMS
+from simulators.physics.rigid import FloatArray, apply, small_motion
+from simulators.planted import PlantedEffects
 from simulators.robot import JointMotion, Robot, SpeedLimits, check_range
 from simulators.scenario import Scenario
 from simulators.tracker import HOME_MM, Target, Tracker, place_tracker, returns_beam, seen_from
+
+# Enough configurations all over the ranges that an arm which folds under its weight does so in one of them.
+_TRIED_STOPS = 32
 
 
 class Cell:
@@ -27,27 +30,30 @@ class Cell:
 
         Raises ScenarioError or NoEquilibriumError for a cell that cannot be.
         """
-        plant_rng, self.rng = (np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(2))
+        parts = np.random.SeedSequence(seed).spawn(4)
+        plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
         self.scenario = scenario
         self.seed = seed
         self.clock = clock
         self.faults = Faults()
         self.attachment = 1
-        self.plant = _draw_plant(scenario, plant_rng)
-        self.tool_nests_mm = _certified(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
-        self._fixed_nests_mm = _certified(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
-        self.air = Air(scenario.air, float(plant_rng.uniform(-math.pi, math.pi)))
-        frame = place_tracker(scenario.tracker, plant_rng)
-        self.tracker = Tracker(scenario.tracker, frame, self._targets, self.noise)
+        self.plant = draw_plant(scenario, plant_rng)
+        self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
+        self._fixed_nests_mm = draw_nests(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
+        self.planted = draw_effects(scenario, self.plant, seed, everyday_rng)
+        phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
+        self.air = Air(scenario.air, phase_rad, lambda time_s: self.planted.warming_k(time_s))
+        self._first_frame = place_tracker(scenario.tracker, plant_rng)
+        self.tracker = Tracker(scenario.tracker, self._frame_now, self._targets, self.noise, self._spoil)
         scatter_mm = scenario.arm.scatter_mm if scenario.noise else 0.0
         self.robot = Robot(self.plant.arm, np.radians(scenario.arm.home_deg), scatter_mm, self.rng)
-        self._effects: list[Effect] = [plant_effect(change, self.plant.arm) for change in scenario.effects]
-        self._rest: tuple[tuple[float, ...], Rest] | None = None
+        self._stop: tuple[tuple[float, ...], Rest, FloatArray] | None = None
         facing = np.array(scenario.tool.facing)
-        self._facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
+        self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
         for fault in scenario.faults:
             self.add_fault(fault)
-        self._rest_now()  # springs so soft that the arm folds are refused here, not in front of a client
+        # Springs so soft that the arm folds are refused here, not in front of a client.
+        self._check_stands(self.planted, max((change.from_s for change in scenario.effects), default=0.0))
 
     @property
     def noise(self) -> np.random.Generator | None:
@@ -55,9 +61,11 @@ class Cell:
         return self.rng if self.scenario.noise else None
 
     def plant_change(self, change: PlantedChange) -> None:
-        """Plant a physical change; raises ScenarioError."""
-        self._effects.append(plant_effect(change, self.plant.arm))
-        self._rest = None
+        """Plant a change; raises ScenarioError or NoEquilibriumError, and then nothing has changed."""
+        planted = self.planted.with_change(change)
+        self._check_stands(planted, change.from_s)
+        self.planted = planted
+        self._stop = None
 
     def add_fault(self, fault: Fault) -> None:
         """Script a failure; raises ScenarioError when it cannot happen here."""
@@ -76,14 +84,26 @@ class Cell:
 
     def true_positions(self, conditions: Conditions) -> FloatArray:
         """Tool nest centres without noise and scatter [mm, world], shape (n, nests, 3)."""
-        return find_rest(self.plant, self._effects, conditions).nest_positions(self.tool_nests_mm)
+        return self.rest(conditions).nest_positions(self.true_nests_mm(conditions))
+
+    def rest(self, conditions: Conditions) -> Rest:
+        """Let the arm come to rest."""
+        return find_rest(self.plant, self.planted.arm, conditions, self.planted.mass_changes(conditions))
+
+    def true_nests_mm(self, conditions: Conditions) -> FloatArray:
+        """Tool nests where they truly are, last frame, shape (1 or n, nests, 3)."""
+        places: FloatArray = self.tool_nests_mm + self.planted.nest_offsets_mm(conditions)
+        return places
 
     def conditions(
         self, joints_rad: FloatArray, direction: FloatArray, time_s: FloatArray, attachment: FloatArray
     ) -> Conditions:
         """Circumstances of n stops; the temperature follows from the times."""
-        temperature = np.array([self.air.temperature_c(float(time)) for time in time_s])
-        return Conditions(joints_rad, direction, time_s, temperature, attachment)
+        return Conditions(joints_rad, direction, time_s, self.air.temperature_c(time_s), attachment)
+
+    def conditions_now(self) -> Conditions:
+        """Circumstances of the arm as it is now."""
+        return self._conditions(self.robot.motion.joints_at(self.clock.now_s)[np.newaxis], self.clock.now_s)
 
     def fixed_nests_mm(self) -> FloatArray:
         """Where the fixed nests are now [mm, world], shape (nests, 3)."""
@@ -92,21 +112,53 @@ class Cell:
         moved: FloatArray = self._fixed_nests_mm + np.array(shifts).reshape(-1, 3)
         return moved
 
+    def tracker_frames(self, time_s: FloatArray) -> FloatArray:
+        """Where the tracker stands in the world at times, shape (n,) -> (n, 4, 4)."""
+        frames: FloatArray = small_motion(self.planted.frame_motion(time_s)) @ self._first_frame
+        return frames
+
+    def spoiled(self, reading_mm: FloatArray, time_s: FloatArray) -> FloatArray:
+        """Return what planted effects make of readings in the tracker frame, shape (n, 3)."""
+        scale = 1.0 + self.planted.relative_scale(time_s)[:, np.newaxis]
+        spoiled: FloatArray = reading_mm * scale + self.planted.displacement_mm(time_s, self._spoil_rng)
+        return spoiled
+
+    def nests_read(self, nest: NestNumbers, time_s: FloatArray) -> NestNumbers:
+        """Nests (1-based) that are truly read under the labels `nest`, shape (n,)."""
+        return self.planted.nests_read(nest, time_s, self._spoil_rng)
+
+    def _frame_now(self) -> FloatArray:
+        if not self.planted:
+            return self._first_frame
+        now: FloatArray = self.tracker_frames(np.array([self.clock.now_s]))[0]
+        return now
+
+    def _spoil(self, target: str, reading_mm: FloatArray) -> FloatArray:
+        """Return what the tracker makes of one reading now."""
+        if not self.planted:
+            return reading_mm
+        now = np.array([self.clock.now_s])
+        if target.startswith("tool"):
+            nest = int(target.removeprefix("tool "))
+            read = int(self.nests_read(np.array([nest]), now)[0])
+            places = seen_from(self.tracker.frame, self._tool_nests_now())
+            reading_mm = reading_mm + places[read - 1] - places[nest - 1]
+        spoiled: FloatArray = self.spoiled(reading_mm[np.newaxis], now)[0]
+        return spoiled
+
     def _targets(self) -> list[Target]:
         """Every reflector in the cell, as the tracker may see it now."""
         now = self.clock.now_s
         if self.faults.blinded(now):
             return []
-        tool = zip(self._tool_nests_now(), self._facing_now(), strict=True)
         frame = self.tracker.frame
         acceptance = math.radians(self.scenario.tool.acceptance_deg)
+        positions = self._tool_nests_now()
+        visible = returns_beam(frame, positions, self._facing_now(), acceptance)
+        tool = enumerate(zip(seen_from(frame, positions), visible, strict=True), start=1)
         targets = [
-            Target(
-                f"tool {number}",
-                seen_from(frame, position),
-                returns_beam(frame, position, facing, acceptance),
-            )
-            for number, (position, facing) in enumerate(tool, start=1)
+            Target(f"tool {number}", position, bool(seen))
+            for number, (position, seen) in tool
             if not self.faults.smr_missing(number, now)
         ]
         fixed = enumerate(seen_from(frame, self.fixed_nests_mm()), start=1)
@@ -114,63 +166,48 @@ class Cell:
         return [*targets, *(Target(f"fixed {number}", position, True) for number, position in fixed), home]
 
     def _tool_nests_now(self) -> FloatArray:
-        rest = self._rest_now().nest_positions(self.tool_nests_mm)[0]
         scatter = 0.0 if self.robot.moving(self.clock.now_s) else self.robot.scatter_mm
-        position: FloatArray = rest + scatter
+        position: FloatArray = self._stop_now()[1] + scatter
         return position
 
     def _facing_now(self) -> FloatArray:
-        return apply(self._rest_now().bodies.last_frame[0, :3, :3], self._facing)
+        return apply(self._stop_now()[0].bodies.last_frame[0, :3, :3], self.facing)
 
-    def _rest_now(self) -> Rest:
-        """Return the arm as it is now; found again only when something changed since."""
+    def _stop_now(self) -> tuple[Rest, FloatArray]:
+        """Return the arm as it is now and its nests (nests, 3); found again only when something changed."""
         now = self.clock.now_s
         moving = self.robot.moving(now)
         # Without effects nothing about a stop depends on time.
-        key = (self.robot.stop_number, now if moving or self._effects else -1.0, self.attachment)
-        if self._rest is None or self._rest[0] != key:
-            self._rest = (key, self._find_rest(self.robot.motion.joints_at(now)[np.newaxis], now))
-        return self._rest[1]
+        key = (self.robot.stop_number, now if moving or self.planted else -1.0, self.attachment)
+        if self._stop is None or self._stop[0] != key:
+            conditions = self.conditions_now()
+            rest = self.rest(conditions)
+            self._stop = (key, rest, rest.nest_positions(self.true_nests_mm(conditions))[0])
+        return self._stop[1:]
 
-    def _find_rest(self, joints_rad: FloatArray, time_s: float) -> Rest:
+    def _conditions(self, joints_rad: FloatArray, time_s: float) -> Conditions:
         n = len(joints_rad)
         direction = np.broadcast_to(self.robot.direction, joints_rad.shape)
         attachment = np.full(n, float(self.attachment))
-        stops = self.conditions(joints_rad, direction, np.full(n, time_s), attachment)
-        return find_rest(self.plant, self._effects, stops)
+        return self.conditions(joints_rad, direction, np.full(n, time_s), attachment)
+
+    def _check_stands(self, planted: PlantedEffects, time_s: float) -> None:
+        """Raise NoEquilibriumError when the arm would fold under its weight with these effects."""
+        lower, upper = self.plant.arm.limits_rad.T
+        tries = np.random.default_rng(0).uniform(lower, upper, (_TRIED_STOPS, len(lower)))
+        conditions = self._conditions(tries, time_s)
+        find_rest(self.plant, planted.arm, conditions, planted.mass_changes(conditions))
 
     def _lose_sight(self, motion: JointMotion) -> None:
         """Break the lock on a tool nest that turns away from the tracker somewhere on the path."""
         name = self.tracker.target
         if name is None or not name.startswith("tool"):
             return
-        number = int(name.removeprefix("tool ")) - 1
-        rest = self._find_rest(motion.path_rad, motion.start_s)
-        facing = apply(rest.bodies.last_frame[:, :3, :3], self._facing[number])
-        positions = rest.nest_positions(self.tool_nests_mm[number : number + 1])[:, 0]
+        nest = int(name.removeprefix("tool ")) - 1
+        conditions = self._conditions(motion.path_rad, motion.start_s)
+        rest = self.rest(conditions)
+        facing = apply(rest.bodies.last_frame[:, :3, :3], self.facing[nest])
+        positions = rest.nest_positions(self.true_nests_mm(conditions))[:, nest]
         acceptance = math.radians(self.scenario.tool.acceptance_deg)
-        frame = self.tracker.frame
-        if not all(returns_beam(frame, *pair, acceptance) for pair in zip(positions, facing, strict=True)):
+        if not returns_beam(self.tracker.frame, positions, facing, acceptance).all():
             self.tracker.release()
-
-
-def _certified(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.Generator) -> FloatArray:
-    """Draw true places of nests that a certificate states: off by its uncertainty."""
-    stated = np.array(nests_mm, dtype=np.float64).reshape(-1, 3)
-    return stated + u_mm * rng.standard_normal(stated.shape)
-
-
-def _draw_plant(scenario: Scenario, rng: np.random.Generator) -> Plant:
-    """Draw the robot's errors, then put the stated ones in their place."""
-    arm = ARMS[scenario.robot]
-    motions = draw_motions(arm, scenario.errors, rng)
-    compliance = draw_compliances(arm, scenario.errors, rng)
-    if scenario.base is not None:
-        motions[0] = [*scenario.base.translation_mm, *scenario.base.rotation_rad]
-    for link in scenario.links:
-        motions[link.joint] = [*link.translation_mm, *link.rotation_rad]
-        if link.compliance_rad_per_n_mm is not None:
-            compliance[link.joint - 1] = link.compliance_rad_per_n_mm
-    tool = scenario.tool
-    tool_mass = CarriedMass(arm.n_joints, tool.mass_kg, tool.centre_of_gravity_mm) if tool.mass_kg else None
-    return Plant(arm, motions, compliance, tool_mass)

@@ -4,11 +4,12 @@ from dataclasses import dataclass, field
 
 from simulators.air import AirSetup
 from simulators.errors import ScenarioError
+from simulators.everyday import EverydaySizes
 from simulators.faults import Fault, check_nest
 from simulators.physics.arm import Vector
 from simulators.physics.effects import PlantedChange
 from simulators.physics.plant import PlantSizes
-from simulators.tracker import TrackerSetup
+from simulators.tracker_accuracy import TrackerSetup
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +89,7 @@ class Scenario:
     table: TableSetup = field(default_factory=TableSetup)
     tracker: TrackerSetup = field(default_factory=TrackerSetup)
     air: AirSetup = field(default_factory=AirSetup)
+    everyday: EverydaySizes | None = None  # absent: none of the many small effects of any robot
     effects: tuple[PlantedChange, ...] = ()
     faults: tuple[Fault, ...] = ()
 

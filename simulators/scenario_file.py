@@ -2,13 +2,16 @@
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from simulators.air import AirSetup
+from simulators.building import nominal_site
 from simulators.errors import ScenarioError
+from simulators.everyday import EverydaySizes
 from simulators.faults import KINDS, Fault
 from simulators.physics.arm import Arm
 from simulators.physics.effects import PlantedChange, plant_effect
@@ -24,7 +27,7 @@ from simulators.scenario import (
     ToolSetup,
 )
 from simulators.scenario_table import convert, read_table
-from simulators.tracker import TrackerSetup
+from simulators.tracker_accuracy import TrackerSetup
 
 _SHIPPED = Path(__file__).with_name("scenarios")
 _TABLES: Mapping[str, type] = {
@@ -35,7 +38,9 @@ _TABLES: Mapping[str, type] = {
     "table": TableSetup,
     "tracker": TrackerSetup,
     "air": AirSetup,
+    "everyday": EverydaySizes,
 }
+_CHANGE_KEYS = ("name", "subject", "amplitude", "from_s")
 _LISTS = {"link": "links", "effect": "effects", "fault": "faults"}
 _PLAIN: Mapping[str, type] = {"robot": str, "noise": bool}
 
@@ -69,12 +74,14 @@ def load_scenario(name: str) -> Scenario:
         name=path.stem,
         **values,
         links=tuple(_link(item, at, arm) for at, item in _entries(document, "link", where)),
-        effects=tuple(_effect(item, at, arm) for at, item in _entries(document, "effect", where)),
+        effects=tuple(read_change(item, at) for at, item in _entries(document, "effect", where)),
         faults=tuple(read_fault(item, at) for at, item in _entries(document, "fault", where)),
     )
     _check_home(scenario, arm, where)
     for number, fault in enumerate(scenario.faults, start=1):
         _check_fault(fault, scenario, f"{where}: [[fault]] number {number}")
+    for number, change in enumerate(scenario.effects, start=1):
+        _check_change(change, scenario, f"{where}: [[effect]] number {number}")
     return scenario
 
 
@@ -85,6 +92,14 @@ def read_fault(table: object, where: str) -> Fault:
         raise ScenarioError(f'{where}: key "kind" must be one of {", ".join(KINDS)}')
     rest = {key: value for key, value in table.items() if key != "kind"}
     return _read(KINDS[kind], rest, where)
+
+
+def read_change(table: object, where: str) -> PlantedChange:
+    """Read a planted change: four keys of every effect, all others are details for the effect itself."""
+    entries = table if isinstance(table, Mapping) else {}
+    stated = {key: entries[key] for key in _CHANGE_KEYS if key in entries}
+    change = read_table(PlantedChange, stated if isinstance(table, Mapping) else table, where)
+    return replace(change, details={key: entries[key] for key in entries if key not in _CHANGE_KEYS})
 
 
 def _check_home(scenario: Scenario, arm: Arm, where: str) -> None:
@@ -176,10 +191,8 @@ def _link(table: object, where: str, arm: Arm) -> GivenLink:
     return link
 
 
-def _effect(table: object, where: str, arm: Arm) -> PlantedChange:
-    change = _read(PlantedChange, table, where)
+def _check_change(change: PlantedChange, scenario: Scenario, where: str) -> None:
     try:
-        plant_effect(change, arm)
+        plant_effect(change, nominal_site(scenario))
     except ScenarioError as error:
         raise ScenarioError(f"{where}: {error}") from error
-    return change

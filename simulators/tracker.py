@@ -1,8 +1,7 @@
 """The laser tracker as a device: where it stands, what it points at, how well it measures.
 
-Noise per reading from the distance D [m], along the beam a + b D, across it c + d D; two-face error as a
-collimation and an index error of the angles that change sign with the face. Line of sight is the
-reflector's acceptance cone; that the arm itself might stand in the beam is not modelled.
+Two-face error is a collimation and an index error of the angles that change sign with the face. Line of
+sight is the reflector's acceptance cone; that the arm itself might stand in the beam is not modelled.
 """
 
 import math
@@ -10,31 +9,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from simulators.errors import BeamBrokenError, NoTargetError, ScenarioError
-from simulators.physics.arm import Vector
+from simulators.errors import BeamBrokenError, NoTargetError
 from simulators.physics.rigid import FloatArray, inverse, motion, move, rotation
-
-
-@dataclass(frozen=True, slots=True)
-class TrackerSetup:
-    """Where the tracker stands and how good it is."""
-
-    position_mm: Vector = (2600.0, -700.0, 500.0)  # world
-    position_u_mm: float = 5.0  # the tripod stands about there, one sigma per axis
-    tilt_rad: float = 0.002  # out of plumb, one sigma about both horizontal axes
-    along_mm: float = 0.008
-    along_mm_per_m: float = 0.0008
-    across_mm: float = 0.010
-    across_mm_per_m: float = 0.0035
-    two_face_rad: float = 0.5e-6  # collimation and index error
-    initialise_s: float = 5.0
-
-    def __post_init__(self) -> None:
-        for name in self.__dataclass_fields__:
-            if name != "position_mm" and getattr(self, name) < 0.0:
-                raise ScenarioError(f'key "{name}" must be 0 or more, not {getattr(self, name)}')
-
+from simulators.tracker_accuracy import TrackerSetup, covariance_mm2, face_error_mm, noise_mm
 
 # The home reflector sits on the housing; tracker frame.
 HOME_MM = (150.0, 0.0, -60.0)
@@ -78,20 +57,30 @@ class Tracker:
     def __init__(
         self,
         setup: TrackerSetup,
-        frame: FloatArray,
+        frame: Callable[[], FloatArray],
         targets: Callable[[], Sequence[Target]],
         rng: np.random.Generator | None,
+        spoil: Callable[[str, FloatArray], FloatArray],
     ) -> None:
-        """Stand at `frame` (4, 4); `targets` lists the cell's reflectors now; without `rng` no noise."""
+        """Stand at `frame` (4, 4) in the world now; without `rng` no noise.
+
+        `targets` lists the cell's reflectors now; `spoil` says what becomes of a reading of one of them.
+        """
         self.setup = setup
-        self.frame = frame
         self.initialised = False
         self.face = 1
         self.aim_mm = np.array(HOME_MM)
         self.target: str | None = None
         self.last_measured_mm: FloatArray | None = None
+        self._frame = frame
         self._targets = targets
         self._rng = rng
+        self._spoil = spoil
+
+    @property
+    def frame(self) -> FloatArray:
+        """Where the tracker stands in the world now, shape (4, 4)."""
+        return self._frame()
 
     @property
     def tilt_rad(self) -> tuple[float, float]:
@@ -151,53 +140,27 @@ class Tracker:
         before_mm : ndarray, shape (3,), optional
             Where the reflector was when the averaging began; it is smeared when it moved since.
         """
-        now_mm = self.locked_target().position_mm
+        target = self.locked_target()
+        now_mm = target.position_mm
         travel = now_mm - (now_mm if before_mm is None else before_mm)
         true_mm = now_mm - travel / 2.0
         apriori = self.covariance_mm2(true_mm)
         smear = np.outer(travel, travel) / 12.0  # variance of an even motion over that way
         samples = max(1, round(duration_s * _SAMPLE_RATE_HZ))
         if self._rng is None:
-            return PointMeasured(true_mm, apriori + smear, apriori, samples)
-        noise = self._noise_mm(true_mm, self._rng.standard_normal(3))
+            return PointMeasured(self._spoil(target.name, true_mm), apriori + smear, apriori, samples)
+        noise = noise_mm(self.setup, true_mm, self._rng)
         shown = self._rng.chisquare(samples - 1) / (samples - 1) if samples > 1 else 1.0
-        measured = true_mm + self._face_error_mm(true_mm) + noise
-        return PointMeasured(measured, apriori * shown + smear, apriori, samples)
+        measured = true_mm + face_error_mm(self.setup, true_mm, self.face) + noise
+        return PointMeasured(self._spoil(target.name, measured), apriori * shown + smear, apriori, samples)
 
     def covariance_mm2(self, position_mm: FloatArray) -> FloatArray:
         """Covariance that the accuracy model states for a reading there, tracker frame, shape (3, 3)."""
-        beam, along, across = self._beam_and_deviations_mm(position_mm)
-        projector = np.outer(beam, beam)
-        covariance: FloatArray = along**2 * projector + across**2 * (np.eye(3) - projector)
-        return covariance
-
-    def _noise_mm(self, position_mm: FloatArray, unit: FloatArray) -> FloatArray:
-        """Give three independent unit normals the covariance of a reading there."""
-        beam, along, across = self._beam_and_deviations_mm(position_mm)
-        on_beam = (beam @ unit) * beam
-        noise: FloatArray = along * on_beam + across * (unit - on_beam)
-        return noise
-
-    def _beam_and_deviations_mm(self, position_mm: FloatArray) -> tuple[FloatArray, float, float]:
-        """Direction of the beam, and standard deviations along and across it."""
-        distance_mm = float(np.linalg.norm(position_mm))
-        setup, distance_m = self.setup, distance_mm / 1000.0
-        along = setup.along_mm + setup.along_mm_per_m * distance_m
-        across = setup.across_mm + setup.across_mm_per_m * distance_m
-        return position_mm / distance_mm, along, across
+        return covariance_mm2(self.setup, position_mm)
 
     def _off_beam_rad(self, target: Target) -> float:
         across = np.linalg.norm(np.cross(self.aim_mm, target.position_mm))
         return math.atan2(float(across), float(self.aim_mm @ target.position_mm))
-
-    def _face_error_mm(self, position_mm: FloatArray) -> FloatArray:
-        sign = 1.0 if self.face == 1 else -1.0
-        sideways = np.array([-position_mm[1], position_mm[0], 0.0])
-        sideways /= max(float(np.linalg.norm(sideways)), 1e-9)
-        upwards = np.cross(position_mm, sideways)  # has the length of the distance
-        distance = float(np.linalg.norm(position_mm))
-        error: FloatArray = sign * self.setup.two_face_rad * (distance * sideways + upwards)
-        return error
 
 
 def seen_from(frame: FloatArray, position_mm: FloatArray) -> FloatArray:
@@ -207,8 +170,13 @@ def seen_from(frame: FloatArray, position_mm: FloatArray) -> FloatArray:
 
 def returns_beam(
     frame: FloatArray, position_mm: FloatArray, facing: FloatArray, acceptance_rad: float
-) -> bool:
-    """Whether a reflector at a world position that faces `facing` (unit vector) sends the beam back."""
-    towards = frame[:3, 3] - position_mm
-    cosine = float(facing @ towards) / float(np.linalg.norm(towards))
-    return cosine >= math.cos(acceptance_rad)
+) -> npt.NDArray[np.bool_]:
+    """Whether reflectors at world positions (..., 3) that face `facing` (unit vectors) send the beam back."""
+    return np.asarray(cosine_to_beam(frame, position_mm, facing) >= math.cos(acceptance_rad))
+
+
+def cosine_to_beam(frame: FloatArray, position_mm: FloatArray, facing: FloatArray) -> FloatArray:
+    """How well reflectors at world positions (..., 3) face the tracker, 1 at best; shape (...)."""
+    towards = frame[..., :3, 3] - position_mm
+    cosine: FloatArray = np.sum(facing * towards, axis=-1) / np.linalg.norm(towards, axis=-1)
+    return cosine

@@ -20,6 +20,11 @@ _CALIBRATION: Final = 50
 _FULL_VALIDATION: Final = 1000
 _SHORT_VALIDATION: Final = 200  # a mean error is known to 3 % from so many
 _SHIPPED: Final = ("irb120-tilted", "irb120-clean", "irb120-thesis", "lrmate-clean", "lrmate-tilted")
+# Robots with many small effects that the model does not know: what remains is theirs, 0.11-0.21 mm in the
+# mean over 24 recorded campaigns of 100 configurations, at most 0.87; fewer configurations leave some more.
+_EVERYDAY: Final = ("irb120-everyday", "lrmate-everyday")
+_EVERYDAY_MEAN_MM: Final = 0.26
+_EVERYDAY_LARGEST_MM: Final = 1.2
 
 # 12 h: a calibration takes 28 s a configuration, so 50 of them with their revisits are long done by then.
 _WRONG_FROM_S: Final = 43_200.0
@@ -69,7 +74,9 @@ class NightCase:
 
 def night_cases(seed: int) -> list[NightCase]:
     """Return the cases of a night: every shipped scenario, and one whose robot goes wrong."""
-    return [*(shipped_case(name, seed) for name in _SHIPPED), wrong_axis_case(seed)]
+    sound = [shipped_case(name, seed) for name in _SHIPPED]
+    everyday = [everyday_case(name, seed) for name in _EVERYDAY]
+    return [*sound, *everyday, wrong_axis_case(seed)]
 
 
 def shipped_case(
@@ -80,6 +87,14 @@ def shipped_case(
     amount = validation or (_FULL_VALIDATION if tilted else _SHORT_VALIDATION)
     request = CellRequest(scenario, seed, calibration, amount, LARGEST_ERROR_MM)
     return NightCase(scenario, request, _tilted_checks if tilted else _sound_checks)
+
+
+def everyday_case(
+    scenario: str, seed: int, calibration: int = _CALIBRATION, validation: int = _SHORT_VALIDATION
+) -> NightCase:
+    """Return the case of a robot as one meets it; `scenario` is shipped."""
+    request = CellRequest(scenario, seed, calibration, validation, _EVERYDAY_LARGEST_MM)
+    return NightCase(scenario, request, _everyday_checks)
 
 
 def wrong_axis_case(
@@ -135,6 +150,14 @@ def _tilted_checks(judged: JudgedRun) -> list[Check]:
             _at_most("measured error, mean", measured["mean_mm"], 0.032),
             _at_most("measured error, largest", measured["max_mm"], LARGEST_ERROR_MM),
         ]
+    return checks
+
+
+def _everyday_checks(judged: JudgedRun) -> list[Check]:
+    checks = [_converged(judged), _validated(judged)]
+    if judged.run.validation is not None:
+        mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
+        checks.append(_at_most("measured error, mean", mean_mm, _EVERYDAY_MEAN_MM))
     return checks
 
 

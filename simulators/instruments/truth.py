@@ -2,10 +2,11 @@
 
 - `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` gives
   `{"positions_mm": [[x, y, z], ...]}`;
-- `{"op": "plant"}` gives link motions, springs, base, nests and the tracker's frame;
+- `{"op": "plant"}` gives link motions, springs, base, nests, the tracker's frame and what is planted;
 - `{"op": "aim"}` gives `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, about as well as an
   operator aims by hand;
-- `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change;
+- `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change, with
+  the details of that effect as further keys (simulators/README.md);
 - `{"op": "fault", "kind": ..., ...}` scripts a failure (the keys of a scenario's `[[fault]]`);
 - `{"op": "attach"}` gives `{"attachment": 2}`: the tool was taken off and mounted anew.
 
@@ -24,11 +25,10 @@ import numpy as np
 from simulators.cell import Cell
 from simulators.errors import SimulatorError, TruthRequestError
 from simulators.instruments.endpoint import Endpoint
-from simulators.physics.effects import PlantedChange
 from simulators.physics.rigid import FloatArray
-from simulators.scenario_file import read_fault
-from simulators.scenario_table import read_table
+from simulators.scenario_file import read_change, read_fault
 from simulators.tracker import seen_from
+from simulators.truth_document import plant_document
 
 _LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
 _LATEST_S = 1e9  # thirty years of cell time
@@ -96,18 +96,7 @@ def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 
 def _plant(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
     del request
-    frame = cell.tracker.frame
-    return {
-        "robot": cell.plant.arm.name,
-        "scenario": cell.scenario.name,
-        "seed": cell.seed,
-        "base": cell.plant.motions[0].tolist(),
-        "links": cell.plant.motions[1:-1].tolist(),
-        "compliance_rad_per_n_mm": cell.plant.compliance_rad_per_n_mm.tolist(),
-        "tool_nests_mm": cell.tool_nests_mm.tolist(),
-        "fixed_nests_mm": cell.fixed_nests_mm().tolist(),
-        "tracker_frame": {"rotation": frame[:3, :3].tolist(), "translation_mm": frame[:3, 3].tolist()},
-    }
+    return plant_document(cell)
 
 
 def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
@@ -117,7 +106,7 @@ def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
 
 
 def _effect(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
-    cell.plant_change(read_table(PlantedChange, request, "effect"))
+    cell.plant_change(read_change(request, "effect"))
     return {}
 
 

@@ -51,6 +51,7 @@ class Arm:
     flange_x: Vector
     flange_z: Vector
     typical_compliance_rad_per_n_mm: tuple[float, ...]
+    gear_ratio: tuple[float, ...]  # turns of the motor per turn of the joint
 
     @property
     def n_joints(self) -> int:
@@ -66,6 +67,13 @@ class Arm:
     def flange(self) -> FloatArray:
         """The last frame at the zero configuration, shape (4, 4)."""
         return _frame(self.flange_mm, self.flange_x, self.flange_z)
+
+    def parallel_to_previous(self, joint: int) -> bool:
+        """Whether the axis of a joint (0-based) is parallel to the one before it."""
+        if joint == 0:
+            return False
+        cosine = np.dot(self.joints[joint].direction, self.joints[joint - 1].direction)
+        return bool(abs(cosine) > 1.0 - 1e-12)
 
     @cached_property
     def limits_rad(self) -> FloatArray:

@@ -1,14 +1,15 @@
 """Where the arm comes to rest: gearboxes wound up until they balance gravity where the arm truly is."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from simulators.errors import SimulatorError
 from simulators.physics.chain import Bodies, link_motions, place_bodies
-from simulators.physics.effects.effect import Conditions, Deflection, Effect, Loads
-from simulators.physics.loads import gravity_torques
+from simulators.physics.effects.effect import Conditions, Deflection, Loads
+from simulators.physics.effects.ports import ArmEffect
+from simulators.physics.loads import MassChange, gravity_torques, place_masses
 from simulators.physics.plant import Plant
 from simulators.physics.rigid import FloatArray, move
 
@@ -31,21 +32,28 @@ class Rest:
     bodies: Bodies
 
     def nest_positions(self, nests_mm: FloatArray) -> FloatArray:
-        """Positions of points of the last frame [mm, world]: shape (m, 3) -> (n, m, 3)."""
+        """Positions of points of the last frame [mm, world]: shape (m, 3) or (n, m, 3) -> (n, m, 3)."""
         return move(self.bodies.last_frame[:, np.newaxis], nests_mm)
 
 
-def find_rest(plant: Plant, effects: Iterable[Effect], conditions: Conditions) -> Rest:
+def find_rest(
+    plant: Plant,
+    effects: Iterable[ArmEffect],
+    conditions: Conditions,
+    mass_changes: Sequence[MassChange] = (),
+) -> Rest:
     """Let the arm come to rest under gravity.
 
     Parameters
     ----------
     plant : Plant
         The true arm; its gearbox springs act always.
-    effects : iterable of Effect
+    effects : iterable of ArmEffect
         What acts besides.
     conditions : Conditions
         Of n stops.
+    mass_changes : sequence of MassChange
+        Masses that differ from those of the plant.
 
     Raises
     ------
@@ -53,16 +61,17 @@ def find_rest(plant: Plant, effects: Iterable[Effect], conditions: Conditions) -
         The fixed point of torque and deflection is not reached.
     """
     acting = (plant.springs, *effects)
-    torque = np.zeros_like(conditions.joints_rad)
+    loads = Loads(np.zeros_like(conditions.joints_rad))
     for _ in range(_MOST_STEPS):
-        deflections = [effect.deflect(conditions, Loads(torque)) for effect in acting]
+        deflections = [effect.deflect(conditions, loads) for effect in acting]
         angles = conditions.joints_rad + _total_angles(deflections)
         bodies = place_bodies(plant.arm, _errors(plant, deflections), angles)
-        found = gravity_torques(bodies, plant.arm.masses, plant.tool_mass)
-        settled = bool(np.max(np.abs(found - torque), initial=0.0) < _TORQUE_TOLERANCE_N_MM)
-        torque = found
-        if settled:
+        masses = place_masses(bodies, plant.arm.masses, plant.tool_mass, mass_changes)
+        torque = gravity_torques(bodies, masses)
+        change = np.max(np.abs(torque - loads.torque_n_mm), initial=0.0)
+        if change < _TORQUE_TOLERANCE_N_MM:
             return Rest(angles, torque, bodies)
+        loads = Loads(torque, masses, bodies)
     raise NoEquilibriumError("the gearbox springs are too soft: the arm finds no rest under its own weight")
 
 

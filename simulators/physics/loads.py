@@ -1,10 +1,11 @@
-"""Gravity torques about the axes where they truly are: r x F of every mass beyond a joint."""
+"""Gravity on the arm where it truly is: the weights, and their torques r x F about the axes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from simulators.physics.arm import CarriedMass
+from simulators.physics.arm import CarriedMass, Vector
 from simulators.physics.chain import Bodies
 from simulators.physics.rigid import FloatArray, apply, move
 
@@ -12,38 +13,79 @@ from simulators.physics.rigid import FloatArray, apply, move
 GRAVITY_M_S2 = (0.0, 0.0, -9.81)
 
 
-def gravity_torques(bodies: Bodies, masses: Sequence[CarriedMass], tool: CarriedMass | None) -> FloatArray:
-    """Torque of gravity about every joint axis [N mm], positive along the axis.
+@dataclass(frozen=True, slots=True)
+class MassChange:
+    """Mass that is there besides (or, negative, instead of) what the arm states."""
+
+    joint: int  # 1-based, that carries it
+    mass_kg: FloatArray  # (n,)
+    centre_mm: Vector | FloatArray  # zero configuration, base frame; of the tool: last frame
+    on_tool: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedMass:
+    """A mass where it is in n configurations."""
+
+    joint: int  # 1-based, that carries it
+    mass_kg: float | FloatArray  # one for all, or (n,)
+    centre_mm: FloatArray  # (n, 3) world
+
+    @property
+    def first_moment_kg_mm(self) -> FloatArray:
+        """Mass times place, shape (n, 3)."""
+        if isinstance(self.mass_kg, float):
+            return self.mass_kg * self.centre_mm
+        return self.mass_kg[:, np.newaxis] * self.centre_mm
+
+
+def place_masses(
+    bodies: Bodies, masses: Iterable[CarriedMass], tool: CarriedMass | None, changes: Iterable[MassChange]
+) -> tuple[PlacedMass, ...]:
+    """Carry the masses along with the bodies.
 
     Parameters
     ----------
     bodies : Bodies
         Of n configurations.
-    masses : sequence of CarriedMass
+    masses : iterable of CarriedMass
         Of the arm, places in the zero configuration.
     tool : CarriedMass or None
         Its place is stated in the last frame.
-
-    Returns
-    -------
-    ndarray, shape (n, J)
+    changes : iterable of MassChange
+        What truly differs from that.
     """
+    placed = [_placed(bodies, item.joint, item.mass_kg, item.centre_of_gravity_mm, False) for item in masses]
+    if tool is not None:
+        placed.append(_placed(bodies, tool.joint, tool.mass_kg, tool.centre_of_gravity_mm, True))
+    placed += [_placed(bodies, item.joint, item.mass_kg, item.centre_mm, item.on_tool) for item in changes]
+    return tuple(placed)
+
+
+def _placed(
+    bodies: Bodies, joint: int, mass_kg: float | FloatArray, centre_mm: Vector | FloatArray, on_tool: bool
+) -> PlacedMass:
+    carrier = bodies.last_frame if on_tool else bodies.placements[:, joint]
+    return PlacedMass(joint, mass_kg, move(carrier, np.asarray(centre_mm)))
+
+
+def gravity_torques(bodies: Bodies, masses: Sequence[PlacedMass]) -> FloatArray:
+    """Torque of gravity about every joint axis [N mm], positive along the axis, shape (n, J)."""
     n, n_joints = bodies.axis_points_mm.shape[:2]
-    mass = np.zeros(n_joints)
+    mass = np.zeros((n, n_joints, 1))
     first_moment = np.zeros((n, n_joints, 3))  # [kg mm] of what hangs on each joint alone
     for item in masses:
-        centre = move(bodies.placements[:, item.joint], np.array(item.centre_of_gravity_mm))
-        mass[item.joint - 1] += item.mass_kg
-        first_moment[:, item.joint - 1] += item.mass_kg * centre
-    if tool is not None:
-        mass[tool.joint - 1] += tool.mass_kg
-        first_moment[:, tool.joint - 1] += tool.mass_kg * move(
-            bodies.last_frame, np.array(tool.centre_of_gravity_mm)
-        )
-    beyond_mass = _sum_beyond(mass[np.newaxis, :, np.newaxis])
-    levers = _sum_beyond(first_moment) - beyond_mass * bodies.axis_points_mm
+        mass[:, item.joint - 1, 0] += item.mass_kg
+        first_moment[:, item.joint - 1] += item.first_moment_kg_mm
+    levers = _sum_beyond(first_moment) - _sum_beyond(mass) * bodies.axis_points_mm
     torques: FloatArray = np.einsum("nji,nji->nj", _moments(levers), bodies.axis_directions)
     return torques
+
+
+def overturning_moment_n_mm(masses: Sequence[PlacedMass], n: int) -> FloatArray:
+    """Moment of all weights about the origin of the world [N mm], shape (n, 3)."""
+    levers = sum((item.first_moment_kg_mm for item in masses), start=np.zeros((n, 3)))
+    return _moments(levers)
 
 
 def _sum_beyond(per_joint: FloatArray) -> FloatArray:
@@ -52,11 +94,6 @@ def _sum_beyond(per_joint: FloatArray) -> FloatArray:
 
 
 def _moments(levers_kg_mm: FloatArray) -> FloatArray:
-    gravity = np.array(GRAVITY_M_S2)
+    x, y, z = GRAVITY_M_S2
     # r x g as a matrix product: cheaper than np.cross for a single configuration
-    minus_gravity_cross = np.array([
-        [0.0, gravity[2], -gravity[1]],
-        [-gravity[2], 0.0, gravity[0]],
-        [gravity[1], -gravity[0], 0.0],
-    ])
-    return apply(minus_gravity_cross, levers_kg_mm)
+    return apply(np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]), levers_kg_mm)

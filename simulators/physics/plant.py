@@ -65,7 +65,7 @@ def draw_motions(arm: Arm, sizes: PlantSizes, rng: np.random.Generator) -> Float
     motions[0] = unit[0] * base
     across = sizes.link_rotation_across_rad
     for i in range(arm.n_joints):
-        tilt = sizes.parallel_axis_tilt_rad if _parallel_to_previous(arm, i) else across
+        tilt = sizes.parallel_axis_tilt_rad if arm.parallel_to_previous(i) else across
         scale = [sizes.link_translation_mm] * 3 + [across, tilt, sizes.link_rotation_about_rad]
         motions[i + 1] = unit[i + 1] * scale
     return motions
@@ -74,10 +74,3 @@ def draw_motions(arm: Arm, sizes: PlantSizes, rng: np.random.Generator) -> Float
 def draw_compliances(arm: Arm, sizes: PlantSizes, rng: np.random.Generator) -> FloatArray:
     """Draw gearbox compliances [rad/(N mm)], shape (J,)."""
     return np.array(arm.typical_compliance_rad_per_n_mm) * rng.uniform(*sizes.compliance_factor, arm.n_joints)
-
-
-def _parallel_to_previous(arm: Arm, joint: int) -> bool:
-    if joint == 0:
-        return False
-    cosine = np.dot(arm.joints[joint].direction, arm.joints[joint - 1].direction)
-    return bool(abs(cosine) > 1.0 - 1e-12)

@@ -2,7 +2,8 @@
 
 Sources: ABB, "Product specification IRB 120", 3HAC035960 (working range, dimensions, axis speeds);
 FANUC, "LR Mate 200iC" data sheet (dimensions, motion range, speeds). Masses and places of the centres
-of gravity: A. Nubiola, thesis, ETS Montreal 2014, section 2.3, moved into the base frame by hand.
+of gravity: A. Nubiola, thesis, ETS Montreal 2014, section 2.3, moved into the base frame by hand. No maker
+states gear ratios and compliances; these are typical of gearboxes of that size.
 """
 
 import math
@@ -42,6 +43,7 @@ _IRB120 = Arm(
     flange_x=_DOWN,  # the controller's flange frame is turned by half a turn
     flange_z=_FORWARD,
     typical_compliance_rad_per_n_mm=(0.02e-6, 0.032e-6, 0.130e-6, 0.605e-6, 0.419e-6, 0.647e-6),
+    gear_ratio=(121.0, 121.0, 101.0, 50.0, 51.0, 50.0),
 )
 
 # Shoulder 75 in front of axis 1 and 330 above the floor, upper arm 300, wrist line 75 above the elbow,
@@ -63,6 +65,7 @@ _LRMATE = Arm(
     flange_x=_UP,
     flange_z=_FORWARD,
     typical_compliance_rad_per_n_mm=(0.015e-6, 0.022e-6, 0.06e-6, 0.30e-6, 0.30e-6, 0.40e-6),
+    gear_ratio=(115.0, 120.0, 110.0, 80.0, 80.0, 50.0),
 )
 
 ARMS: Mapping[str, Arm] = MappingProxyType({arm.name: arm for arm in (_IRB120, _LRMATE)})

@@ -21,9 +21,11 @@ def write(tmp_path):
 def test_the_shipped_scenarios_are_there():
     assert shipped_scenarios() == [
         "irb120-clean",
+        "irb120-everyday",
         "irb120-thesis",
         "irb120-tilted",
         "lrmate-clean",
+        "lrmate-everyday",
         "lrmate-tilted",
     ]
 
@@ -100,7 +102,7 @@ def test_a_file_of_ones_own_builds_on_another_key_by_key(write):
         ('robot = "irb120"\n[[effect]]\nname = "x"', '[[effect]] number 1: key "subject" is missing'),
         (
             'robot = "irb120"\n[[effect]]\nname = "x"\nsubject = "y"\namplitude = 1',
-            'mine.toml: [[effect]] number 1: unknown effect "x"; known: joint_gain',
+            'mine.toml: [[effect]] number 1: unknown effect "x"; known: axis_parallelism, ',
         ),
         ('robot = "irb120"\n[[fault]]\nkind = "flood"', "key \"kind\" must be one of beam_broken"),
         ('robot = "irb120"\n[[fault]]\nkind = "tracker_cut"', '[[fault]] number 1: key "reading" is missing'),
@@ -129,5 +131,5 @@ def test_a_scenario_that_extends_itself_is_refused(write, tmp_path):
 
 
 def test_an_unknown_name_is_answered_with_the_shipped_ones():
-    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-thesis"):
+    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-everyday"):
         load_scenario("irb6600")

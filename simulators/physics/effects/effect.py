@@ -1,8 +1,12 @@
 """What a physical effect may know and what it may do to the arm."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
+import numpy as np
+
+from simulators.physics.chain import Bodies
+from simulators.physics.loads import PlacedMass
 from simulators.physics.rigid import FloatArray
 
 
@@ -19,12 +23,23 @@ class Conditions:
     def __len__(self) -> int:
         return int(self.joints_rad.shape[0])
 
+    def since(self, from_s: float) -> FloatArray:
+        """1 where a change that begins at `from_s` is there, else 0; shape (n,)."""
+        return since(self.time_s, from_s)
+
+
+def since(time_s: FloatArray, from_s: float) -> FloatArray:
+    """1 from `from_s` on, else 0."""
+    return (time_s >= from_s).astype(np.float64)
+
 
 @dataclass(frozen=True, slots=True)
 class Loads:
-    """What gravity does at the configuration as it truly is."""
+    """What gravity does at the configuration as it truly is; nothing before the arm has been placed once."""
 
     torque_n_mm: FloatArray  # (n, J) about each axis, positive along it
+    masses: tuple[PlacedMass, ...] = ()
+    bodies: Bodies | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,20 +49,28 @@ class Deflection:
     angles_rad: FloatArray | None = None  # (n, J)
     motions: FloatArray | None = None  # (n, J+2, 6) [mm, rad], seats as in `chain.link_motions`
 
+    @classmethod
+    def of_joint(cls, conditions: Conditions, joint: int, angle_rad: FloatArray) -> "Deflection":
+        """Turn one joint (0-based) by `angle_rad`, shape (n,)."""
+        angles = np.zeros_like(conditions.joints_rad)
+        angles[:, joint] = angle_rad
+        return cls(angles_rad=angles)
 
-class Effect(Protocol):
-    """A physical source of error; pure, so that it can be asked again while the equilibrium is sought."""
-
-    def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
-        """Return what the effect adds under these conditions and loads."""
-        ...
+    @classmethod
+    def of_body(cls, conditions: Conditions, body: int, motion: FloatArray) -> "Deflection":
+        """Move one body (0 base, then the links, -1 tool) by `motion`, shape (n, 6) [mm, rad]."""
+        n, n_joints = conditions.joints_rad.shape
+        motions = np.zeros((n, n_joints + 2, 6))
+        motions[:, body] = motion
+        return cls(motions=motions)
 
 
 @dataclass(frozen=True, slots=True)
 class PlantedChange:
-    """A change planted in the cell, as a scenario names it."""
+    """A change planted in the cell, as a scenario names it; what `details` may say is up to the effect."""
 
     name: str
     subject: str
     amplitude: float
     from_s: float = 0.0
+    details: Mapping[str, object] = field(default_factory=dict)

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from simulators.physics.arm import Arm
-from simulators.physics.effects.effect import Conditions, Deflection, Effect, Loads, PlantedChange
+from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
+from simulators.physics.effects.site import NoDetails, Site, read_details
 from simulators.physics.effects.subject import joint_index
 
 
@@ -20,11 +18,11 @@ class JointGain:
     def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
         """Return the share of the commanded angle that is too much."""
         del loads  # a gain is geometry of the drive, not its elasticity
-        angles = np.zeros_like(conditions.joints_rad)
-        angles[:, self.joint] = self.gain * conditions.joints_rad[:, self.joint]
-        return Deflection(angles_rad=angles * (conditions.time_s >= self.from_s)[:, np.newaxis])
+        angle = self.gain * conditions.joints_rad[:, self.joint] * conditions.since(self.from_s)
+        return Deflection.of_joint(conditions, self.joint, angle)
 
 
-def plant(change: PlantedChange, arm: Arm) -> Effect:
+def plant(change: PlantedChange, site: Site) -> JointGain:
     """Build the effect; the amplitude is the gain less one [1]."""
-    return JointGain(joint_index(change, arm), change.amplitude, change.from_s)
+    read_details(NoDetails, change)
+    return JointGain(joint_index(change, site.arm), change.amplitude, change.from_s)

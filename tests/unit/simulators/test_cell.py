@@ -125,7 +125,7 @@ async def test_only_a_nest_that_faces_the_tracker_is_seen(make_cell):
     seen = 0
     for _ in range(200):
         await go(cell, rng.uniform([-90, 0, -80, -150, -90, -180], [90, 90, 50, 150, 90, 180]))
-        flange = cell._rest_now().bodies.last_frame[0, :3, :3]
+        flange = cell._stop_now()[0].bodies.last_frame[0, :3, :3]
         for item, facing in zip(cell._targets()[:3], np.array(ToolSetup().facing), strict=True):
             place = move(cell.tracker.frame, item.position_mm)
             beam = cell.tracker.frame[:3, 3] - place

@@ -23,7 +23,7 @@ class Table:
 
 def make_tracker(targets, *, noise=True, **setup):
     rng = np.random.default_rng(1) if noise else None
-    return Tracker(TrackerSetup(**setup), np.eye(4), targets, rng)
+    return Tracker(TrackerSetup(**setup), lambda: np.eye(4), targets, rng, lambda _, reading_mm: reading_mm)
 
 
 def locked_tracker(*, noise=True, **setup):

@@ -5,7 +5,7 @@ from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.physics.arm import CarriedMass
 from simulators.physics.chain import place_bodies
-from simulators.physics.loads import gravity_torques
+from simulators.physics.loads import gravity_torques, place_masses
 from simulators.physics.robots import ARMS
 from simulators.robot import nominal_flange
 from simulators.scenario_file import load_scenario
@@ -33,7 +33,8 @@ def test_axes_read_off_the_drawing_place_the_flange_where_the_published_table_do
 def test_gravity_torques_of_the_nominal_arm_follow_the_published_formula(name, joints_rad):
     no_errors = np.broadcast_to(np.eye(4), (8, 4, 4))
 
-    found = gravity_torques(place_bodies(ARMS[name], no_errors, joints_rad), ARMS[name].masses, TOOL)
+    bodies = place_bodies(ARMS[name], no_errors, joints_rad)
+    found = gravity_torques(bodies, place_masses(bodies, ARMS[name].masses, TOOL, ()))
 
     expected = [torques(NOMINAL[name], MASSES[name], row) for row in joints_rad]
     # Torques of 1e5 N mm from levers that are rounded at 1e-10 mm.

@@ -1,0 +1,31 @@
+"""A base that moves slowly and evenly: settling ground, a floor in the sun."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
+from simulators.physics.effects.rigid_change import drift_per_s
+from simulators.physics.effects.site import Site
+from simulators.physics.effects.subject import check_only
+from simulators.physics.rigid import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class DriftingBase:
+    """The base goes on moving from `from_s`, about the origin of the world."""
+
+    per_s: FloatArray  # (6,) [mm/s, rad/s]
+    from_s: float
+
+    def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
+        """Return how far the base has come."""
+        del loads
+        elapsed_s = np.maximum(conditions.time_s - self.from_s, 0.0)
+        return Deflection.of_body(conditions, 0, elapsed_s[:, np.newaxis] * self.per_s)
+
+
+def plant(change: PlantedChange, site: Site) -> DriftingBase:
+    """Build the effect; the amplitude is the norm of the translation [mm/h]."""
+    check_only(change, "base")
+    return DriftingBase(drift_per_s(change, site), change.from_s)

@@ -1,0 +1,30 @@
+"""A base that jumped once: somebody drove against the table, a foot screw gave way."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
+from simulators.physics.effects.rigid_change import jump
+from simulators.physics.effects.site import Site
+from simulators.physics.effects.subject import check_only
+from simulators.physics.rigid import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ShiftedBase:
+    """The base stands elsewhere from `from_s` on, turned about the origin of the world."""
+
+    motion: FloatArray  # (6,) [mm, rad]
+    from_s: float
+
+    def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
+        """Return the jump, once it has happened."""
+        del loads
+        return Deflection.of_body(conditions, 0, conditions.since(self.from_s)[:, np.newaxis] * self.motion)
+
+
+def plant(change: PlantedChange, site: Site) -> ShiftedBase:
+    """Build the effect; the amplitude is the norm of the translation [mm]."""
+    check_only(change, "base")
+    return ShiftedBase(jump(change, site), change.from_s)

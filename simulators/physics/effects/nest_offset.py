@@ -1,0 +1,41 @@
+"""A nest on the tool that is not where its certificate says."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.physics.arm import Vector
+from simulators.physics.effects.effect import Conditions, PlantedChange
+from simulators.physics.effects.rigid_change import unit_or_drawn
+from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.subject import nest_index
+from simulators.physics.rigid import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class OffsetDetails:
+    """Which way, last frame."""
+
+    direction: Vector | None = None  # any length; absent: drawn
+
+
+@dataclass(frozen=True, slots=True)
+class OffsetNest:
+    """One nest sits elsewhere from `from_s` on."""
+
+    offsets_mm: FloatArray  # (nests, 3) last frame
+    from_s: float
+
+    def nest_offsets_mm(self, conditions: Conditions) -> FloatArray:
+        """Return the offsets of all nests, shape (n, nests, 3)."""
+        offsets: FloatArray = conditions.since(self.from_s)[:, np.newaxis, np.newaxis] * self.offsets_mm
+        return offsets
+
+
+def plant(change: PlantedChange, site: Site) -> OffsetNest:
+    """Build the effect; the amplitude is the distance from the certified place [mm]."""
+    details = read_details(OffsetDetails, change)
+    offsets = np.zeros((site.n_nests, 3))
+    direction = unit_or_drawn(details.direction, site.rng())
+    offsets[nest_index(change, site.n_nests)] = change.amplitude * direction
+    return OffsetNest(offsets, change.from_s)

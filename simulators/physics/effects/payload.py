@@ -1,0 +1,41 @@
+"""A tool that weighs something else, or elsewhere, than everybody was told."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.errors import ScenarioError
+from simulators.physics.arm import CarriedMass, Vector
+from simulators.physics.effects.effect import Conditions, PlantedChange
+from simulators.physics.effects.mass_error import MassDetails, MassError
+from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.subject import check_only
+from simulators.physics.loads import MassChange
+
+_NOTHING: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class WrongPayload:
+    """The tool as it truly is, in place of the stated one."""
+
+    error: MassError
+    from_s: float
+
+    def mass_changes(self, conditions: Conditions) -> list[MassChange]:
+        """Take the stated tool away and hang on the true one."""
+        return self.error.changes(conditions.since(self.from_s), on_tool=True)
+
+
+def plant(change: PlantedChange, site: Site) -> WrongPayload:
+    """Build the effect; the amplitude is true less stated mass [kg]."""
+    check_only(change, "tool")
+    details = read_details(MassDetails, change)
+    stated = site.tool_mass or CarriedMass(site.arm.n_joints, 0.0, _NOTHING)
+    if stated.mass_kg + change.amplitude < 0.0:
+        raise ScenarioError(
+            f"effect {change.name}: the tool weighs {stated.mass_kg:g} kg, so the amplitude cannot be"
+            f" {change.amplitude:g}"
+        )
+    shift_mm = np.array(details.centre_shift_mm)
+    return WrongPayload(MassError(stated, change.amplitude, shift_mm), change.from_s)

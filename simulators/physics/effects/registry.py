@@ -1,0 +1,84 @@
+"""The effects by the names that scenarios use: one line each."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from simulators.errors import ScenarioError
+from simulators.physics.effects import (
+    axis_parallelism,
+    backlash,
+    base_compliance,
+    base_drift,
+    base_shift,
+    compliance,
+    compliance_nonlinear,
+    instrument_drift,
+    instrument_scale,
+    joint_coupling,
+    joint_gain,
+    joint_harmonics,
+    label_swap,
+    link_bending,
+    link_mass,
+    nest_offset,
+    outliers,
+    payload,
+    thermal_growth,
+    tool_reseating,
+)
+from simulators.physics.effects.effect import PlantedChange
+from simulators.physics.effects.ports import Effect
+from simulators.physics.effects.site import Site
+
+LATEST_S = 1e9  # thirty years of cell time
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """How an effect is built, and which amplitudes its small-motion physics stands."""
+
+    plant: Callable[[PlantedChange, Site], Effect]
+    lowest: float
+    highest: float
+
+
+EFFECTS: Mapping[str, Kind] = MappingProxyType({
+    "axis_parallelism": Kind(axis_parallelism.plant, -5.0, 5.0),
+    "backlash": Kind(backlash.plant, 0.0, 5.0),
+    "base_compliance": Kind(base_compliance.plant, 0.0, 1e-6),
+    "base_drift": Kind(base_drift.plant, -100.0, 100.0),
+    "base_shift": Kind(base_shift.plant, -100.0, 100.0),
+    "compliance": Kind(compliance.plant, -5e-6, 5e-6),
+    "compliance_nonlinear": Kind(compliance_nonlinear.plant, -1.0, 10.0),
+    "instrument_drift": Kind(instrument_drift.plant, -100.0, 100.0),
+    "instrument_scale": Kind(instrument_scale.plant, -0.01, 0.01),
+    "joint_coupling": Kind(joint_coupling.plant, -0.1, 0.1),
+    "joint_gain": Kind(joint_gain.plant, -0.1, 0.1),
+    "joint_harmonics": Kind(joint_harmonics.plant, -5.0, 5.0),
+    "label_swap": Kind(label_swap.plant, 0.0, 1.0),
+    "link_bending": Kind(link_bending.plant, 0.0, 10.0),
+    "link_mass": Kind(link_mass.plant, -20.0, 20.0),
+    "nest_offset": Kind(nest_offset.plant, -100.0, 100.0),
+    "outliers": Kind(outliers.plant, 0.0, 1.0),
+    "payload": Kind(payload.plant, -20.0, 20.0),
+    "thermal_growth": Kind(thermal_growth.plant, -1e-3, 1e-3),
+    "tool_reseating": Kind(tool_reseating.plant, 0.0, 10.0),
+})
+
+
+def plant_effect(change: PlantedChange, site: Site) -> Effect:
+    """Build the effect of a planted change; raises ScenarioError, which says what would be right."""
+    kind = EFFECTS.get(change.name)
+    if kind is None:
+        raise ScenarioError(f'unknown effect "{change.name}"; known: {", ".join(EFFECTS)}')
+    if not kind.lowest <= change.amplitude <= kind.highest:
+        raise ScenarioError(
+            f"effect {change.name}: amplitude must be {kind.lowest:g} to {kind.highest:g}, not"
+            f" {change.amplitude:g}"
+        )
+    if not abs(change.from_s) <= LATEST_S:
+        raise ScenarioError(
+            f"effect {change.name}: from_s must lie within {LATEST_S:g} s of the start, not {change.from_s:g}"
+        )
+    return kind.plant(change, site)

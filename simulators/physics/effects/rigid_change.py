@@ -1,0 +1,81 @@
+"""Changes of place: so many mm one way and so many rad about some axis, both drawn unless stated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from simulators.errors import ScenarioError
+from simulators.physics.arm import Vector
+from simulators.physics.effects.effect import PlantedChange
+from simulators.physics.effects.site import Site, read_details
+from simulators.physics.rigid import FloatArray
+
+_LARGEST_ROTATION_RAD = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class JumpDetails:
+    """Of a change at once."""
+
+    rotation_rad: float = 0.0
+    direction: Vector | None = None  # of the translation, any length
+    axis: Vector | None = None  # of the rotation, any length
+
+    def __post_init__(self) -> None:
+        _check_turn("rotation_rad", self.rotation_rad)
+        _check_vector("direction", self.direction)
+        _check_vector("axis", self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class DriftDetails:
+    """Of a change that goes on."""
+
+    rotation_rad_per_h: float = 0.0
+    direction: Vector | None = None  # of the translation, any length
+    axis: Vector | None = None  # of the rotation, any length
+
+    def __post_init__(self) -> None:
+        _check_turn("rotation_rad_per_h", self.rotation_rad_per_h)
+        _check_vector("direction", self.direction)
+        _check_vector("axis", self.axis)
+
+
+def drift_per_s(change: PlantedChange, site: Site) -> FloatArray:
+    """Motion per second `[tx ty tz rx ry rz]` of a drift whose amplitude is in mm/h, shape (6,)."""
+    details = read_details(DriftDetails, change)
+    rate = _motion(change.amplitude, details.rotation_rad_per_h, details.direction, details.axis, site)
+    per_s: FloatArray = rate / 3600.0
+    return per_s
+
+
+def jump(change: PlantedChange, site: Site) -> FloatArray:
+    """Motion `[tx ty tz rx ry rz]` of a change at once whose amplitude is in mm, shape (6,)."""
+    details = read_details(JumpDetails, change)
+    return _motion(change.amplitude, details.rotation_rad, details.direction, details.axis, site)
+
+
+def unit_or_drawn(vector: Vector | None, rng: np.random.Generator) -> FloatArray:
+    """Return the direction of a vector, or any direction at all where none is stated, shape (3,)."""
+    drawn = rng.standard_normal(3)
+    chosen = drawn if vector is None else np.array(vector)
+    unit: FloatArray = chosen / np.linalg.norm(chosen)
+    return unit
+
+
+def _motion(
+    translation: float, rotation: float, direction: Vector | None, axis: Vector | None, site: Site
+) -> FloatArray:
+    rng = site.rng()
+    along, about = unit_or_drawn(direction, rng), unit_or_drawn(axis, rng)
+    return np.concatenate([translation * along, rotation * about])
+
+
+def _check_turn(key: str, value: float) -> None:
+    if abs(value) > _LARGEST_ROTATION_RAD:
+        raise ScenarioError(f'key "{key}" must be within {_LARGEST_ROTATION_RAD:g} of 0, not {value:g}')
+
+
+def _check_vector(key: str, value: Vector | None) -> None:
+    if value is not None and not 1e-6 <= max(abs(part) for part in value) <= 1e6:
+        raise ScenarioError(f'key "{key}" must be a vector that points somewhere, not {list(value)}')

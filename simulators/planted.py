@@ -1,0 +1,82 @@
+"""Everything that is planted in one cell, asked by where it acts."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from simulators.physics.effects import Conditions, Effect, PlantedChange, Site, plant_effect
+from simulators.physics.effects.ports import (
+    AirEffect,
+    ArmEffect,
+    FrameEffect,
+    LabelEffect,
+    MassEffect,
+    NestEffect,
+    NestNumbers,
+    ReadingEffect,
+    ScaleEffect,
+)
+from simulators.physics.loads import MassChange
+from simulators.physics.rigid import FloatArray
+
+
+class PlantedEffects:
+    """The effects of one cell; what a change leaves to chance depends on the seed and its number alone."""
+
+    def __init__(self, site: Site, changes: Sequence[PlantedChange] = ()) -> None:
+        """Build the effects of all changes, `site.entropy` being the cell's; raises ScenarioError."""
+        self._site = site
+        self.changes = tuple(changes)
+        effects = [_planted(change, number, site) for number, change in enumerate(changes)]
+        self.arm = [effect for effect in effects if isinstance(effect, ArmEffect)]
+        self._masses = [effect for effect in effects if isinstance(effect, MassEffect)]
+        self._nests = [effect for effect in effects if isinstance(effect, NestEffect)]
+        self._frame = [effect for effect in effects if isinstance(effect, FrameEffect)]
+        self._scale = [effect for effect in effects if isinstance(effect, ScaleEffect)]
+        self._air = [effect for effect in effects if isinstance(effect, AirEffect)]
+        self._labels = [effect for effect in effects if isinstance(effect, LabelEffect)]
+        self._readings = [effect for effect in effects if isinstance(effect, ReadingEffect)]
+
+    def __bool__(self) -> bool:
+        return bool(self.changes)
+
+    def with_change(self, change: PlantedChange) -> "PlantedEffects":
+        """Return these effects and one more; raises ScenarioError."""
+        return PlantedEffects(self._site, (*self.changes, change))
+
+    def mass_changes(self, conditions: Conditions) -> list[MassChange]:
+        """Masses that are there besides the stated ones."""
+        return [change for effect in self._masses for change in effect.mass_changes(conditions)]
+
+    def nest_offsets_mm(self, conditions: Conditions) -> FloatArray:
+        """Where tool nests are besides their certificate, last frame, shape (n, nests, 3) or broadcasting."""
+        return sum((effect.nest_offsets_mm(conditions) for effect in self._nests), start=np.zeros((1, 1, 3)))
+
+    def frame_motion(self, time_s: FloatArray) -> FloatArray:
+        """Motion of the instrument's frame about the world's origin [mm, rad], shape (n, 6)."""
+        still = np.zeros((len(time_s), 6))
+        return sum((effect.frame_motion(time_s) for effect in self._frame), start=still)
+
+    def relative_scale(self, time_s: FloatArray) -> FloatArray:
+        """Share by which the instrument reads lengths too long, shape (n,)."""
+        return sum((effect.relative_scale(time_s) for effect in self._scale), start=np.zeros(len(time_s)))
+
+    def warming_k(self, time_s: FloatArray) -> FloatArray:
+        """By how much the air is warmer [K], shape (n,)."""
+        return sum((effect.warming_k(time_s) for effect in self._air), start=np.zeros(len(time_s)))
+
+    def nests_read(self, nest: NestNumbers, time_s: FloatArray, rng: np.random.Generator) -> NestNumbers:
+        """Which nests (1-based) are truly read under their labels, shape (n,)."""
+        for effect in self._labels:
+            nest = effect.nests_read(nest, time_s, rng)
+        return nest
+
+    def displacement_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """By how much readings are off, any frame, shape (n, 3)."""
+        good = np.zeros((len(time_s), 3))
+        return sum((effect.displacement_mm(time_s, rng) for effect in self._readings), start=good)
+
+
+def _planted(change: PlantedChange, number: int, site: Site) -> Effect:
+    return plant_effect(change, replace(site, entropy=(*site.entropy, number)))

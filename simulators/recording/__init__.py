@@ -1,0 +1,17 @@
+"""Campaigns recorded from the simulated cell without a wire, for studies that need very many of them."""
+
+from simulators.recording.campaign import Points, Readings, Recording, References, record
+from simulators.recording.files import write_campaign
+from simulators.recording.plan import NoStopsError, Stops, Wishes
+
+__all__ = [
+    "NoStopsError",
+    "Points",
+    "Readings",
+    "Recording",
+    "References",
+    "Stops",
+    "Wishes",
+    "record",
+    "write_campaign",
+]

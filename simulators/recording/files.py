@@ -1,0 +1,125 @@
+"""A recording as a campaign folder: campaign.json, tables, and the truth beside them."""
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from simulators.cell import Cell
+from simulators.physics.loads import GRAVITY_M_S2
+from simulators.recording.campaign import Points, Recording, References
+from simulators.recording.nominal_tables import NOMINAL_TABLES
+from simulators.truth_document import plant_document
+
+_FORMAT = 1
+
+
+def write_campaign(recording: Recording, folder: Path) -> None:
+    """Write the folder, which may exist; tables that this campaign does not have are not written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {"calibration": "calibration.csv"}
+    _write(folder / "calibration.csv", *_points_table(recording.calibration))
+    if len(recording.validation.stops):
+        files["validation"] = "validation.csv"
+        _write(folder / "validation.csv", *_points_table(recording.validation))
+    if len(recording.references.time_s):
+        files["reference"] = "reference.csv"
+        _write(folder / "reference.csv", *_reference_table(recording.references))
+    _write_json(folder / "campaign.json", campaign_document(recording.cell, files))
+    _write_json(folder / "truth.json", truth_document(recording))
+
+
+def campaign_document(cell: Cell, files: dict[str, str]) -> dict[str, Any]:
+    """Return what the papers say of the cell; nothing in it comes from the truth."""
+    scenario, arm, table = cell.scenario, cell.plant.arm, NOMINAL_TABLES[cell.plant.arm.name]
+    tool = scenario.tool
+    keys = ("alpha_deg", "a_mm", "theta_offset_deg", "d_mm")
+    masses = [*table.masses, (arm.n_joints, tool.mass_kg, tool.centre_of_gravity_mm)]
+    return {
+        "format": _FORMAT,
+        "kind": "tracker",
+        "robot": table.name,
+        "dhm_nominal": [
+            {"joint": joint, **dict(zip(keys, row, strict=True))}
+            for joint, row in enumerate(table.rows, start=1)
+        ],
+        "base_in_world_nominal": dict.fromkeys(("x_mm", "y_mm", "z_mm", "rx_deg", "ry_deg", "rz_deg"), 0.0),
+        "tool_nests_mm": [list(nest) for nest in tool.nests_mm],
+        "tool_nest_u_mm": tool.nest_u_mm,
+        "tool_nest_axis": cell.facing.tolist(),
+        "masses": [{"frame": frame, "kg": kg, "cog_mm": list(centre)} for frame, kg, centre in masses],
+        "gravity_m_s2_world": list(GRAVITY_M_S2),
+        "gear_ratio": list(arm.gear_ratio),
+        "typical_compliance_rad_per_Nmm": list(arm.typical_compliance_rad_per_n_mm),
+        "robot_repeatability_mm": scenario.arm.scatter_mm,
+        "tracker_position_world_mm": list(scenario.tracker.position_mm),
+        "fixed_nests_certified_mm": [list(nest) for nest in scenario.table.fixed_nests_mm],
+        "fixed_nest_u_mm": scenario.table.nest_u_mm,
+        "files": files,
+    }
+
+
+def truth_document(recording: Recording) -> dict[str, Any]:
+    """Return the plant with everything planted, and where the nests truly were."""
+    return {
+        **plant_document(recording.cell),
+        "true_positions_mm": {
+            "calibration": recording.calibration.true_mm.tolist(),
+            "validation": recording.validation.true_mm.tolist(),
+        },
+    }
+
+
+def _points_table(points: Points) -> tuple[list[str], Iterable[list[str]]]:
+    stops, n = points.stops, len(points.stops)
+    n_joints = stops.joints_deg.shape[1]
+    columns = {
+        "config": _whole(np.arange(1, n + 1)),
+        **{f"q{j + 1}_deg": _decimals(stops.joints_deg[:, j], 5) for j in range(n_joints)},
+        **{f"dir{j + 1}": _whole(stops.direction[:, j]) for j in range(n_joints)},
+        "time_s": _decimals(stops.time_s, 1),
+        "temperature_C": _decimals(points.temperature_c, 2),
+        "attachment": _whole(stops.attachment),
+        "nest": _whole(points.nest),
+        **_coordinates(points.readings.position_mm),
+        "u_mm": _decimals(points.readings.u_mm, 4),
+    }
+    if stops.repeat_of.any():
+        columns["repeat_of"] = [str(number) if number else "" for number in stops.repeat_of]
+    return list(columns), map(list, zip(*columns.values(), strict=True))
+
+
+def _reference_table(references: References) -> tuple[list[str], Iterable[list[str]]]:
+    columns = {
+        "time_s": _decimals(references.time_s, 1),
+        "fixed_nest": _whole(references.fixed_nest),
+        **_coordinates(references.readings.position_mm),
+        "u_mm": _decimals(references.readings.u_mm, 4),
+    }
+    return list(columns), map(list, zip(*columns.values(), strict=True))
+
+
+def _coordinates(position_mm: Any) -> dict[str, list[str]]:
+    return {f"{axis}_mm": _decimals(position_mm[:, i], 4) for i, axis in enumerate("xyz")}
+
+
+def _decimals(values: Any, n: int) -> list[str]:
+    return [f"{value:.{n}f}" for value in values]
+
+
+def _whole(values: Any) -> list[str]:
+    return [str(int(value)) for value in values]
+
+
+def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def _write_json(path: Path, document: dict[str, Any]) -> None:
+    path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
