@@ -27,6 +27,7 @@ _TOO_MANY_GROSS = 0.2
 _IMPLAUSIBLE_WIDTHS = 10.0
 _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
 _SUSPICIOUS_CHI2 = 2.0
+_CERTAINLY_NEGATIVE = 5.0  # standard uncertainties; at 3 a spring that is hardly loaded would be accused
 _FAR_WIDTHS = 3.0  # of the base's prior
 
 
@@ -132,8 +133,9 @@ def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
     chain = nominal_chain(campaign.robot, points.stops.joints_rad)
     here = chain.points(known.nests_mm[points.nest - 1])
     seen = (points.position_mm - placement_translation(base)) @ placement_rotation(base)
-    off = np.linalg.norm(seen - here, axis=1) / plausible_mm(campaign.robot)
-    return bool((off < 1.0).mean() > _PART and (off > 4.0).mean() > _PART)
+    off_mm = np.linalg.norm(seen - here, axis=1)
+    usual_mm = plausible_mm(campaign.robot)  # 0 of a table without lengths
+    return bool((off_mm < usual_mm).mean() > _PART and (off_mm > 4.0 * usual_mm).mean() > _PART)
 
 
 def _wrong_model(
@@ -188,6 +190,12 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
     strange = implausible_parameter(problem, identified)
     if strange:
         parts.append(f"{strange} is larger than any robot's error: it stands for something the model lacks")
+    backwards = _springs_that_push(problem, identified)
+    if backwards:
+        parts.append(
+            f"{', '.join(backwards)} came out negative, which no spring is: "
+            "check the direction of gravity and the signs of masses and torques"
+        )
     lacking = identified.blocks[0].discrepancy
     if lacking > 0.0:
         parts.append(
@@ -195,6 +203,18 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
             "which the uncertainties include"
         )
     return "; ".join(parts) + "."
+
+
+def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
+    """Name the springs that yield against their load; a product with an unknown moment may have any sign."""
+    uncertainty = np.sqrt(np.diag(identified.solution.covariance))
+    return [
+        spec.name
+        for spec, owner, value, u in zip(
+            problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
+        )
+        if owner == "compliance" and "*" not in spec.name and value < -_CERTAINLY_NEGATIVE * u
+    ]
 
 
 def _base_elsewhere(problem: Problem, identified: RobustFit) -> str | None:

@@ -349,6 +349,28 @@ def test_readings_that_cannot_be_meant_are_answered_with_the_reason(folder, chan
     assert "No model was written" in done.stderr
 
 
+def test_a_table_without_lengths_is_another_robot_s(folder):
+    description = json.loads((folder / "campaign.json").read_text())
+    for row in description["dhm_nominal"]:
+        row.update(alpha_deg=0.0, a_mm=0.0, d_mm=0.0)
+    (folder / "campaign.json").write_text(json.dumps(description))
+
+    done = truepose("identify", folder, "--json")
+
+    assert verdict_of(done)["status"] == "wrong_nominal_model"
+    assert "Warning" not in done.stderr
+
+
+def test_gravity_that_points_upwards_is_said(folder):
+    description = json.loads((folder / "campaign.json").read_text())
+    description["gravity_m_s2_world"] = [0.0, 0.0, 9.81]
+    (folder / "campaign.json").write_text(json.dumps(description))
+
+    document = json.loads(truepose("identify", folder, "--json").stdout)
+
+    assert "came out negative, which no spring is: check the direction of gravity" in document["message"]
+
+
 def test_two_exchanged_rows_are_listed(folder):
     def exchange(rows):
         for column in ("x_mm", "y_mm", "z_mm"):
