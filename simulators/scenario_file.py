@@ -42,6 +42,7 @@ _TABLES: Mapping[str, type] = {
 }
 _CHANGE_KEYS = ("name", "subject", "amplitude", "from_s")
 _LISTS = {"link": "links", "effect": "effects", "fault": "faults"}
+_ADDED_UP = ("effect", "fault")
 _PLAIN: Mapping[str, type] = {"robot": str, "noise": bool}
 
 T = TypeVar("T")
@@ -132,7 +133,11 @@ def _find(name: str) -> Path:
 
 
 def _merged(path: Path, children: tuple[Path, ...]) -> dict[str, Any]:
-    """Read a file on top of the one it extends: tables key by key, everything else as a whole."""
+    """Read a file on top of the one it extends.
+
+    Tables are taken key by key, effects and faults come after those of the other file, all else is taken as
+    a whole.
+    """
     document = _parse(path)
     parent = document.pop("extends", None)
     if parent is None:
@@ -142,8 +147,13 @@ def _merged(path: Path, children: tuple[Path, ...]) -> dict[str, Any]:
         raise ScenarioError(f'{path.name}: key "extends" leads back to the file itself')
     result = _merged(parent_path, (*children, path))
     for key, value in document.items():
-        both = isinstance(value, dict) and isinstance(result.get(key), dict)
-        result[key] = {**result[key], **value} if both else value
+        before = result.get(key)
+        if isinstance(value, dict) and isinstance(before, dict):
+            result[key] = {**before, **value}
+        elif key in _ADDED_UP and isinstance(value, list) and isinstance(before, list):
+            result[key] = [*before, *value]
+        else:
+            result[key] = value
     return result
 
 

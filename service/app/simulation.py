@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from service.app.errors import ScenarioRefusedError, SimulationFailedError
-from service.domain.cell import SimulatedCell
+from service.domain.cell import Detail, SimulatedCell
 from service.web.context import Endpoint
 
 _NEEDED: Final = {"tracker", "robot", "clock", "truth"}
@@ -109,7 +109,13 @@ def _with_effects(simulated: SimulatedCell, folder: Path) -> str:
             f"subject = {json.dumps(effect.subject)}",
             f"amplitude = {effect.amplitude!r}",
             f"from_s = {effect.from_s!r}",
+            *(f"{json.dumps(key)} = {_toml(value)}" for key, value in effect.details.items()),
         ]
     file = folder / f"{named.stem}.toml"
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return str(file)
+
+
+def _toml(value: Detail) -> str:
+    """Write a value as TOML does: texts and numbers look like JSON's."""
+    return json.dumps(list(value) if isinstance(value, tuple) else value)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 
 Vector = tuple[float, float, float]
+Detail = str | float | tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,7 @@ class PlantedEffect:
     subject: str
     amplitude: float  # in the unit of that effect
     from_s: float = 0.0
+    details: Mapping[str, Detail] = field(default_factory=dict)  # order, phase ...; the cell checks them
 
 
 @dataclass(frozen=True, slots=True)

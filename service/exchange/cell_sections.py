@@ -8,6 +8,7 @@ from service.domain.cell import (
     CellLimits,
     CertifiedLength,
     Conditions,
+    Detail,
     DeviceEntry,
     PlantedEffect,
     SimulatedCell,
@@ -18,6 +19,7 @@ from service.exchange.document import Node
 from service.exchange.robot_document import read_ranges
 
 _DEVICE_KEYS = frozenset({"name", "driver", "serial_number", "certificate"})
+_EFFECT_KEYS = frozenset({"name", "subject", "amplitude", "from_s"})
 _ADDRESSES = ("host", "serial", "usb")
 _LAST_PORT = 65535
 
@@ -174,11 +176,18 @@ def read_simulated(root: Node) -> SimulatedCell | None:
 
 
 def _read_effect(node: Node) -> PlantedEffect:
-    refuse_unlisted(node, {"name", "subject", "amplitude", "from_s"})
     start = node.optional("from_s")
     return PlantedEffect(
         name=node.key("name").text(),
         subject=optional_text(node, "subject"),
         amplitude=node.key("amplitude").number(),
         from_s=0.0 if start is None else start.number(least=0.0),
+        details={str(entry.path[-1]): _detail(entry) for entry in node.unlisted(_EFFECT_KEYS)},
     )
+
+
+def _detail(node: Node) -> Detail:
+    """Read a detail of an effect; which ones there are, the simulated cell says."""
+    if isinstance(node.value, str):
+        return node.text()
+    return node.numbers() if isinstance(node.value, list) else node.number()

@@ -214,6 +214,22 @@ REFUSED = {
 }
 
 
+def test_a_planted_change_may_say_more_than_its_amplitude(tmp_path):
+    details = 'order = 2\nsource = "joint 5"\naxis = [0, 0.5, 1]\n'
+
+    cell = read(tmp_path, SIMULATED + details)
+
+    assert cell.simulated.effects[0].details == {"order": 2.0, "source": "joint 5", "axis": (0.0, 0.5, 1.0)}
+
+
+@pytest.mark.parametrize("detail", ["order = true", 'axis = ["x"]', "order = nan", "wave = {order = 2}"])
+def test_a_detail_is_a_number_a_text_or_a_list_of_numbers(tmp_path, detail):
+    with pytest.raises(BadValueError) as refusal:
+        read(tmp_path, SIMULATED + detail)
+
+    assert refusal.value.key.startswith("effect[0]." + detail.split(" ")[0])
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_a_mistake_in_a_cell_file_is_refused_where_it_is(case, tmp_path):
     old, new, kind, key, sentence = REFUSED[case]
