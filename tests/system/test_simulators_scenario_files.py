@@ -133,3 +133,27 @@ def test_a_scenario_that_extends_itself_is_refused(write, tmp_path):
 def test_an_unknown_name_is_answered_with_the_shipped_ones():
     with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-everyday"):
         load_scenario("irb6600")
+
+
+def test_planted_changes_and_faults_add_to_those_of_the_extended_file(write):
+    planted = '[[effect]]\nname = "{}"\nsubject = "joint 3"\namplitude = 1e-3\n[[fault]]\nkind = "{}"\n'
+    below = write(
+        'extends = "irb120-clean"\n' + planted.format("joint_gain", "tracker_blinded"), "below.toml"
+    )
+    above = write(f'extends = "{below}"\n' + planted.format("joint_coupling", "tracker_blinded"))
+
+    scenario = load_scenario(above)
+
+    assert [effect.name for effect in scenario.effects] == ["joint_gain", "joint_coupling"]
+    assert len(scenario.faults) == 2
+
+
+def test_details_of_a_planted_change_are_read_and_checked(write):
+    wave = '[[effect]]\nname = "joint_harmonics"\nsubject = "joint 6"\namplitude = 0.03\n'
+    planted = 'extends = "irb120-clean"\n' + wave
+
+    (change,) = load_scenario(write(planted + "order = 2\nphase_deg = 30.5")).effects
+
+    assert change.details == {"order": 2, "phase_deg": 30.5}
+    with pytest.raises(ScenarioError, match=r'mine.toml: \[\[effect\]\] number 1: .* unknown key "orden"'):
+        load_scenario(write(planted + "orden = 2"))

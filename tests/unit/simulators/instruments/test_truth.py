@@ -44,6 +44,25 @@ def test_a_planted_change_shows_in_the_truth_from_its_time_on(make_cell):
     assert moved == pytest.approx((374.0 + 125.0) * 1e-3, rel=0.01)  # link errors: 1 mm in 499
 
 
+def test_a_planted_change_may_say_more_and_the_plant_tells_it_all(make_cell):
+    cell = make_cell(seed=2)
+
+    assert ask(cell, op="effect", name="joint_harmonics", subject="joint 6", amplitude=0.03, order=2) == {}
+
+    wave = {"name": "joint_harmonics", "subject": "joint 6", "amplitude": 0.03, "from_s": 0.0, "order": 2}
+    assert ask(cell, op="plant")["effects"] == [wave]
+
+
+def test_a_planted_nest_offset_is_among_the_true_nests(make_cell):
+    cell = make_cell(seed=2)
+    before = ask(cell, op="plant")["tool_nests_mm"]
+
+    ask(cell, op="effect", name="nest_offset", subject="nest 2", amplitude=0.06, direction=[0, 0, 1])
+
+    moved = np.subtract(ask(cell, op="plant")["tool_nests_mm"], before)
+    assert moved == pytest.approx(np.array([[0, 0, 0], [0, 0, 0.06], [0, 0, 0]]), abs=1e-12)
+
+
 def test_the_plant_is_told_in_full(make_cell):
     cell = make_cell("irb120-clean", seed=2)
 
@@ -107,6 +126,14 @@ def test_a_fault_may_be_scripted_while_the_cell_runs(make_cell):
         ),
         ({"op": "positions", "joints_rad": [[None] * 6]}, 'key "joints_rad" must hold finite numbers'),
         ({"op": "effect", "name": "joint_gain"}, 'key "subject" is missing'),
+        (
+            {"op": "effect", "name": "joint_gain", "subject": "joint 3", "amplitude": 1e-3, "form_s": 9},
+            'effect joint_gain: unknown key "form_s"',
+        ),
+        (
+            {"op": "effect", "name": "payload", "subject": "tool", "amplitude": 1e300},
+            "effect payload: amplitude must be -20 to 20, not 1e+300",
+        ),
         ({"op": "fault", "kind": "smr_missing", "nest": 9}, 'key "nest" must be 1 to 3, not 9'),
         ({"op": "fault", "kind": "smr_missing", "nest": "1"}, 'key "nest" must be a whole number'),
         ({"op": ["plant"]}, 'key "op" must be one of positions, plant'),
