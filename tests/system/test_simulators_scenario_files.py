@@ -1,8 +1,12 @@
+import re
+from pathlib import Path
+
 import pytest
 
+import simulators
 from simulators.errors import ScenarioError
 from simulators.faults import BeamBroken, FixedNestMoved
-from simulators.physics.effects import PlantedChange
+from simulators.physics.effects import EFFECTS, PlantedChange
 from simulators.physics.plant import PlantSizes
 from simulators.scenario import Scenario
 from simulators.scenario_file import load_scenario, shipped_scenarios
@@ -157,3 +161,12 @@ def test_details_of_a_planted_change_are_read_and_checked(write):
     assert change.details == {"order": 2, "phase_deg": 30.5}
     with pytest.raises(ScenarioError, match=r'mine.toml: \[\[effect\]\] number 1: .* unknown key "orden"'):
         load_scenario(write(planted + "orden = 2"))
+
+
+def test_the_readme_lists_every_effect():
+    readme = (Path(simulators.__file__).with_name("README.md")).read_text(encoding="utf-8")
+    section = readme.split("## Effects", 1)[1].split("\n## ", 1)[0]
+
+    listed = re.findall(r"^\| `([a-z_]+)` \|", section, re.MULTILINE)
+
+    assert sorted(listed) == sorted(EFFECTS)
