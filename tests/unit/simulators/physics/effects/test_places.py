@@ -69,6 +69,17 @@ def test_every_mounting_has_its_own_seat_and_keeps_it(rigid_bench, at):
     assert np.linalg.norm(moved[0] - moved[1]) > 0.001
 
 
+def test_a_seat_is_a_place_on_the_flange_wherever_the_arm_stands(rigid_bench, at):
+    reseated = rigid_bench.effect("tool_reseating", "tool", 0.03)
+    stops = at(POSES_DEG)
+
+    moved = rigid_bench.moved_mm(stops, reseated, at_mm=(0.0, 0.0, 125.0))
+
+    flange = rigid_bench.rest(stops).bodies.last_frame[:, :3, :3]
+    on_flange = np.einsum("nji,nj->ni", flange, moved)
+    assert on_flange == pytest.approx(np.tile(reseated.seat(1)[:3], (10, 1)), abs=1e-10)
+
+
 def test_the_amplitude_of_reseating_is_the_deviation_along_each_axis(rigid_bench):
     reseated = rigid_bench.effect("tool_reseating", "tool", 0.03, rotation_rad=3e-4)
 
