@@ -11,8 +11,6 @@ rigid motions where the model has DH-Modified rows, so no table of the simulator
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, PointReadings
 from service.domain.results import Identification, Model, Parameter, Statistics
@@ -20,6 +18,7 @@ from service.domain.robot import Nest
 from service.exchange.model_document import file_factor, file_unit
 from service.identification import identify, predict
 from service.identification.statistics import statistics
+from service.kinematics.frames import rigid_alignment
 from service.reports import TrueParameter
 from service.showcase.cell_run import CellRun
 from service.showcase.cell_truth import TrueReadings
@@ -75,14 +74,9 @@ def true_errors(model: Model, readings: PointReadings, true_mm: FloatArray) -> T
 
 
 def rigidly_aligned(points_mm: FloatArray, onto_mm: FloatArray) -> FloatArray:
-    """Return the points after the rigid motion that brings them closest to others, shape (n, 3).
-
-    Least squares by singular values; a reflection is excluded (Umeyama, IEEE PAMI 13 (1991), eq. 40-43).
-    """
-    centre, target = points_mm.mean(axis=0), onto_mm.mean(axis=0)
-    u, _, vt = np.linalg.svd((onto_mm - target).T @ (points_mm - centre))
-    proper = np.diag([1.0, 1.0, np.linalg.det(u @ vt)])
-    aligned: FloatArray = (points_mm - centre) @ (u @ proper @ vt).T + target
+    """Return the points after the rigid motion that brings them closest to others, shape (n, 3)."""
+    rotation, translation = rigid_alignment(points_mm, onto_mm)
+    aligned: FloatArray = points_mm @ rotation.T + translation
     return aligned
 
 
