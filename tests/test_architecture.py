@@ -126,7 +126,7 @@ def test_no_file_names_a_machine_or_a_registry():
     "line",
     [
         "folder = '/home/ada/measurements'",
-        "see /work/notes.md",
+        "see /srv/notes.md",
         "pip install --extra-index-url https://example.org/simple",
         "https://pypi.example.com/simple",
         r"C:\Users\ada",
