@@ -1,0 +1,176 @@
+"""What a diagnosis answers: findings with their causes, what is left, and what would tell causes apart."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.results import Model, Statistics
+
+HeldOut = Literal["validation", "cross_validation"]
+
+
+class Verdict(StrEnum):
+    """What the data say of the present model."""
+
+    CONSISTENT = "consistent"
+    EXPLAINED = "explained"
+    PARTLY_EXPLAINED = "partly_explained"
+    UNEXPLAINED = "unexplained"
+
+
+class Confidence(StrEnum):
+    """How far a name can be defended."""
+
+    CERTAIN = "certain"
+    LIKELY = "likely"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """A physical cause by its name, e.g. `joint_gain` of `joint 2`."""
+
+    effect: str
+    subject: str
+
+
+@dataclass(frozen=True, slots=True)
+class Detail:
+    """One more number of a finding: an order, a time, a rotation; in the unit it states."""
+
+    name: str
+    value: float
+    unit: str
+    standard_uncertainty: float
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """RMS of the held-out errors with all findings but one, and with that one too [mm].
+
+    `interval_95_mm` holds the difference of the two (before less after); resampled by configuration.
+    """
+
+    rms_before_mm: float
+    rms_after_mm: float
+    interval_95_mm: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Residuals along one variable with what was fitted to them: what a page draws.
+
+    The points are the calibration readings; `residual` is what the model without this finding leaves,
+    projected on the way in which the cause acts (e.g. an angle of one joint). For remaining structure the
+    line is a smooth curve with its band.
+    """
+
+    variable: str  # "angle of joint 4", "time", "torque of joint 2"
+    variable_unit: str  # "deg", "h", "N*m", "degC", "" for a number of an attachment or nest
+    quantity: str  # "error of joint 4", "shift of the base along x"
+    quantity_unit: str  # "deg", "mm"
+    x: FloatArray  # (n,)
+    residual: FloatArray  # (n,)
+    standard_uncertainty: FloatArray  # (n,) of each residual
+    line_x: FloatArray  # (m,) ascending
+    line: FloatArray  # (m,)
+    line_band: FloatArray  # (m,) half width of the 95 % band
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One cause that the data show."""
+
+    effect: str
+    subject: str
+    amplitude: float
+    unit: str
+    amplitude_standard_uncertainty: float
+    p_value: float  # corrected for everything that was tried
+    confidence: Confidence
+    details: tuple[Detail, ...]
+    sentence: str
+    confusable_with: tuple[Cause, ...]
+    gain: Gain | None  # None where nothing held out can show it
+    parameters: tuple[str, ...]  # their names in the extended model; none for bad readings
+    share: float  # of the structure explained, 0..1
+    curve: Curve | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Dependence:
+    """Something that what is left depends on."""
+
+    variable: str
+    p_value: float  # corrected for everything that was tried
+    curve: Curve | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Remaining:
+    """What the extended model leaves."""
+
+    structure: bool
+    depends_on: tuple[Dependence, ...]
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class NextMeasurement:
+    """An action or configurations that would tell causes apart."""
+
+    sentence: str
+    configurations_deg: tuple[tuple[float, ...], ...]
+    separates: tuple[Cause, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RuledOut:
+    """A cause that was looked at and not found, and why."""
+
+    effect: str
+    subject: str  # "" for the effect as a whole
+    reason: str
+    p_value: float | None = None  # corrected; None where the data cannot show the cause at all
+    visible: bool = True  # False: these data cannot show it
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """What the readings say of their own noise."""
+
+    scale: float  # residual that is left over the stated uncertainty
+    tail_degrees_of_freedom: float | None  # Student's t where the tails are heavy, None for normal ones
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOutErrors:
+    """Errors on points that neither the choice of the model nor its parameters saw; n points."""
+
+    config: IntArray  # (n,)
+    position_mm: FloatArray  # (n, 3) as measured; of legs the predicted point
+    before_mm: FloatArray  # (n, d) d = 3, or 1 for legs
+    after_mm: FloatArray  # (n, d)
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """What the model gets wrong, why, and how much better the extended one is."""
+
+    robot: str
+    verdict: Verdict
+    message: str  # the first line: one plain sentence
+    start_effects: tuple[str, ...]
+    findings: tuple[Finding, ...]  # most important first
+    quantity: Literal["position", "length"]
+    before: Statistics | None  # None where nothing could be fitted
+    after: Statistics | None
+    held_out: HeldOut
+    remaining: Remaining
+    next_measurements: tuple[NextMeasurement, ...]
+    ruled_out: tuple[RuledOut, ...]
+    withdrawn: tuple[str, ...]  # extensions that did not help on held-out points, one sentence each
+    noise: Noise | None
+    errors: HeldOutErrors | None
+    model: Model | None  # extended; the start's where nothing was found
