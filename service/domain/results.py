@@ -7,7 +7,19 @@ from typing import Literal
 from service.domain.arrays import FloatArray
 from service.domain.robot import FramePlacement, Robot
 
-Unit = Literal["mm", "rad", "rad/(N*mm)", "rad*s2/m", "1", "1/K", "mm/h", "kg"]
+Unit = Literal[
+    "mm",
+    "rad",
+    "rad/(N*mm)",
+    "rad*s2/m",
+    "1",
+    "1/K",
+    "mm/h",
+    "rad/h",
+    "kg",
+    "kg*mm",
+    "1/(N*mm2)",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +115,7 @@ class Model:
     nominal_tool_rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
     instrument_mm: tuple[float, float, float] | None = None  # place of the instrument in the world
     torques_measured: bool = False  # compliance was identified from measured joint torques
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
     nominal_leg_offset_mm: float = 0.0
     nominal_anchors: tuple[Anchor, ...] = ()
     identified_from: dict[str, str | int | float] = field(default_factory=dict)

@@ -1,6 +1,6 @@
 """Where the robot stands: six parameters of its base in the world."""
 
-from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "base"
 PARAMETERS = ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz")
@@ -15,6 +15,7 @@ class Base:
     """Base frame, Trans(x, y, z) RotX RotY RotZ added before the start placement."""
 
     name = NAME
+    needs: frozenset[Need] = NOTHING
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the six parameters."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.effects.names import joint_name, joint_of
-from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from service.kinematics.gravity import moment_regressor
 
 NAME = "compliance"
@@ -27,6 +27,7 @@ class Compliance:
     """One spring per joint that carries torque."""
 
     name = NAME
+    needs: frozenset[Need] = frozenset({"torque"})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the springs, or their products with the mass moments where the masses are unknown."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from service.domain.robot import Robot
 from service.effects.names import joint_name, joint_of
-from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.effects.ports import NOTHING, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 GEOMETRY_EFFECTS = ("geometry", "geometry_dhm", "joint_offset")
 LENGTH_WIDTH_MM = 1.0
@@ -43,6 +43,8 @@ def _angle(quantity: str, joint: int) -> ParameterSpec:
 class Geometry:
     """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too."""
 
+    needs = NOTHING
+
     def __init__(self, name: str, *, tilt: bool) -> None:
         self.name = name
         self._tilt = tilt
@@ -67,6 +69,7 @@ class JointOffset:
     """Level 1 alone: the zero of every joint but the first, which belongs to the base."""
 
     name = "joint_offset"
+    needs = NOTHING
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return theta of rows 2..J."""

@@ -1,6 +1,6 @@
 """Instrument scale: every length of the instrument is off by one factor."""
 
-from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "instrument_scale"
 _WIDTH = 1e-4  # ten times what a tracker in a workshop without weather station would show
@@ -10,6 +10,7 @@ class InstrumentScale:
     """One factor on all lengths, about the place of the instrument."""
 
     name = NAME
+    needs: frozenset[Need] = NOTHING
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the relative scale error."""

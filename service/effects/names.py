@@ -22,3 +22,8 @@ def nest_port_index(name: str) -> int:
     """Return the port index of e.g. `nest_2_x`."""
     _, nest, component = name.split("_")
     return 3 * (int(nest) - 1) + _COMPONENTS.index(component)
+
+
+def joint_subject(joint: int) -> str:
+    """Return e.g. `joint 3` for joint index 2 (0-based)."""
+    return f"joint {joint + 1}"

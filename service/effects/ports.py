@@ -1,7 +1,7 @@
 """Ports: the places at which an effect acts on the kinematic chain."""
 
 from enum import Enum
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Stops
@@ -22,6 +22,14 @@ class PortKind(Enum):
     NEST = "nest"  # 3 * (nest - 1) + component [mm, last frame]
     TOOL_ROTATION = "tool_rotation"  # 0..2: RotX RotY RotZ [rad] of the tool before its start rotation
     SCALE = "scale"  # lengths as the instrument sees them, about its own place [1]
+    # 6 * body + component [mm, rad]: body 0 is the base, 1..J the link that joint turns, J carries the tool;
+    # shift, then RotX RotY RotZ, in the body's own axes.
+    MOTION = "motion"
+    TORQUE = "torque"  # joint: load on its gearbox beyond what is known [N mm]
+    INSTRUMENT = "instrument"  # 0..5: shift and turn of everything that is read, about the world's origin
+    LENGTH = "length"  # 0: what a length reads too much [mm]
+    # 6 * (placement - 1) + component [mm, rad]: shift and turn of a base fixture, about the world's origin
+    FIXTURE = "fixture"
 
 
 class Port(NamedTuple):
@@ -37,6 +45,11 @@ class Term(NamedTuple):
     parameter: int  # index within the names given to the effect
     port: Port
     weight: float | FloatArray  # scalar, or (n,) for n rows
+
+
+def motion_port(body: int, component: int) -> Port:
+    """Return the port of one component (0..5) of the motion of a body (0..J)."""
+    return Port(PortKind.MOTION, 6 * body + component)
 
 
 class ParameterSpec(NamedTuple):
@@ -67,6 +80,15 @@ class Rows(NamedTuple):
     turn_rad: FloatArray  # (n, J) what each joint turns by: its angle with its sign
     chain: Chain  # at the present parameters
     gravity_m_s2: FloatArray  # (3,) world
+    robot: Robot
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
+    initialisation: IntArray | None = None  # (n,) of the ballbar
+    placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
+    length_mm: FloatArray | None = None  # (n,) nominal length of each leg
+
+
+Need = Literal["torque", "direction", "time", "temperature", "attachment", "initialisation"]
+NOTHING: frozenset[Need] = frozenset()
 
 
 class Effect(Protocol):
@@ -75,6 +97,11 @@ class Effect(Protocol):
     @property
     def name(self) -> str:
         """Name in commands and documents."""
+        ...
+
+    @property
+    def needs(self) -> frozenset[Need]:
+        """What a row must tell so that this effect can be predicted there."""
         ...
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:

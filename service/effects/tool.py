@@ -1,7 +1,7 @@
 """The tool as far as it is unknown: nests in the last frame, and its orientation where poses are measured."""
 
 from service.effects.names import nest_name, nest_port_index
-from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "tool"
 # About the start that was found from the data; see `base`.
@@ -14,6 +14,7 @@ class Tool:
     """Unknown nests and the unknown orientation of the tool; certified nests are no parameters."""
 
     name = NAME
+    needs: frozenset[Need] = NOTHING
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return three coordinates per unknown nest, three rotations where orientations were measured."""

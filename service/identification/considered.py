@@ -75,7 +75,7 @@ def _nest_sensitivities(campaign: Campaign, fit: RobustFit) -> list[FloatArray]:
 
 
 def _nest_sensitivity(campaign: Campaign, result: BlockResult) -> FloatArray:
-    last = result.state.chain.rotation[-1]
+    last = result.state.chain.end_rotation
     rows = []
     for number, nest in enumerate(campaign.nests, start=1):
         if nest.centre_mm is None or not nest.standard_uncertainty_mm:

@@ -31,6 +31,7 @@ def structure_of(model: Model) -> Structure:
         anchors=_anchors_of(model.parameters),
         instrument_mm=None if model.instrument_mm is None else np.array(model.instrument_mm),
         torques_measured=model.torques_measured,
+        origin_s=model.origin_s,
     )
 
 

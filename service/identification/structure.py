@@ -30,6 +30,7 @@ class Structure:
     anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
     instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
     torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -49,6 +50,12 @@ class Structure:
     def index_of(self, name: str) -> int:
         """Return the index of a parameter."""
         return self.names.index(name)
+
+    def extended(self, effect: str, specs: tuple[ParameterSpec, ...]) -> "Structure":
+        """Return the structure with more parameters of an effect, at its end."""
+        effects = self.effects if effect in self.effects else (*self.effects, effect)
+        owners = (*self.owners, *(effect for _ in specs))
+        return replace(self, effects=effects, specs=(*self.specs, *specs), owners=owners)
 
     def without(self, effects: tuple[str, ...]) -> "Structure":
         """Return the structure without the parameters of these effects."""

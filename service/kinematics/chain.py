@@ -13,19 +13,26 @@ so that a small change of one quantity is a screw, and a point p fixed to the la
 
 with y_m the second axis of R_(i-1) RotX(alpha_i) and o_m = o_(i-1) + a_i x_(i-1).
 
+Besides, a body may move as a whole before the next joint is reached: body b = 0 is the base, b = 1..J the
+link that joint b turns, body J carries the tool. Its motion Trans(s) RotX RotY RotZ is in its own axes.
+
 References
 ----------
 J. J. Craig, Introduction to Robotics, 3rd ed., 2005, section 3.4 (DH-Modified).
 S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-1483 (near-parallel axes).
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.robot import Robot
-from service.kinematics.frames import cross, rotation_x, rotation_y
+from service.kinematics.frames import cross, rotation_x, rotation_y, turned_axes
+
+_STILL: Mapping[int, FloatArray] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +57,22 @@ class Chain:
     rotation: FloatArray  # (J, n, 3, 3) of frame i
     z: FloatArray  # (J, n, 3) axis of joint i
     origin: FloatArray  # (J, n, 3) of frame i [mm]
+    base_rotation: FloatArray  # (n, 3, 3)
+    base_origin: FloatArray  # (n, 3) [mm]
+    end_rotation: FloatArray  # (n, 3, 3) of the last frame where the tool is, after the motion of body J
+    end_origin: FloatArray  # (n, 3) [mm]
 
     def points(self, in_last_frame_mm: FloatArray) -> FloatArray:
         """Return points of the last frame in the world [mm], shape (n, 3), from (3,) or (n, 3)."""
-        points = np.broadcast_to(in_last_frame_mm, self.origin[-1].shape)
-        placed: FloatArray = self.origin[-1] + np.einsum("nij,nj->ni", self.rotation[-1], points)
+        points = np.broadcast_to(in_last_frame_mm, self.end_origin.shape)
+        placed: FloatArray = self.end_origin + np.einsum("nij,nj->ni", self.end_rotation, points)
         return placed
+
+    def body(self, number: int) -> tuple[FloatArray, FloatArray]:
+        """Return rotation (n, 3, 3) of body 0..J before its motion, and the point (n, 3) it turns about."""
+        rotation = self.base_rotation if number == 0 else self.rotation[number - 1]
+        joints = len(self.origin)
+        return rotation, self.end_origin if number == joints else self.origin_before[number]
 
 
 def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
@@ -72,7 +89,12 @@ def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
     )
 
 
-def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: FloatArray) -> Chain:
+def forward(
+    values: LinkValues,
+    base_rotation: FloatArray,
+    base_origin_mm: FloatArray,
+    motions: Mapping[int, FloatArray] = _STILL,
+) -> Chain:
     """Forward kinematics of n configurations.
 
     Parameters
@@ -80,15 +102,18 @@ def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: Float
     values : LinkValues
     base_rotation : ndarray, shape (3, 3) or (n, 3, 3)
     base_origin_mm : ndarray, shape (3,) or (n, 3)
+    motions : mapping of body (0..J) to ndarray, shape (n, 6)
+        Shifts [mm] and turns RotX RotY RotZ [rad] of bodies that move.
 
     Returns
     -------
     Chain
     """
     n, joints = values.theta_rad.shape
-    chain = _empty_chain(joints, n)
     rotation, origin = np.broadcast_to(base_rotation, (n, 3, 3)), np.broadcast_to(base_origin_mm, (n, 3))
+    chain = _empty_chain(rotation, origin, joints)
     for i in range(joints):
+        rotation, origin = _moved(rotation, origin, motions.get(i))
         tilt = rotation_x(values.alpha_rad[..., i])
         chain.x_before[i], chain.origin_before[i] = rotation[:, :, 0], origin
         np.add(origin, _column(values.a_mm, i) * chain.x_before[i], out=chain.origin_middle[i])
@@ -100,7 +125,25 @@ def forward(values: LinkValues, base_rotation: FloatArray, base_origin_mm: Float
         rotation[:, :, 1] = c * turned[:, :, 1] - s * turned[:, :, 0]
         rotation[:, :, 2] = chain.z[i] = turned[:, :, 2]
         origin = np.add(chain.origin_middle[i], _column(values.d_mm, i) * chain.z[i], out=chain.origin[i])
-    return chain
+    end_rotation, end_origin = _moved(rotation, origin, motions.get(joints))
+    return replace(chain, end_rotation=end_rotation, end_origin=end_origin)
+
+
+def _moved(
+    rotation: FloatArray, origin: FloatArray, motion: FloatArray | None
+) -> tuple[FloatArray, FloatArray]:
+    if motion is None:
+        return rotation, origin
+    turn, _ = turned_axes(motion[:, 3:])
+    return rotation @ turn, origin + np.einsum("nij,nj->ni", rotation, motion[:, :3])
+
+
+def body_gradients(chain: Chain, body: int, motion: FloatArray, points_mm: FloatArray) -> FloatArray:
+    """Return the motion of points (n, 3) per component of a body's motion, shape (6, n, 3)."""
+    rotation, about = chain.body(body)
+    _, axes = turned_axes(motion[:, 3:])
+    turning = np.einsum("nij,knj->kni", rotation, axes)
+    return np.concatenate([np.moveaxis(rotation, 2, 0), cross(turning, points_mm - about)])
 
 
 def nominal_chain(robot: Robot, joints_rad: FloatArray) -> Chain:
@@ -108,12 +151,26 @@ def nominal_chain(robot: Robot, joints_rad: FloatArray) -> Chain:
     return forward(nominal_values(robot, joints_rad), np.eye(3), np.zeros(3))
 
 
-def _empty_chain(joints: int, n: int) -> Chain:
+def _empty_chain(base_rotation: FloatArray, base_origin: FloatArray, joints: int) -> Chain:
+    n = len(base_origin)
+
     def vectors() -> FloatArray:
         return np.empty((joints, n, 3))
 
     rotations = np.empty((joints, n, 3, 3))
-    return Chain(vectors(), vectors(), vectors(), vectors(), rotations, vectors(), vectors())
+    return Chain(
+        x_before=vectors(),
+        origin_before=vectors(),
+        y_middle=vectors(),
+        origin_middle=vectors(),
+        rotation=rotations,
+        z=vectors(),
+        origin=vectors(),
+        base_rotation=base_rotation,
+        base_origin=base_origin,
+        end_rotation=base_rotation,
+        end_origin=base_origin,
+    )
 
 
 def _column(values: FloatArray, joint: int) -> FloatArray | float:
@@ -130,6 +187,11 @@ def _times(rotation: FloatArray, constant_or_rows: FloatArray) -> FloatArray:
 def theta_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:
     """Return the motion of points (n, 3) per angle of each joint [mm/rad], shape (J, n, 3)."""
     return cross(chain.z, points_mm - chain.origin)
+
+
+def theta_gradient_of(chain: Chain, points_mm: FloatArray, joint: int) -> FloatArray:
+    """Return the motion of points (n, 3) per angle of one joint [mm/rad], shape (n, 3)."""
+    return cross(chain.z[joint], points_mm - chain.origin[joint])
 
 
 def alpha_gradient(chain: Chain, points_mm: FloatArray) -> FloatArray:

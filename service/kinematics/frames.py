@@ -39,6 +39,20 @@ def rotation_xyz(rx_rad: float, ry_rad: float, rz_rad: float) -> FloatArray:
     return rotation_x(rx_rad) @ rotation_y(ry_rad) @ rotation_z(rz_rad)
 
 
+def turned_axes(angles_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotations RotX RotY RotZ of (n, 3) angles, and the axes about which each of the angles turns.
+
+    Returns
+    -------
+    rotation : ndarray, shape (n, 3, 3)
+    axes : ndarray, shape (3, n, 3)
+    """
+    about_x = rotation_x(angles_rad[:, 0])
+    about_xy = about_x @ rotation_y(angles_rad[:, 1])
+    axes = np.stack([np.broadcast_to(np.eye(3)[0], angles_rad.shape), about_x[:, :, 1], about_xy[:, :, 2]])
+    return about_xy @ rotation_z(angles_rad[:, 2]), axes
+
+
 def angles_xyz(rotation: FloatArray) -> tuple[float, float, float]:
     """Return rx, ry, rz [rad] of a rotation RotX RotY RotZ; at ry = +-90 deg, rz is 0.
 

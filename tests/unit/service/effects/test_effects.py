@@ -38,6 +38,7 @@ def rows(robot):
         turn_rad=joints * [row.sign for row in robot.joints],
         chain=nominal_chain(robot, joints),
         gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+        robot=robot,
     )
 
 

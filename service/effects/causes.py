@@ -1,0 +1,114 @@
+"""Causes: effects that a diagnosis may find, with what it must know to look for them and to name them.
+
+A cause proposes *candidates*: the ways in which it may be present in these data (which joint, which order,
+which moment), each with the parameters that it would add to the model. It says when it cannot be seen at
+all, and puts what was fitted into its own words.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.campaign import Stops
+from service.domain.diagnosis import Detail
+from service.effects.ports import Effect, ParameterSpec, Setting
+from service.kinematics.chain import Chain
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The data in which causes are looked for: n readings and the model that they were fitted with."""
+
+    setting: Setting
+    stops: Stops
+    nest: IntArray  # (n,)
+    chain: Chain  # of the fitted model
+    torque_n_mm: FloatArray | None  # (n, J)
+    turn_rad: FloatArray  # (n, J)
+    softness_rad_per_n_mm: FloatArray  # (J,) of the fitted model, 0 where it has no spring
+    present: frozenset[str]  # names of the model's parameters
+    effects: tuple[str, ...]  # of the model
+    reference_s: FloatArray  # (r,) times at which fixed nests were read
+    origin_s: float
+    legs: bool = False  # lengths of a ballbar instead of positions
+    initialisation: IntArray | None = None
+    placement: IntArray | None = None
+
+    @property
+    def robot_name(self) -> str:
+        """Name of the robot."""
+        return self.setting.robot.name
+
+
+class Candidate(NamedTuple):
+    """One way in which a cause may be present."""
+
+    effect: str
+    subject: str
+    specs: tuple[ParameterSpec, ...]
+    variant: float = 0.0  # what was searched over: an order, a time; 0 where nothing was
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its parameters."""
+        return tuple(spec.name for spec in self.specs)
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A fitted cause in its own words and units (angles in deg)."""
+
+    subject: str
+    amplitude: float
+    unit: str
+    standard_uncertainty: float
+    sentence: str
+    details: tuple[Detail, ...] = ()
+
+
+class Fitted(NamedTuple):
+    """Parameters of one cause on one subject as they were fitted; several candidates may share a subject."""
+
+    names: tuple[str, ...]
+    values: FloatArray  # (k,) internal units
+    covariance: FloatArray  # (k, k)
+
+
+class Cause(Effect, Protocol):
+    """An effect that a diagnosis looks for."""
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Return why these data cannot show it, and what would; None where they can."""
+        ...
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Return the ways in which it may be present, none where the model already has it."""
+        ...
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Put fitted parameters into words."""
+        ...
+
+
+def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[float, float]:
+    """Length of a vector that is known with a covariance, less what noise adds to it, and its uncertainty.
+
+    The expected squared length of the estimate exceeds the true one by the trace of the covariance.
+    """
+    length = float(np.linalg.norm(vector))
+    if length == 0.0:
+        return 0.0, float(np.sqrt(np.trace(covariance)))
+    along = vector / length
+    spread = float(np.sqrt(along @ covariance @ along))
+    across = float(np.trace(covariance)) - spread**2
+    return float(np.sqrt(max(length**2 - across, spread**2))), spread
+
+
+def varied(column: FloatArray | IntArray | None) -> bool:
+    """Whether a column is there and takes more than one known value."""
+    if column is None:
+        return False
+    known = column[np.isfinite(column)]
+    return known.size > 0 and bool(np.ptp(known) > 0)

@@ -1,0 +1,135 @@
+"""Joint harmonics: a joint is off by waves of its own angle (gear, bearing, encoder).
+
+theta turns by s sin(order q) + c cos(order q), q the joint's own turn. Orders are searched from one wave per
+turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator.
+"""
+
+import numpy as np
+
+from service.domain.arrays import FloatArray
+from service.domain.diagnosis import Detail
+from service.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
+from service.effects.names import joint_subject
+from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "joint_harmonics"
+_WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
+_UNKNOWN_GEAR = 165.0  # the highest ratio that is usual in one stage, for robots that do not tell theirs
+_SMALLEST_TURN_RAD = np.deg2rad(5.0)
+
+
+class JointHarmonics:
+    """Waves of any order on any joint."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return orders 1 and 2 of every joint but the waves once per turn that offsets and tilts mimic."""
+        return tuple(
+            spec
+            for joint in range(setting.robot.n_joints)
+            for order in (1.0, 2.0)
+            for spec in _specs(joint, order)
+        )
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Turn the joint by its waves."""
+        return [Term(k, *_wave(name, rows.turn_rad)) for k, name in enumerate(names)]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need joints that turn."""
+        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose every order of every joint that turns, from one per turn to two per turn of the motor."""
+        found = []
+        for joint in np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist():
+            for order in orders(scene, joint):
+                specs = _specs(joint, order)
+                if specs[0].name not in scene.present:
+                    found.append(Candidate(NAME, joint_subject(joint), specs, order))
+        return tuple(found)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how large the waves are and what has that many waves per turn."""
+        waves = _fitted_waves(fitted)
+        details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
+        largest = max(waves, key=lambda wave: wave.amplitude_deg)
+        joint = int(subject.split()[1]) - 1
+        listed = ", ".join(f"{wave.order:g}" for wave in sorted(waves, key=lambda wave: wave.order))
+        what = "a wave" if len(waves) == 1 else f"waves of {listed} periods per turn, the largest"
+        sentence = (
+            f"{subject.capitalize()} is off by {what} of {largest.order:g} "
+            f"period{'s' if largest.order != 1 else ''} per turn, {largest.amplitude_deg:.3f} deg: "
+            f"{_typical_of(largest.order, _gear_ratio(scene, joint))}."
+        )
+        return Shown(subject, largest.amplitude_deg, "deg", largest.uncertainty_deg, sentence, details)
+
+
+class _FittedWave:
+    def __init__(self, order: float, vector: FloatArray, covariance: FloatArray) -> None:
+        self.order = order
+        amplitude, uncertainty = norm_with_uncertainty(vector, covariance)
+        self.amplitude_deg, self.uncertainty_deg = (
+            float(np.rad2deg(amplitude)),
+            float(np.rad2deg(uncertainty)),
+        )
+        self._phase_deg = float(np.rad2deg(np.arctan2(vector[1], vector[0])))
+
+    def details(self, *, several: bool) -> list[Detail]:
+        turn = float(np.rad2deg(np.arctan2(np.deg2rad(self.uncertainty_deg), np.deg2rad(self.amplitude_deg))))
+        found = [Detail("order", self.order, "1", 0.0)]
+        if several:
+            found.append(Detail("amplitude", self.amplitude_deg, "deg", self.uncertainty_deg))
+        return [*found, Detail("phase", self._phase_deg, "deg", turn)]
+
+
+def orders(scene: Scene, joint: int) -> tuple[float, ...]:
+    """Return the orders that are looked for on a joint (0-based)."""
+    highest = round(2.0 * _gear_ratio(scene, joint, _UNKNOWN_GEAR))
+    return tuple(float(order) for order in range(1, highest + 1))
+
+
+def wave_names(joint: int, order: float) -> tuple[str, str]:
+    """Return the names of the two parameters of a wave."""
+    return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
+
+
+def _specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
+    sine, cosine = wave_names(joint, order)
+    return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
+
+
+def _wave(name: str, turn_rad: FloatArray) -> tuple[Port, FloatArray]:
+    _, joint, order, kind = name.split("_")
+    angle = float(order) * turn_rad[:, int(joint) - 1]
+    return Port(PortKind.THETA, int(joint) - 1), np.sin(angle) if kind == "sin" else np.cos(angle)
+
+
+def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:
+    found = []
+    for order in sorted({float(name.split("_")[2]) for name in fitted.names}):
+        rows = [k for k, name in enumerate(fitted.names) if float(name.split("_")[2]) == order]
+        rows.sort(key=lambda k: fitted.names[k].endswith("_cos"))
+        found.append(_FittedWave(order, fitted.values[rows], fitted.covariance[np.ix_(rows, rows)]))
+    return found
+
+
+def _gear_ratio(scene: Scene, joint: int, unknown: float = 0.0) -> float:
+    ratios = scene.setting.robot.gear_ratios
+    return unknown if ratios is None else float(ratios[joint])
+
+
+def _typical_of(order: float, ratio: float) -> str:
+    if ratio and abs(order - 2.0 * ratio) < 0.5:
+        return "two waves per turn of the wave generator, typical of a strain-wave gear"
+    if ratio and abs(order - ratio) < 0.5:
+        return "one wave per turn of the motor: its gear or its encoder runs out of true"
+    if order <= 1.5:
+        return "a gear, bearing or encoder disc that runs out of true"
+    if order <= 2.5:
+        return "typical of a strain-wave gear or of an oval encoder disc"
+    return "an error of the gear or encoder that repeats with the joint's angle"
