@@ -1,12 +1,12 @@
 """An identified model as the content of a JSON file, and back.
 
-The file speaks degrees: every value whose internal unit is rad, its standard uncertainty, prior width and
-its rows and columns of the covariance are converted with it. The factor is applied to the floats in full
-precision, so a model comes back within two roundings of each number.
+The file speaks degrees: every value whose internal unit is rad or rad/h, its standard uncertainty, prior
+width and its rows and columns of the covariance are converted with it. The factor is applied to the floats in
+full precision, so a model comes back within two roundings of each number.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import get_args
 
 import numpy as np
@@ -29,6 +29,7 @@ from service.exchange.robot_document import (
 FORMAT = "truepose-model"
 VERSION = 1
 _DEG = math.degrees(1.0)
+_IN_DEGREES: Mapping[Unit, str] = {"rad": "deg", "rad/h": "deg/h"}  # else the file speaks the internal unit
 _INTERNAL_UNITS: tuple[Unit, ...] = get_args(Unit)
 _UNITS: dict[str, Json] = {
     "length": "mm",
@@ -44,12 +45,12 @@ Vector = tuple[float, float, float]
 
 def file_unit(unit: Unit) -> str:
     """Return the unit that files and documents use for a quantity of an internal unit."""
-    return "deg" if unit == "rad" else unit
+    return _IN_DEGREES.get(unit, unit)
 
 
 def file_factor(unit: Unit) -> float:
     """Return the factor from the internal unit to the unit of files and documents."""
-    return _DEG if unit == "rad" else 1.0
+    return _DEG if unit in _IN_DEGREES else 1.0
 
 
 def model_document(model: Model) -> dict[str, Json]:
@@ -70,6 +71,7 @@ def model_document(model: Model) -> dict[str, Json]:
         "repeatability_mm": number_or_null(model.repeatability_mm),
         "discrepancy_mm": number_or_null(model.discrepancy_mm),
         "torques_measured": model.torques_measured,
+        "origin_s": model.origin_s,
         "nominal_fitted": _nominal_document(model),
         "parameters": [_parameter_document(parameter) for parameter in model.parameters],
         "covariance": _covariance_document(model),
@@ -139,9 +141,10 @@ def read_model_document(root: Node) -> Model:
         nominal_tool_rotation_rad=_read_rotation(nominal.key("tool_rotation_deg")),
         instrument_mm=_read_instrument(root.key("instrument_in_world_mm")),
         torques_measured=root.key("torques_measured").truth(),
+        origin_s=_read_origin_s(root.optional("origin_s")),
         nominal_leg_offset_mm=nominal.key("leg_offset_mm").number(),
         nominal_anchors=_read_anchors(nominal.key("anchors")),
-        identified_from=_read_origin(root.key("identified_from")),
+        identified_from=_read_identified_from(root.key("identified_from")),
         program_version=_read_version(root.key("program_version")),
     )
 
@@ -214,7 +217,12 @@ def _read_instrument(node: Node) -> Vector | None:
     return None if node.is_null else node.vector()
 
 
-def _read_origin(node: Node) -> dict[str, str | int | float]:
+def _read_origin_s(node: Node | None) -> float:
+    # Files from before there were drifts lack it; nothing in them counts from it.
+    return 0.0 if node is None else node.number()
+
+
+def _read_identified_from(node: Node) -> dict[str, str | int | float]:
     origin: dict[str, str | int | float] = {}
     for name, value in node.entries().items():
         if isinstance(value, bool) or not isinstance(value, str | int | float):

@@ -3,11 +3,12 @@
 import dataclasses
 import json
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 
-from service.domain.results import Anchor
+from service.domain.results import Anchor, Unit
 from service.domain.robot import JointRange
 from service.exchange.errors import (
     BadValueError,
@@ -50,6 +51,7 @@ def rich_model():
         nominal_anchors=(Anchor(1, 2, (1.5, 2.0, 3.0)),),
         nominal_leg_offset_mm=-0.5,
         torques_measured=True,
+        origin_s=1234.5,
         nominal_tool_rotation_rad=(0.01, 0.02, 0.03),
     )
 
@@ -101,6 +103,31 @@ def test_a_person_reads_degrees_and_units():
     assert document["units"]["angle"] == "deg"
 
 
+@pytest.mark.parametrize("unit", get_args(Unit))
+def test_a_parameter_of_every_unit_reads_back_as_it_was(unit):
+    rate = make_parameter(name="b", effect="base_drift", value=math.pi * 1e-5, unit=unit)
+    model = make_model(parameters=(rate, make_parameter(name="a_3", unit="mm")))
+
+    assert_same(model, read(model_text(model)))
+
+
+def test_a_person_reads_a_turning_base_in_degrees_per_hour():
+    rate = make_parameter(name="base_drift_rz", effect="base_drift", value=1e-3, unit="rad/h")
+
+    (shown,) = json.loads(model_text(make_model(parameters=(rate,), covariance=np.eye(1) * 1e-8)))[
+        "parameters"
+    ]
+
+    assert (shown["unit"], shown["value"]) == ("deg/h", pytest.approx(math.degrees(1e-3), rel=1e-15))
+
+
+def test_a_file_from_before_there_were_drifts_counts_time_from_zero():
+    document = json.loads(model_text(make_model(origin_s=77.0)))
+    del document["origin_s"]
+
+    assert read(json.dumps(document)).origin_s == 0.0
+
+
 def test_every_row_of_the_covariance_takes_one_line():
     lines = model_text(make_model()).splitlines()
 
@@ -141,7 +168,9 @@ def test_every_cut_of_the_file_is_refused():
             read(text[:end])
 
 
-@pytest.mark.parametrize("key", sorted(json.loads(model_text(make_model())).keys() - {"format", "units"}))
+@pytest.mark.parametrize(
+    "key", sorted(json.loads(model_text(make_model())).keys() - {"format", "units", "origin_s"})
+)
 def test_a_missing_key_is_named(key):
     document = json.loads(model_text(make_model()))
     del document[key]

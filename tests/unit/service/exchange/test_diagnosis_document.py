@@ -1,0 +1,98 @@
+"""A diagnosis is printed with every promised key, in finite numbers."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.domain.diagnosis import Gain
+from service.exchange.diagnosis_document import diagnosis_document
+from service.storage.documents import from_document, to_document
+from tests.diagnoses import make_curve, make_diagnosis, make_finding, make_unexplained, make_wave
+
+
+def printed(diagnosis):
+    """The document as another program reads it: strict JSON."""
+    return json.loads(json.dumps(diagnosis_document(diagnosis), allow_nan=False))
+
+
+def test_a_finding_is_printed_as_promised():
+    document = printed(make_diagnosis(findings=(make_wave(),)))
+
+    (finding,) = document["findings"]
+    assert document["robot"] == "elbow"
+    assert document["verdict"] == "explained"
+    assert (finding["effect"], finding["subject"], finding["confidence"]) == (
+        "joint_harmonics",
+        "joint 6",
+        "certain",
+    )
+    assert (finding["amplitude"], finding["unit"], finding["amplitude_standard_uncertainty"]) == (
+        0.029,
+        "deg",
+        0.002,
+    )
+    assert finding["details"][0] == {"name": "order", "value": 2, "unit": "1", "standard_uncertainty": 0}
+    assert finding["gain"] == {
+        "rms_before_mm": 0.061,
+        "rms_after_mm": 0.019,
+        "interval_95_mm": [0.036, 0.047],
+    }
+    assert set(document["before"]) == {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
+    assert document["remaining"] == {
+        "structure": False,
+        "depends_on": [],
+        "sentence": "What is left looks like the stated noise.",
+    }
+    assert document["held_out"] == "cross_validation"
+
+
+def test_what_cannot_be_told_apart_and_what_would_tell_it_stand_side_by_side():
+    document = printed(make_diagnosis())
+
+    rival = {"effect": "joint_harmonics", "subject": "joint 3"}
+    assert document["findings"][0]["confusable_with"] == [rival]
+    assert rival in document["next_measurements"][0]["separates"]
+    assert document["next_measurements"][0]["configurations_deg"][1] == [5.0, 45.0, -25.0]
+
+
+def test_what_is_left_says_what_it_depends_on_with_its_curve():
+    document = printed(make_unexplained())
+
+    (left,) = document["remaining"]["depends_on"]
+    assert (document["verdict"], document["findings"]) == ("unexplained", [])
+    assert (left["variable"], left["p_value"]) == ("angle of joint 4", 1e-4)
+    assert left["curve"]["line_band"] == [0.003, 0.003]
+    assert document["noise"]["tail_degrees_of_freedom"] == 4.5
+
+
+def test_where_nothing_could_be_fitted_the_blocks_are_null():
+    document = printed(make_unexplained(before=None, after=None, noise=None, errors=None, model=None))
+
+    assert (document["before"], document["after"], document["noise"]) == (None, None, None)
+
+
+def test_no_number_is_anything_but_finite():
+    unknown = make_finding(
+        amplitude=math.nan,
+        gain=Gain(math.nan, 0.02, (-math.inf, math.inf)),
+        curve=make_curve(residual=np.array([math.nan, 0.0, math.inf])),
+    )
+
+    (finding,) = printed(make_diagnosis(findings=(unknown,)))["findings"]
+
+    assert finding["amplitude"] is None
+    assert finding["gain"]["interval_95_mm"] == [None, None]
+    assert finding["curve"]["residual"] == [None, 0.0, None]
+
+
+@pytest.mark.parametrize("diagnosis", [make_diagnosis(), make_unexplained()], ids=["explained", "not"])
+def test_a_stored_diagnosis_prints_the_same_document(diagnosis):
+    kept = json.loads(json.dumps(to_document(replace(diagnosis, model=None)), allow_nan=False))
+
+    again = from_document(type(diagnosis), kept)
+
+    assert diagnosis_document(again) == diagnosis_document(diagnosis)
+    np.testing.assert_array_equal(again.errors.before_mm, diagnosis.errors.before_mm)
