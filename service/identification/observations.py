@@ -88,6 +88,10 @@ class Block(Protocol):
         """Return residuals and derivatives at `values`."""
         ...
 
+    def derivatives(self, state: State) -> FloatArray:
+        """Return what the terms of `state` do to the predictions, shape (P, n, d), not whitened."""
+        ...
+
     def weighted(self, weights: FloatArray, discrepancy: float) -> "Block":
         """Return the block with other weights and another discrepancy."""
         ...
@@ -112,8 +116,12 @@ class PositionBlock:
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
-        jacobian = position_jacobian(state)
-        return BlockResult(self.measured_mm - state.position_mm, jacobian, state, self._whitening())
+        residual = self.measured_mm - state.position_mm
+        return BlockResult(residual, self.derivatives(state), state, self._whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the motions of the predictions, shape (P, n, 3)."""
+        return position_jacobian(state)
 
     def component_variance(self) -> FloatArray:
         """Mean variance over the three axes, shape (n,)."""
@@ -197,9 +205,15 @@ class OrientationBlock:
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals as rotation vectors in the world [rad] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
-        residual = vector_from_rotation(self.measured @ np.swapaxes(state.orientation, 1, 2))
-        jacobian = np.einsum("nij,pnj->pni", _log_gradient(residual), rotation_jacobian(state))
-        return BlockResult(residual, jacobian, state, self._whitening())
+        return BlockResult(self._residual(state), self.derivatives(state), state, self._whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the turns of the predictions as the residual sees them, shape (P, n, 3)."""
+        gradient = _log_gradient(self._residual(state))
+        return np.asarray(np.einsum("nij,pnj->pni", gradient, rotation_jacobian(state)))
+
+    def _residual(self, state: State) -> FloatArray:
+        return vector_from_rotation(self.measured @ np.swapaxes(state.orientation, 1, 2))
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> "OrientationBlock":
         """Return the block with other weights and another discrepancy [rad]."""
@@ -245,21 +259,34 @@ class LegBlock:
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
-        first = structure.index_of(anchor_name(structure.anchors[0], 0))
-        anchors = values[first : first + 3 * len(structure.anchors)].reshape(-1, 3)
-        arm = state.position_mm - anchors[self.anchor]
+        arm = self._arm(state)
         distance = np.linalg.norm(arm, axis=1)
         direction = arm / distance[:, None]
+        predicted = distance + (
+            values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
+        )
+        residual = (self.length_mm - predicted)[:, None]
+        return BlockResult(residual, self.derivatives(state), state, self._whitening(direction), direction)
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""
+        structure, arm = state.structure, self._arm(state)
+        direction = arm / np.linalg.norm(arm, axis=1)[:, None]
         jacobian = np.einsum("pni,ni->pn", position_jacobian(state), direction)
         rows = np.arange(len(self.anchor))
+        first = structure.index_of(anchor_name(structure.anchors[0], 0))
         for component in range(3):
             jacobian[first + 3 * self.anchor + component, rows] = -direction[:, component]
-        offset = structure.index_of(LEG_OFFSET) if LEG_OFFSET in structure.names else None
-        if offset is not None:
-            jacobian[offset] = 1.0
-        predicted = distance + (values[offset] if offset is not None else 0.0)
-        residual = (self.length_mm - predicted)[:, None]
-        return BlockResult(residual, jacobian[:, :, None], state, self._whitening(direction), direction)
+        if LEG_OFFSET in structure.names:
+            jacobian[structure.index_of(LEG_OFFSET)] = 1.0
+        return np.asarray(jacobian[:, :, None])
+
+    def _arm(self, state: State) -> FloatArray:
+        """Return the way from each leg's anchor to its nest, shape (n, 3)."""
+        structure = state.structure
+        first = structure.index_of(anchor_name(structure.anchors[0], 0))
+        anchors = state.values[first : first + 3 * len(structure.anchors)].reshape(-1, 3)
+        return state.position_mm - anchors[self.anchor]
 
     def component_variance(self) -> FloatArray:
         """Variance of each length [mm2], shape (n,)."""
