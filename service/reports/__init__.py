@@ -1,11 +1,14 @@
 """Reports: self-contained HTML pages and short text tables from results."""
 
 from service.reports.conditions import Instrument, Period, ReportConditions
+from service.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
 from service.reports.identification_report import ReportInput, write_identification_report
+from service.reports.pages import page_styles
 from service.reports.table_report import Row, Section, Verdict, write_table_report
 from service.reports.truth import TrueParameter, Truth
 
 __all__ = [
+    "DiagnosisInput",
     "Instrument",
     "Period",
     "ReportConditions",
@@ -15,6 +18,9 @@ __all__ = [
     "TrueParameter",
     "Truth",
     "Verdict",
+    "diagnosis_content",
+    "page_styles",
+    "write_diagnosis_report",
     "write_identification_report",
     "write_table_report",
 ]

@@ -3,10 +3,12 @@
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from service import __version__
 from service.reports.errors import UnwritableReportError
 from service.reports.rounding import millimetres, p_value, uncertainty
+from service.reports.ruled_out import ruled_out_rows
 
 
 def write_page(path: Path, template: str, **context: object) -> None:
@@ -17,7 +19,7 @@ def write_page(path: Path, template: str, **context: object) -> None:
     UnwritableReportError
         The file cannot be written.
     """
-    text = _environment().get_template(template).render(version=__version__, **context)
+    text = rendered(template, **context)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
@@ -25,6 +27,16 @@ def write_page(path: Path, template: str, **context: object) -> None:
         raise UnwritableReportError(
             f"The report cannot be written to {path} ({error.strerror}); choose another file."
         ) from error
+
+
+def rendered(template: str, **context: object) -> Markup:
+    """Return a template of this package, filled in."""
+    return Markup(_environment().get_template(template).render(version=__version__, **context))
+
+
+def page_styles() -> Markup:
+    """Return the style sheet of all reports, for a page that shows one within its own frame."""
+    return rendered("style.css")
 
 
 def _environment() -> Environment:
@@ -35,5 +47,11 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(mm=millimetres, u=uncertainty, p=p_value)
+    environment.filters.update(mm=millimetres, u=uncertainty, p=p_value, capitalize_first=_capitalized)
+    environment.filters.update(joined=ruled_out_rows)
     return environment
+
+
+def _capitalized(text: str) -> str:
+    """Return the text with a capital first letter; jinja's own would make small letters of all others."""
+    return text[:1].upper() + text[1:]

@@ -6,7 +6,10 @@ GUM (JCGM 100:2008), 7.2.6: at most two significant digits of an uncertainty.
 import math
 
 MISSING = "\N{EN DASH}"
+MINUS = "\N{MINUS SIGN}"
+_TIMES = "\N{MULTIPLICATION SIGN}"
 _SMALLEST_PLAIN = 1e-4  # below this, numbers are written with a power of ten
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _EXACT_DECIMALS = 9  # rounding of pi / 2 and the like stays below; no drawing goes there
 
 
@@ -32,6 +35,18 @@ def rounded(value: float, standard_uncertainty: float) -> str:
     if standard_uncertainty < _SMALLEST_PLAIN:
         return _scientific(value, standard_uncertainty)
     return _signed(f"{value:.{max(decimals_of(standard_uncertainty), 0)}f}")
+
+
+def with_uncertainty(value: float, standard_uncertainty: float) -> str:
+    """Return "value ± uncertainty" as printed; small ones share one power of ten."""
+    if not math.isfinite(standard_uncertainty) or standard_uncertainty <= 0.0 or not math.isfinite(value):
+        return rounded(value, standard_uncertainty)
+    if standard_uncertainty >= _SMALLEST_PLAIN:
+        return f"{rounded(value, standard_uncertainty)} ± {uncertainty(standard_uncertainty)}"
+    exponent = math.floor(math.log10(max(abs(value), standard_uncertainty)))
+    decimals = max(decimals_of(standard_uncertainty) + exponent, 0)
+    mantissas = (f"{number / 10.0**exponent:.{decimals}f}" for number in (value, standard_uncertainty))
+    return f"({' ± '.join(mantissas)}) {_TIMES} 10{str(exponent).translate(_RAISED)}"
 
 
 def exact(value: float) -> str:

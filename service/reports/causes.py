@@ -1,0 +1,89 @@
+"""Words for causes and quantities: what a name in a document is called on a page."""
+
+from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict
+
+VERDICT_WORDS = {
+    Verdict.CONSISTENT: "Consistent",
+    Verdict.EXPLAINED: "Explained",
+    Verdict.PARTLY_EXPLAINED: "Partly explained",
+    Verdict.UNEXPLAINED: "Unexplained",
+}
+VERDICT_MEANINGS = {
+    Verdict.CONSISTENT: "The present model explains the data within their uncertainties.",
+    Verdict.EXPLAINED: "The model lacked something; it has a name, and what is left looks like noise.",
+    Verdict.PARTLY_EXPLAINED: "Something has a name, and structure is left that has none yet.",
+    Verdict.UNEXPLAINED: "The model lacks something, and no known cause explains it.",
+}
+_AMPLITUDES = {
+    "axis_parallelism": "angle between the two axes",
+    "joint_gain": "share by which the joint turns further than it should",
+    "joint_harmonics": "amplitude of the wave: half of peak to peak",
+    "joint_coupling": "turn of this joint per turn of the other",
+    "backlash": "full gap between the two directions of approach",
+    "compliance": "turn of the joint per torque about its axis",
+    "compliance_nonlinear": "additional compliance near zero torque, relative",
+    "link_bending": "displacement at the tool",
+    "payload": "mass by which the tool differs",
+    "link_mass": "mass by which the link differs",
+    "base_compliance": "tilt of the base per moment",
+    "thermal_growth": "relative growth of lengths per kelvin",
+    "base_drift": "speed of the translation",
+    "instrument_drift": "speed of the translation",
+    "base_shift": "length of the translation",
+    "fixture_shift": "length of the translation",
+    "nest_offset": "distance from the certified place",
+    "tool_reseating": "standard deviation from one mounting to the next",
+    "instrument_scale": "share by which lengths are off",
+    "ballbar_zero": "constant error of a length",
+    "outliers": "share of the readings",
+    "label_swap": "share of the readings",
+}
+_PRINTED_UNITS = {"1": "", "degC": "°C"}
+_NO_RIVAL = (
+    "no rival explains these data nearly as well, and the false-alarm level holds over everything tried"
+)
+
+
+def effect_words(effect: str) -> str:
+    """Return the name of an effect as words."""
+    return effect.replace("_", " ")
+
+
+def cause_words(cause: Cause) -> str:
+    """Return a cause as words, e.g. "joint gain, joint 2"."""
+    return ", ".join(filter(None, (effect_words(cause.effect), cause.subject)))
+
+
+def causes_listed(causes: tuple[Cause, ...]) -> str:
+    """Return causes as one phrase."""
+    return "; ".join(map(cause_words, causes))
+
+
+def amplitude_meaning(effect: str) -> str:
+    """Return what the amplitude of an effect is; "" for an effect that says so nowhere else."""
+    return _AMPLITUDES.get(effect, "")
+
+
+def printed_unit(unit: str) -> str:
+    """Return a unit of documents as it is printed; nothing for a ratio."""
+    return _PRINTED_UNITS.get(unit, unit.replace("*", "·").replace("mm2", "mm²"))
+
+
+def confidence_meaning(finding: Finding) -> str:
+    """Return what the word of confidence stands on, in the facts of this finding."""
+    rivals = finding.confusable_with
+    told = f"these data cannot tell it from {causes_listed(rivals)}" if rivals else ""
+    if finding.confidence is Confidence.CERTAIN:
+        return "; ".join(filter(None, (told or _NO_RIVAL, _gain_words(finding.gain))))
+    doubts = [told, "" if _shows(finding.gain) else _gain_words(finding.gain)]
+    return "; ".join(filter(None, doubts)) or "the evidence does not suffice to exclude every other cause"
+
+
+def _shows(gain: Gain | None) -> bool:
+    return gain is not None and gain.interval_95_mm[0] > 0.0
+
+
+def _gain_words(gain: Gain | None) -> str:
+    if gain is None:
+        return "nothing held out can show a gain"
+    return f"the 95 % interval of the gain {'lies above' if _shows(gain) else 'reaches'} 0"

@@ -1,0 +1,164 @@
+"""The report of a diagnosis: what the model gets wrong, why, and how anyone can check it."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from markupsafe import Markup
+
+from service.domain.arrays import FloatArray
+from service.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
+from service.domain.results import Model
+from service.exchange.model_document import file_factor, file_unit
+from service.reports.causes import VERDICT_MEANINGS, VERDICT_WORDS, causes_listed, printed_unit
+from service.reports.conditions import ReportConditions, condition_rows
+from service.reports.figures.comparison import comparison
+from service.reports.figures.error_maps import error_maps
+from service.reports.figures.gains import gains
+from service.reports.figures.residual_curve import CurveFigure, residual_curve
+from service.reports.findings import finding_blocks
+from service.reports.pages import rendered, write_page
+from service.reports.parameter_rows import meaning
+from service.reports.rounding import rounded, uncertainty
+from service.reports.ruled_out import ruled_out_rows
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosisInput:
+    """What a report is made from; only the diagnosis is needed."""
+
+    diagnosis: Diagnosis
+    campaign: str = ""  # what the readings are called; "" is printed as not stated
+    conditions: ReportConditions = field(default_factory=ReportConditions)
+
+
+@dataclass(frozen=True, slots=True)
+class DependenceBlock:
+    """Something that what is left depends on, with its picture."""
+
+    dependence: Dependence
+    curve: CurveFigure | None
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """An action or configurations to measure next, as text."""
+
+    sentence: str
+    separates: str
+    configurations: tuple[tuple[str, ...], ...]  # deg
+
+
+@dataclass(frozen=True, slots=True)
+class AddedParameter:
+    """A parameter that a finding adds to the model, in the unit of documents."""
+
+    name: str
+    value: str
+    standard_uncertainty: str
+    unit: str
+    meaning: str
+
+
+def write_diagnosis_report(path: Path, report: DiagnosisInput) -> None:
+    """Write the report of a diagnosis as one self-contained HTML file, whatever the verdict.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced where it exists; its folder is made.
+    report : DiagnosisInput
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    """
+    write_page(path, "diagnosis.html", **_context(report))
+
+
+def diagnosis_content(report: DiagnosisInput) -> Markup:
+    """Return the same content without its frame, for a page that has one of its own."""
+    return rendered("diagnosis_content.html", **_context(report))
+
+
+def _context(report: DiagnosisInput) -> dict[str, object]:
+    diagnosis = report.diagnosis
+    return {
+        "diagnosis": diagnosis,
+        "campaign": report.campaign,
+        "conditions": report.conditions,
+        "condition_rows": tuple(condition_rows(report.conditions)),
+        "simulated": is_simulated(report),
+        "verdict": VERDICT_WORDS[diagnosis.verdict],
+        "verdict_meaning": VERDICT_MEANINGS[diagnosis.verdict],
+        "findings": finding_blocks(diagnosis),
+        "gains": gains(diagnosis.findings),
+        "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
+        "found": ruled_out_rows(entry for entry in diagnosis.ruled_out if entry.visible),
+        "unseen": ruled_out_rows(entry for entry in diagnosis.ruled_out if not entry.visible),
+        "proposals": tuple(map(_proposal, diagnosis.next_measurements)),
+        "added": added_parameters(diagnosis),
+        **_errors(diagnosis),
+    }
+
+
+def is_simulated(report: DiagnosisInput) -> bool:
+    """Whether no robot took part; a campaign of simulated sessions says so in its notes."""
+    notes = report.conditions.notes
+    return report.conditions.simulated or any(note.startswith("SIMULATED") for note in notes)
+
+
+def _errors(diagnosis: Diagnosis) -> dict[str, object]:
+    errors, after = diagnosis.errors, diagnosis.after
+    if errors is None or after is None:
+        return {"histogram": None, "beyond": 0, "maps": None}
+    before_mm, after_mm = _norms(errors.before_mm), _norms(errors.after_mm)
+    known = np.isfinite(before_mm) & np.isfinite(after_mm)
+    if not known.any():
+        return {"histogram": None, "beyond": 0, "maps": None}
+    picture, beyond = comparison(before_mm[known], after_mm[known], after.noise_mm)
+    return {"histogram": picture, "beyond": beyond, "maps": error_maps(errors)}
+
+
+def _norms(errors_mm: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(errors_mm, axis=1))
+
+
+def _dependence(number: int, dependence: Dependence) -> DependenceBlock:
+    if dependence.curve is None:
+        return DependenceBlock(dependence, None)
+    curve = residual_curve(dependence.curve, f"left-{number}", line="smooth curve")
+    return DependenceBlock(dependence, curve)
+
+
+def _proposal(measurement: NextMeasurement) -> Proposal:
+    configurations = tuple(
+        tuple(f"{angle:.2f}" for angle in joints) for joints in measurement.configurations_deg
+    )
+    return Proposal(measurement.sentence, causes_listed(measurement.separates), configurations)
+
+
+def added_parameters(diagnosis: Diagnosis) -> tuple[AddedParameter, ...]:
+    """Return the parameters that the findings name, as the extended model holds them."""
+    if diagnosis.model is None:
+        return ()
+    wanted = dict.fromkeys(name for finding in diagnosis.findings for name in finding.parameters)
+    return tuple(_added(diagnosis.model, name) for name in wanted if name in _names(diagnosis.model))
+
+
+def _names(model: Model) -> set[str]:
+    return {parameter.name for parameter in model.parameters}
+
+
+def _added(model: Model, name: str) -> AddedParameter:
+    parameter = next(entry for entry in model.parameters if entry.name == name)
+    factor = file_factor(parameter.unit)
+    u = parameter.standard_uncertainty * factor
+    return AddedParameter(
+        name=name,
+        value=rounded(parameter.value * factor, u),
+        standard_uncertainty=uncertainty(u),
+        unit=printed_unit(file_unit(parameter.unit)),
+        meaning=meaning(name, parameter.effect).replace("_", " "),
+    )

@@ -1,0 +1,217 @@
+"""Residuals along one variable, with what was fitted to them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.axes import Axes
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.diagnosis import Curve
+from service.reports.causes import printed_unit
+from service.reports.figures.canvas import AFTER, INK, MUTED, new_figure, page_style, to_svg
+
+_MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
+_FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
+_MEANS = 20
+_FEW_VALUES = 12  # of a variable that counts: mountings, nests
+_TURNS_TO_FOLD = 8.0  # periods in the picture beyond which a wave is drawn within one period
+_MOST_BENDS = 8  # of the line; a mean over a tenth of a wave would flatten it
+_TURN_DEG = 360.0
+
+
+@dataclass(frozen=True, slots=True)
+class CurveFigure:
+    """The picture, and what its caption must say."""
+
+    picture: Markup
+    caption: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Means:
+    x: FloatArray
+    value: FloatArray
+    standard_uncertainty: FloatArray
+    of: int  # readings in each, at most
+
+
+def residual_curve(
+    curve: Curve, prefix: str, *, line: str, period_deg: float | None = None, whole: bool = False
+) -> CurveFigure | None:
+    """Draw residuals with their standard uncertainty and the line with its band.
+
+    Parameters
+    ----------
+    curve : Curve
+    prefix : str
+        Keeps the ids of this picture apart from those of others.
+    line : str
+        What the line is, e.g. "fitted effect".
+    period_deg : float, optional
+        Of a wave over an angle; where many fit into the picture all are drawn upon each other.
+    whole : bool
+        Show the farthest reading too; else a few far ones are said and not shown.
+
+    Returns
+    -------
+    CurveFigure or None
+        None where there is no finite reading.
+    """
+    shown = _folded(_finite(curve), period_deg)
+    if not shown.x.size:
+        return None
+    means, limit = _means(shown), _limit(shown, whole)
+    chosen = _chosen(shown.x)
+    beyond = int((np.abs(shown.residual) > limit).sum())
+    with page_style():
+        figure = new_figure(8.0, 3.1)
+        axes = figure.add_subplot()
+        _readings(axes, shown, chosen, faint=means is not None)
+        _line(axes, shown, line)
+        if means is not None:
+            _draw_means(axes, means)
+        axes.set_ylim(-limit, limit)
+        axes.set_xlabel(_label(shown.variable, shown.variable_unit))
+        axes.set_ylabel(_label(shown.quantity, shown.quantity_unit))
+        figure.legend(loc="outside upper left", ncols=4)
+        picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
+    return CurveFigure(picture, " ".join(_caption(len(shown.x), len(chosen), beyond, shown, means)))
+
+
+def _finite(curve: Curve) -> Curve:
+    known = np.isfinite(curve.x) & np.isfinite(curve.residual)
+    drawn = np.isfinite(curve.line_x) & np.isfinite(curve.line)
+    return replace(
+        curve,
+        x=curve.x[known],
+        residual=curve.residual[known],
+        standard_uncertainty=np.nan_to_num(curve.standard_uncertainty[known]),
+        line_x=curve.line_x[drawn],
+        line=curve.line[drawn],
+        line_band=np.nan_to_num(curve.line_band[drawn]),
+    )
+
+
+def _folded(curve: Curve, period_deg: float | None) -> Curve:
+    if period_deg is None or curve.variable_unit != "deg" or not curve.x.size:
+        return curve
+    if float(np.ptp(curve.x)) < _TURNS_TO_FOLD * period_deg:
+        return curve
+    line_x = np.mod(curve.line_x, period_deg)
+    order = np.argsort(line_x, kind="stable")
+    per_turn = _TURN_DEG / period_deg
+    return replace(
+        curve,
+        variable=f"{curve.variable} within one period of {period_deg:.3g} deg ({per_turn:.3g} per turn)",
+        x=np.mod(curve.x, period_deg),
+        line_x=line_x[order],
+        line=curve.line[order],
+        line_band=curve.line_band[order],
+    )
+
+
+def _limit(curve: Curve, whole: bool) -> float:
+    """Return the half height: a few gross readings would flatten everything else."""
+    sizes = np.abs(curve.residual)
+    farthest = float(sizes.max() if whole else np.quantile(sizes, 0.99))
+    line = float((np.abs(curve.line) + curve.line_band).max(initial=0.0))
+    return 1.2 * max(farthest, line, 1e-9)
+
+
+def _chosen(x: FloatArray) -> IntArray:
+    """Return the rows to draw, evenly chosen along x."""
+    order = np.argsort(x, kind="stable")
+    if len(order) <= _MOST_POINTS:
+        return order
+    return order[np.linspace(0, len(order) - 1, _MOST_POINTS).astype(np.int64)]
+
+
+def _readings(axes: Axes, curve: Curve, rows: IntArray, *, faint: bool) -> None:
+    strength = 0.35 if faint else 0.8
+    x, y, u = curve.x[rows], curve.residual[rows], curve.standard_uncertainty[rows]
+    axes.axhline(0.0, color=MUTED, linewidth=0.8)
+    axes.vlines(x, y - u, y + u, color=MUTED, linewidth=0.7, alpha=0.6 * strength)
+    axes.plot(x, y, ".", color=MUTED, markersize=4.0, alpha=strength, markeredgewidth=0.0, label="readings")
+
+
+def _line(axes: Axes, curve: Curve, name: str) -> None:
+    if not curve.line_x.size:
+        return
+    low, high = curve.line - curve.line_band, curve.line + curve.line_band
+    axes.fill_between(curve.line_x, low, high, color=AFTER, alpha=0.22, linewidth=0.0, label="its 95 % band")
+    marker = "o" if _counts(curve) else None
+    axes.plot(curve.line_x, curve.line, color=AFTER, linewidth=1.8, marker=marker, markersize=4, label=name)
+
+
+def _draw_means(axes: Axes, means: _Means) -> None:
+    axes.errorbar(
+        means.x,
+        means.value,
+        means.standard_uncertainty,
+        fmt="o",
+        color=INK,
+        markersize=4.0,
+        linewidth=1.1,
+        label="means of readings",
+    )
+
+
+def _means(curve: Curve) -> _Means | None:
+    """Return weighted means of neighbours: they show what single readings hide in their noise."""
+    u = curve.standard_uncertainty
+    if len(curve.x) < _FEWEST_FOR_MEANS or not (u > 0.0).all() or _bends(curve.line) > _MOST_BENDS:
+        return None
+    groups = list(_groups(curve.x))
+    weights = [1.0 / u[rows] ** 2 for rows in groups]
+    return _Means(
+        x=np.array([np.average(curve.x[rows], weights=w) for rows, w in zip(groups, weights, strict=True)]),
+        value=np.array([
+            np.average(curve.residual[rows], weights=w) for rows, w in zip(groups, weights, strict=True)
+        ]),
+        standard_uncertainty=np.array([w.sum() ** -0.5 for w in weights]),
+        of=max(map(len, groups)),
+    )
+
+
+def _groups(x: FloatArray) -> Iterator[IntArray]:
+    values = np.unique(x)
+    if len(values) <= _FEW_VALUES:
+        yield from (np.flatnonzero(x == value) for value in values)
+    else:
+        yield from np.array_split(np.argsort(x, kind="stable"), _MEANS)
+
+
+def _counts(curve: Curve) -> bool:
+    return not curve.variable_unit and len(np.unique(curve.x)) <= _FEW_VALUES
+
+
+def _bends(line: FloatArray) -> int:
+    """Return how often the line turns from rising to falling or back."""
+    slope = np.sign(np.diff(line))
+    slope = slope[slope != 0.0]
+    return int((slope[1:] != slope[:-1]).sum())
+
+
+def _label(quantity: str, unit: str) -> str:
+    printed = printed_unit(unit)
+    return f"{quantity} [{printed}]" if printed else quantity
+
+
+def _caption(total: int, chosen: int, beyond: int, curve: Curve, means: _Means | None) -> Iterator[str]:
+    yield (
+        f"Dots: {total:,} readings"
+        if chosen == total
+        else f"Dots: {chosen} of {total:,} readings, evenly chosen,"
+    )
+    yield "as the model without this cause leaves them, with their standard uncertainty."
+    if means is not None:
+        yield f"Black: weighted means of up to {means.of} neighbours each, with their standard uncertainty."
+    if beyond:
+        lies = "reading lies" if beyond == 1 else "readings lie"
+        yield f"{beyond} {lies} beyond the picture, the farthest at {_farthest(curve)}."
+
+
+def _farthest(curve: Curve) -> str:
+    return f"{np.abs(curve.residual).max():.2g} {printed_unit(curve.quantity_unit)}"

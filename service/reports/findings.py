@@ -1,0 +1,118 @@
+"""One finding as a block of a page: its numbers as text, its curve, and what else it could be."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain
+from service.reports.causes import amplitude_meaning, cause_words, confidence_meaning, printed_unit
+from service.reports.figures.residual_curve import CurveFigure, residual_curve
+from service.reports.look_alikes import Alternatives, alternatives
+from service.reports.rounding import MINUS, millimetres, p_value, rounded, with_uncertainty
+
+_COVERAGE_95 = 1.96  # of a normal distribution
+_OF_SINGLE_READINGS = frozenset({"outliers", "label_swap"})  # their far readings are the finding itself
+_TURN_DEG = 360.0
+
+
+@dataclass(frozen=True, slots=True)
+class FindingBlock:
+    """What a page shows of one finding; numbers are text with their unit."""
+
+    number: int
+    finding: Finding
+    name: str
+    amplitude: str
+    rows: tuple[tuple[str, str, str], ...]  # what, value, remark
+    details: tuple[tuple[str, str, str], ...]  # name, value, unit
+    confidence: str  # what the word means here
+    curve: CurveFigure | None
+    alternatives: Alternatives
+
+
+def finding_blocks(diagnosis: Diagnosis) -> tuple[FindingBlock, ...]:
+    """Return a block for each finding, in their order."""
+    return tuple(_block(number, finding, diagnosis) for number, finding in enumerate(diagnosis.findings, 1))
+
+
+def _block(number: int, finding: Finding, diagnosis: Diagnosis) -> FindingBlock:
+    return FindingBlock(
+        number=number,
+        finding=finding,
+        name=cause_words(Cause(finding.effect, finding.subject)),
+        amplitude=amplitude_text(finding),
+        rows=tuple(_rows(finding)),
+        details=tuple(_detail(detail) for detail in finding.details),
+        confidence=confidence_meaning(finding),
+        curve=_curve(number, finding),
+        alternatives=alternatives(finding, diagnosis.ruled_out, diagnosis.next_measurements),
+    )
+
+
+def amplitude_text(finding: Finding) -> str:
+    """Return amplitude ± standard uncertainty with unit."""
+    value = with_uncertainty(finding.amplitude, finding.amplitude_standard_uncertainty)
+    return f"{value} {printed_unit(finding.unit)}".rstrip()
+
+
+def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
+    yield "Amplitude ± standard uncertainty", amplitude_text(finding), amplitude_meaning(finding.effect)
+    if finding.amplitude_standard_uncertainty > 0.0:
+        yield "95 % interval of the amplitude", _interval(finding), "normal approximation"
+    yield "Held-out gain", *gain_text(finding.gain)
+    yield "p value", p_value(finding.p_value), "chance of noise alone showing as much, over everything tried"
+    yield (
+        "Share of the structure",
+        f"{100.0 * finding.share:.0f} %",
+        "of what the start model leaves beyond noise",
+    )
+
+
+def _interval(finding: Finding) -> str:
+    half = _COVERAGE_95 * finding.amplitude_standard_uncertainty
+    ends = (finding.amplitude - half, finding.amplitude + half)
+    low, high = (rounded(end, finding.amplitude_standard_uncertainty) for end in ends)
+    return f"{low} to {high} {printed_unit(finding.unit)}".rstrip()
+
+
+def gain_text(gain: Gain | None) -> tuple[str, str]:
+    """Return what a finding takes off the held-out RMS with its interval, and the two RMS."""
+    if gain is None:
+        return "not known", "nothing held out can show it"
+    low, high = gain.interval_95_mm
+    difference = gain.rms_before_mm - gain.rms_after_mm
+    return (
+        f"{signed_millimetres(difference)} mm (95 % interval {signed_millimetres(low)} to "
+        f"{signed_millimetres(high)} mm)",
+        f"RMS {millimetres(gain.rms_before_mm)} mm without it, {millimetres(gain.rms_after_mm)} mm with it",
+    )
+
+
+def signed_millimetres(value_mm: float) -> str:
+    """Return a difference of lengths with a proper minus sign."""
+    return millimetres(value_mm).replace("-", MINUS)
+
+
+def _detail(detail: Detail) -> tuple[str, str, str]:
+    return (
+        detail.name.replace("_", " "),
+        with_uncertainty(detail.value, detail.standard_uncertainty),
+        printed_unit(detail.unit),
+    )
+
+
+def _curve(number: int, finding: Finding) -> CurveFigure | None:
+    if finding.curve is None:
+        return None
+    return residual_curve(
+        finding.curve,
+        f"finding-{number}",
+        line="fitted effect",
+        period_deg=_period_deg(finding),
+        whole=finding.effect in _OF_SINGLE_READINGS,
+    )
+
+
+def _period_deg(finding: Finding) -> float | None:
+    """Return the period of a finding that is one wave; None for several and for none."""
+    orders = [detail.value for detail in finding.details if detail.name == "order" and detail.value > 0.0]
+    return _TURN_DEG / orders[0] if len(orders) == 1 else None
