@@ -1,14 +1,22 @@
-"""The effects by name: one line each."""
+"""The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
 
 from service.domain.errors import UnknownEffectError
+from service.effects.axis_parallelism import AxisParallelism
 from service.effects.base import Base
+from service.effects.causes import Cause
 from service.effects.compliance import Compliance
 from service.effects.geometry import Geometry, JointOffset
 from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_gain import JointGain
+from service.effects.joint_harmonics import JointHarmonics
 from service.effects.ports import Effect
 from service.effects.tool import Tool
 
+_CAUSES: tuple[Cause, ...] = (
+    AxisParallelism(),
+    JointGain(),
+    JointHarmonics(),
+)
 _EFFECTS: tuple[Effect, ...] = (
     Base(),
     Tool(),
@@ -16,10 +24,11 @@ _EFFECTS: tuple[Effect, ...] = (
     Geometry("geometry_dhm", tilt=False),
     JointOffset(),
     Compliance(),
-    JointGain(),
     InstrumentScale(),
+    *_CAUSES,
 )
 EFFECTS = {effect.name: effect for effect in _EFFECTS}
+CAUSES = {cause.name: cause for cause in _CAUSES}
 
 
 def effect_named(name: str) -> Effect:
