@@ -2,11 +2,13 @@
 
 from service.domain.errors import UnknownEffectError
 from service.effects.axis_parallelism import AxisParallelism
+from service.effects.backlash import Backlash
 from service.effects.base import Base
 from service.effects.causes import Cause
 from service.effects.compliance import Compliance
 from service.effects.geometry import Geometry, JointOffset
 from service.effects.instrument_scale import InstrumentScale
+from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
 from service.effects.joint_harmonics import JointHarmonics
 from service.effects.ports import Effect
@@ -14,6 +16,8 @@ from service.effects.tool import Tool
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
+    Backlash(),
+    JointCoupling(),
     JointGain(),
     JointHarmonics(),
 )
