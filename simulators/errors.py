@@ -2,6 +2,8 @@
 
 SimulatorError
 ├── ScenarioError            a scenario file cannot be used: file, key, what to do
+├── ModelError               an identified model cannot be simulated: file, key or effect
+├── ReplayError              a campaign folder cannot be replayed: file, column, what to do
 ├── EndpointUnavailableError an endpoint cannot listen at its address
 ├── TruthRequestError        a request to the truth endpoint makes no sense
 └── BeamError                the tracker has nothing to measure
@@ -16,6 +18,14 @@ class SimulatorError(Exception):
 
 class ScenarioError(SimulatorError):
     """A scenario cannot be used."""
+
+
+class ModelError(SimulatorError):
+    """An identified model cannot be simulated."""
+
+
+class ReplayError(SimulatorError):
+    """A campaign folder cannot be replayed."""
 
 
 class EndpointUnavailableError(SimulatorError):

@@ -15,6 +15,8 @@ from simulators.physics.rigid import FloatArray, move
 
 # Torques agree to 1e-4 N mm, far below 1e-9 rad with the softest gear in use (1e-6 rad/(N mm)).
 _TORQUE_TOLERANCE_N_MM = 1e-4
+# What weighs without a stated mass shows in the angles alone: 1e-9 rad are 1e-6 mm at a metre.
+_ANGLE_TOLERANCE_RAD = 1e-9
 # Each step gains a factor c * dtau/dq, about 0.01 for these arms; a rubber arm would need more.
 _MOST_STEPS = 40
 
@@ -61,18 +63,29 @@ def find_rest(
         The fixed point of torque and deflection is not reached.
     """
     acting = (plant.springs, *effects)
-    loads = Loads(np.zeros_like(conditions.joints_rad))
+    loads = Loads(np.zeros_like(conditions.joints_rad), gravity_m_s2=plant.gravity_m_s2)
+    before = conditions.joints_rad
     for _ in range(_MOST_STEPS):
         deflections = [effect.deflect(conditions, loads) for effect in acting]
         angles = conditions.joints_rad + _total_angles(deflections)
         bodies = place_bodies(plant.arm, _errors(plant, deflections), angles)
         masses = place_masses(bodies, plant.arm.masses, plant.tool_mass, mass_changes)
-        torque = gravity_torques(bodies, masses)
-        change = np.max(np.abs(torque - loads.torque_n_mm), initial=0.0)
-        if change < _TORQUE_TOLERANCE_N_MM:
+        torque = _load(conditions, gravity_torques(bodies, masses, plant.gravity_m_s2))
+        loaded = _agree(torque, loads.torque_n_mm, _TORQUE_TOLERANCE_N_MM)
+        if loaded and _agree(angles, before, _ANGLE_TOLERANCE_RAD):
             return Rest(angles, torque, bodies)
-        loads = Loads(torque, masses, bodies)
+        loads, before = Loads(torque, masses, bodies, plant.gravity_m_s2), angles
     raise NoEquilibriumError("the gearbox springs are too soft: the arm finds no rest under its own weight")
+
+
+def _load(conditions: Conditions, gravity_n_mm: FloatArray) -> FloatArray:
+    """Return what winds up the gearboxes: the measured torque where there is one."""
+    measured = conditions.measured_torque_n_mm
+    return gravity_n_mm if measured is None else measured
+
+
+def _agree(now: FloatArray, before: FloatArray, tolerance: float) -> bool:
+    return bool(np.max(np.abs(now - before), initial=0.0) < tolerance)
 
 
 def _total_angles(deflections: Iterable[Deflection]) -> FloatArray | float:
@@ -83,4 +96,8 @@ def _errors(plant: Plant, deflections: Iterable[Deflection]) -> FloatArray:
     motions = [item.motions for item in deflections if item.motions is not None]
     if not motions:
         return plant.errors
-    return link_motions(plant.arm, plant.motions + sum(motions))
+    added = link_motions(plant.arm, np.asarray(sum(motions)))
+    errors: FloatArray = plant.errors @ added
+    # The base is the only body whose motions are stated in the world, before its own placement.
+    errors[..., 0, :, :] = added[..., 0, :, :] @ plant.errors[0]
+    return errors

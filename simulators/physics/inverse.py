@@ -5,7 +5,7 @@ import numpy as np
 from simulators.errors import SimulatorError
 from simulators.physics.arm import Arm
 from simulators.physics.chain import Bodies, place_bodies
-from simulators.physics.rigid import FloatArray, to_quaternion
+from simulators.physics.rigid import FloatArray, to_rotation_vector
 
 _MOST_STEPS = 60
 _LONGEST_STEP_RAD = 0.2  # Newton leaps across branches when the start is far
@@ -46,10 +46,7 @@ def reach(arm: Arm, last_frame: FloatArray, start_rad: FloatArray) -> FloatArray
 
 def _missing(present: FloatArray, wanted: FloatArray) -> FloatArray:
     """Return translation [mm] and rotation vector [rad] from present to wanted frame, shape (6,)."""
-    quaternion = to_quaternion(wanted[:3, :3] @ present[:3, :3].T)
-    sine = float(np.linalg.norm(quaternion[1:]))
-    angle = 2.0 * np.arctan2(sine, quaternion[0])
-    turn = quaternion[1:] * (angle / sine if sine > 0.0 else 2.0)
+    turn = to_rotation_vector(wanted[:3, :3] @ present[:3, :3].T)
     return np.concatenate([wanted[:3, 3] - present[:3, 3], turn])
 
 

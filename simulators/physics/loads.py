@@ -69,8 +69,10 @@ def _placed(
     return PlacedMass(joint, mass_kg, move(carrier, np.asarray(centre_mm)))
 
 
-def gravity_torques(bodies: Bodies, masses: Sequence[PlacedMass]) -> FloatArray:
-    """Torque of gravity about every joint axis [N mm], positive along the axis, shape (n, J)."""
+def gravity_torques(
+    bodies: Bodies, masses: Sequence[PlacedMass], gravity_m_s2: Vector = GRAVITY_M_S2
+) -> FloatArray:
+    """Torque of gravity (world) about every joint axis [N mm], positive along the axis, shape (n, J)."""
     n, n_joints = bodies.axis_points_mm.shape[:2]
     mass = np.zeros((n, n_joints, 1))
     first_moment = np.zeros((n, n_joints, 3))  # [kg mm] of what hangs on each joint alone
@@ -78,14 +80,22 @@ def gravity_torques(bodies: Bodies, masses: Sequence[PlacedMass]) -> FloatArray:
         mass[:, item.joint - 1, 0] += item.mass_kg
         first_moment[:, item.joint - 1] += item.first_moment_kg_mm
     levers = _sum_beyond(first_moment) - _sum_beyond(mass) * bodies.axis_points_mm
-    torques: FloatArray = np.einsum("nji,nji->nj", _moments(levers), bodies.axis_directions)
+    torques: FloatArray = np.einsum("nji,nji->nj", _moments(levers, gravity_m_s2), bodies.axis_directions)
     return torques
 
 
-def overturning_moment_n_mm(masses: Sequence[PlacedMass], n: int) -> FloatArray:
-    """Moment of all weights about the origin of the world [N mm], shape (n, 3)."""
+def overturning_moment_n_mm(
+    masses: Sequence[PlacedMass],
+    n: int,
+    gravity_m_s2: Vector = GRAVITY_M_S2,
+    about_mm: FloatArray | None = None,
+) -> FloatArray:
+    """Moment of all weights about a point (3,), by default the origin of the world [N mm], shape (n, 3)."""
     levers = sum((item.first_moment_kg_mm for item in masses), start=np.zeros((n, 3)))
-    return _moments(levers)
+    if about_mm is not None:
+        mass = sum((np.asarray(item.mass_kg) for item in masses), start=np.zeros(n))
+        levers = levers - mass[:, np.newaxis] * about_mm
+    return _moments(levers, gravity_m_s2)
 
 
 def _sum_beyond(per_joint: FloatArray) -> FloatArray:
@@ -93,7 +103,7 @@ def _sum_beyond(per_joint: FloatArray) -> FloatArray:
     return np.cumsum(per_joint[:, ::-1], axis=1)[:, ::-1]
 
 
-def _moments(levers_kg_mm: FloatArray) -> FloatArray:
-    x, y, z = GRAVITY_M_S2
+def _moments(levers_kg_mm: FloatArray, gravity_m_s2: Vector) -> FloatArray:
+    x, y, z = gravity_m_s2
     # r x g as a matrix product: cheaper than np.cross for a single configuration
     return apply(np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]), levers_kg_mm)

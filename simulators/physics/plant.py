@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from simulators.errors import ScenarioError
-from simulators.physics.arm import Arm, CarriedMass
+from simulators.physics.arm import Arm, CarriedMass, Vector
 from simulators.physics.chain import link_motions
 from simulators.physics.effects.gearbox import GearboxSprings
+from simulators.physics.loads import GRAVITY_M_S2
 from simulators.physics.rigid import FloatArray
 
 
@@ -20,6 +21,7 @@ class Plant:
     motions: FloatArray  # (J+2, 6) [mm, rad]
     compliance_rad_per_n_mm: FloatArray  # (J,)
     tool_mass: CarriedMass | None
+    gravity_m_s2: Vector = GRAVITY_M_S2  # world
 
     @cached_property
     def springs(self) -> GearboxSprings:

@@ -73,16 +73,38 @@ def from_quaternion(quaternion: FloatArray) -> FloatArray:
 
 
 def to_quaternion(rotation_matrix: FloatArray) -> FloatArray:
-    """Quaternion w, x, y, z with w >= 0 of a rotation, shape (3, 3) -> (4,).
+    """Quaternions w, x, y, z with w >= 0 of rotations, shape (..., 3, 3) -> (..., 4).
 
     The largest eigenvector of Bar-Itzhack's matrix: no case distinction, no loss near half a turn.
     """
-    (a, b, c), (d, e, f), (g, h, i) = rotation_matrix
+    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(rotation_matrix, (-2, -1), (0, 1))
     symmetric = np.array([
         [a + e + i, h - f, c - g, d - b],
         [h - f, a - e - i, b + d, c + g],
         [c - g, b + d, e - a - i, f + h],
         [d - b, c + g, f + h, i - a - e],
     ])
-    quaternion: FloatArray = np.linalg.eigh(symmetric)[1][:, -1]
-    return quaternion if quaternion[0] >= 0.0 else -quaternion
+    quaternion = np.linalg.eigh(np.moveaxis(symmetric, (0, 1), (-2, -1)))[1][..., -1]
+    positive: FloatArray = np.where(quaternion[..., :1] >= 0.0, quaternion, -quaternion)
+    return positive
+
+
+def to_rotation_vector(rotation_matrix: FloatArray) -> FloatArray:
+    """Rotation vectors [rad] of rotations, of half a turn too, shape (..., 3, 3) -> (..., 3)."""
+    quaternion = to_quaternion(rotation_matrix)
+    sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, quaternion[..., :1])
+    ratio = np.divide(angle, sine, out=np.full_like(angle, 2.0), where=sine > 0.0)
+    vector: FloatArray = ratio * quaternion[..., 1:]
+    return vector
+
+
+def to_six(pose: FloatArray) -> FloatArray:
+    """`[tx ty tz rx ry rz]` of which `small_motion` makes these motions, shape (..., 4, 4) -> (..., 6)."""
+    return np.concatenate([pose[..., :3, 3], to_rotation_vector(pose[..., :3, :3])], axis=-1)
+
+
+def placed(translation_mm: FloatArray, angles_rad: FloatArray) -> FloatArray:
+    """Trans RotX RotY RotZ, in that order, from shapes (..., 3) [mm] and (..., 3) [rad]."""
+    x, y, z = (rotation(angles_rad * axis) for axis in np.eye(3))
+    return motion(translation_mm, x @ y @ z)

@@ -19,7 +19,7 @@ class SoftBase:
 
     def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
         """Return the tilt of the base."""
-        moment = overturning_moment_n_mm(loads.masses, len(conditions))
+        moment = overturning_moment_n_mm(loads.masses, len(conditions), loads.gravity_m_s2)
         tilt = self.compliance_rad_per_n_mm * moment * conditions.since(self.from_s)[:, np.newaxis]
         return Deflection.of_body(conditions, 0, np.concatenate([np.zeros_like(tilt), tilt], axis=1))
 

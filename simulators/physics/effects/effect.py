@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from simulators.physics.arm import Vector
 from simulators.physics.chain import Bodies
-from simulators.physics.loads import PlacedMass
+from simulators.physics.loads import GRAVITY_M_S2, PlacedMass
 from simulators.physics.rigid import FloatArray
 
 
@@ -19,6 +20,8 @@ class Conditions:
     time_s: FloatArray  # (n,) cell time
     temperature_c: FloatArray  # (n,)
     attachment: FloatArray  # (n,) how often the tool has been mounted
+    # (n, J) what torque sensors said; None: gravity alone loads the gearboxes
+    measured_torque_n_mm: FloatArray | None = None
 
     def __len__(self) -> int:
         return int(self.joints_rad.shape[0])
@@ -40,6 +43,7 @@ class Loads:
     torque_n_mm: FloatArray  # (n, J) about each axis, positive along it
     masses: tuple[PlacedMass, ...] = ()
     bodies: Bodies | None = None
+    gravity_m_s2: Vector = GRAVITY_M_S2  # world
 
 
 @dataclass(frozen=True, slots=True)

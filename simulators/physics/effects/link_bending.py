@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from simulators.physics.arm import Arm, CarriedMass
+from simulators.physics.arm import Arm, CarriedMass, Vector
 from simulators.physics.chain import Bodies, link_motions, place_bodies
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import NoDetails, Site, read_details
@@ -47,12 +47,18 @@ class BendingLinks:
         if loads.bodies is not None:
             for beam in self.beams:
                 motions[:, beam.link + 1] = beam.per_ei * bending(
-                    self.arm, beam.link, loads.bodies, loads.masses
+                    self.arm, beam.link, loads.bodies, loads.masses, loads.gravity_m_s2
                 )
         return Deflection(motions=motions * conditions.since(self.from_s)[:, np.newaxis, np.newaxis])
 
 
-def bending(arm: Arm, link: int, bodies: Bodies, masses: tuple[PlacedMass, ...]) -> FloatArray:
+def bending(
+    arm: Arm,
+    link: int,
+    bodies: Bodies,
+    masses: tuple[PlacedMass, ...],
+    gravity_m_s2: Vector = GRAVITY_M_S2,
+) -> FloatArray:
     """Motion of the end of a beam of EI = 1 N mm2, in the seat there, shape (n, 6) [mm, rad]."""
     start, end = bodies.axis_points_mm[:, link - 1], bodies.axis_points_mm[:, link]
     length = np.linalg.norm(end - start, axis=1, keepdims=True)
@@ -61,7 +67,7 @@ def bending(arm: Arm, link: int, bodies: Bodies, masses: tuple[PlacedMass, ...])
     for mass in masses:
         if mass.joint < link:
             continue
-        force = np.asarray(mass.mass_kg)[..., np.newaxis] * np.array(GRAVITY_M_S2)
+        force = np.asarray(mass.mass_kg)[..., np.newaxis] * np.array(gravity_m_s2)
         reach = np.sum((mass.centre_mm - start) * along, axis=1, keepdims=True)
         s = np.clip(reach, 0.0, length) if mass.joint in _ON_BEAM[link] else length
         moment = _across(np.cross(mass.centre_mm - start - s * along, force), along)
