@@ -35,6 +35,7 @@ class Scene:
     legs: bool = False  # lengths of a ballbar instead of positions
     initialisation: IntArray | None = None
     placement: IntArray | None = None
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world
 
     @property
     def robot_name(self) -> str:

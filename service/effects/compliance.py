@@ -10,8 +10,10 @@ Source: thesis of A. Nubiola, 2014, annex I.
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.effects.names import joint_name, joint_of
+from service.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
+from service.effects.names import joint_name, joint_of, joint_subject
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from service.kinematics.chain import Chain
 from service.kinematics.gravity import moment_regressor
 
 NAME = "compliance"
@@ -44,6 +46,33 @@ class Compliance:
         """Turn each joint by its spring times its torque."""
         return [Term(k, *_deflection(name, rows)) for k, name in enumerate(names)]
 
+    def unseen(self, scene: Scene) -> str | None:
+        """Need joints that carry torque."""
+        if not self.specs(scene.setting):
+            return "no joint carries enough torque to wind up its gearbox: measure with the arm stretched out"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose the spring of each loaded joint, or all its products where the masses are unknown."""
+        by_joint: dict[int, list[ParameterSpec]] = {}
+        for spec in self.specs(scene.setting):
+            if spec.name not in scene.present:
+                by_joint.setdefault(_sprung_joint(spec.name), []).append(spec)
+        return tuple(Candidate(NAME, joint_subject(joint), tuple(specs)) for joint, specs in by_joint.items())
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how soft the gearbox is; of products, by how much it winds up (standard deviation)."""
+        if "*" in fitted.names[0]:
+            return _shown_products(subject, fitted, scene)
+        spring, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
+        joint = joint_of(fitted.names[0])
+        largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
+        sentence = (
+            f"The gearbox of {subject} winds up under load, by {spring:.2e} rad/(N*mm): up to "
+            f"{np.rad2deg(abs(spring) * largest):.3f} deg in these configurations."
+        )
+        return Shown(subject, spring, "rad/(N*mm)", spread, sentence)
+
 
 def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:
     """Mean and width of each joint's compliance [rad/(N mm)], shape (J,) each: 100 % of the typical one."""
@@ -70,11 +99,42 @@ def _product_name(joint: int, axis: str, frame: int) -> str:
     return f"c_{joint + 1}*m{axis}_{frame + 1}"
 
 
+def _sprung_joint(name: str) -> int:
+    return joint_of(name.partition("*")[0])
+
+
+def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Shown:
+    gravity = np.array(scene.gravity_m_s2)
+    columns = [_regressor(name, scene.chain, gravity) for name in fitted.names]
+    moments = np.stack(columns, axis=1)
+    # The deflection is moments @ values; its standard deviation is the length of the reduced vector.
+    reduced = np.linalg.qr(moments - moments.mean(axis=0), mode="r") / np.sqrt(len(moments))
+    deflection, spread = norm_with_uncertainty(
+        reduced @ fitted.values, reduced @ fitted.covariance @ reduced.T
+    )
+    deflection_deg, spread_deg = float(np.rad2deg(deflection)), float(np.rad2deg(spread))
+    sentence = (
+        f"The gearbox of {subject} winds up under load, by {deflection_deg:.4f} deg (standard deviation over "
+        "these configurations); how soft it is cannot be said while the masses are unknown."
+    )
+    return Shown(subject, deflection_deg, "deg", spread_deg, sentence)
+
+
 def _deflection(name: str, rows: Rows) -> tuple[Port, FloatArray]:
-    spring, _, moment = name.partition("*")
-    joint = joint_of(spring)
+    joint = _sprung_joint(name)
     port = Port(PortKind.THETA, joint)
-    if not moment:
-        return port, np.zeros(len(rows.stops)) if rows.torque_n_mm is None else rows.torque_n_mm[:, joint]
-    component = "xy".index(moment[1])
-    return port, moment_regressor(rows.chain, joint, joint_of(moment), component, rows.gravity_m_s2)
+    if "*" in name:
+        return port, _regressor(name, rows.chain, rows.gravity_m_s2)
+    return port, known_torque(rows, joint)
+
+
+def known_torque(rows: Rows, joint: int) -> FloatArray:
+    """Return the torque about a joint, shape (n,) [N mm]; 0 where it is unknown."""
+    if rows.torque_n_mm is None:
+        return np.zeros(len(rows.stops))
+    return np.nan_to_num(rows.torque_n_mm[:, joint], nan=0.0)
+
+
+def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:
+    spring, _, moment = name.partition("*")
+    return moment_regressor(chain, joint_of(spring), joint_of(moment), "xy".index(moment[1]), gravity_m_s2)

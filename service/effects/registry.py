@@ -4,9 +4,13 @@ from service.domain.errors import UnknownEffectError
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
 from service.effects.base import Base
+from service.effects.base_drift import BaseDrift
+from service.effects.base_shift import BaseShift
 from service.effects.causes import Cause
 from service.effects.compliance import Compliance
+from service.effects.compliance_nonlinear import ComplianceNonlinear
 from service.effects.geometry import Geometry, JointOffset
+from service.effects.instrument_drift import InstrumentDrift
 from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
@@ -17,6 +21,11 @@ from service.effects.tool import Tool
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
     Backlash(),
+    Compliance(),
+    ComplianceNonlinear(),
+    BaseDrift(),
+    BaseShift(),
+    InstrumentDrift(),
     JointCoupling(),
     JointGain(),
     JointHarmonics(),
@@ -27,7 +36,6 @@ _EFFECTS: tuple[Effect, ...] = (
     Geometry("geometry", tilt=True),
     Geometry("geometry_dhm", tilt=False),
     JointOffset(),
-    Compliance(),
     InstrumentScale(),
     *_CAUSES,
 )
