@@ -1,12 +1,14 @@
 """Every registered effect: well-formed parameters, terms that are its own, and what it chooses them from."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from service.domain.campaign import Stops
 from service.domain.errors import UnknownEffectError
+from service.domain.results import Unit
 from service.effects.compliance import compliance_prior
 from service.effects.geometry import is_parallel_to_previous
 from service.effects.names import joint_name, joint_of, nest_name, nest_port_index
@@ -15,7 +17,7 @@ from service.effects.registry import EFFECTS, effect_named
 from service.kinematics.chain import nominal_chain
 from tests.robots import IRB_120, SEVEN_AXES
 
-UNITS = {"mm", "rad", "rad/(N*mm)", "rad*s2/m", "1"}
+UNITS = set(get_args(Unit))
 
 
 def setting(robot=IRB_120, **changes):

@@ -1,0 +1,83 @@
+"""Sudden motions: something stood still, jumped once, and stood still again.
+
+A parameter `<prefix>_<time>_<component>` acts from that time [s] on. Every gap between two stops may hold the
+jump; a jump within a gap cannot be placed any better than the gap.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from service.domain.arrays import BoolArray, FloatArray
+from service.domain.campaign import Stops
+from service.effects.ports import Port, Rows, Term
+from service.effects.rigid_motion import split_motion
+
+_MOST = 120  # gaps that are tried; of more, every second or third
+
+
+class Gap(NamedTuple):
+    """A time between two stops."""
+
+    middle_s: float
+    width_s: float
+
+    @property
+    def label(self) -> str:
+        """The time as names carry it: with as many decimals as keep it within the gap."""
+        decimals = max(0, int(np.ceil(-np.log10(self.width_s / 4.0))))
+        return f"{self.middle_s:.{decimals}f}"
+
+
+def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
+    """Return the gaps between stops that have enough readings on either side, in the order of time.
+
+    Parameters
+    ----------
+    stops : Stops
+    rows : ndarray, shape (n,)
+        Readings that count.
+    least_readings : int
+        On either side.
+    """
+    if stops.time_s is None:
+        return ()
+    chosen = np.flatnonzero(rows & np.isfinite(stops.time_s))
+    order = chosen[np.argsort(stops.time_s[chosen], kind="stable")]
+    time_s, config = stops.time_s[order], stops.config[order]
+    ends = np.arange(1, len(order))
+    apart = (config[1:] != config[:-1]) & (np.diff(time_s) > 0.0)
+    enough = (ends >= least_readings) & (len(order) - ends >= least_readings)
+    return tuple(
+        Gap(float(time_s[k - 1] + time_s[k]) / 2.0, float(time_s[k] - time_s[k - 1]))
+        for k in ends[apart & enough].tolist()
+    )
+
+
+def thinned(found: tuple[Gap, ...], most: int = _MOST) -> tuple[Gap, ...]:
+    """Return at most so many of the gaps, evenly chosen."""
+    return found[:: max(1, -(-len(found) // most))]
+
+
+def around(found: tuple[Gap, ...], time_s: float) -> Gap:
+    """Return the gap that holds a time, the nearest where none does."""
+    return min(found, key=lambda gap: abs(gap.middle_s - time_s))
+
+
+def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
+    """Move `port` of each prefix and component from the prefix's time on, not at all where no time is."""
+    split = [split_motion(name) for name in names]
+    later = {prefix: _since(rows.stops, jump_time_s(prefix)) for prefix, _ in split}
+    return [Term(k, port(prefix, component), later[prefix]) for k, (prefix, component) in enumerate(split)]
+
+
+def jump_time_s(prefix: str) -> float:
+    """Return the time of e.g. `jump_1234.5`."""
+    return float(prefix.rsplit("_", 1)[1])
+
+
+def _since(stops: Stops, time_s: float) -> FloatArray:
+    if stops.time_s is None:
+        return np.zeros(len(stops))
+    return np.asarray(stops.time_s >= time_s, dtype=float)
