@@ -15,20 +15,26 @@ from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
 from service.effects.joint_harmonics import JointHarmonics
+from service.effects.nest_offset import NestOffset
+from service.effects.payload import Payload
 from service.effects.ports import Effect
 from service.effects.tool import Tool
+from service.effects.tool_reseating import ToolReseating
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
     Backlash(),
-    Compliance(),
-    ComplianceNonlinear(),
     BaseDrift(),
     BaseShift(),
+    Compliance(),
+    ComplianceNonlinear(),
     InstrumentDrift(),
     JointCoupling(),
     JointGain(),
     JointHarmonics(),
+    NestOffset(),
+    Payload(),
+    ToolReseating(),
 )
 _EFFECTS: tuple[Effect, ...] = (
     Base(),
