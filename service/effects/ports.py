@@ -69,6 +69,10 @@ class Setting(NamedTuple):
     has_orientations: bool
     torque_source: str  # "measured", "masses" or "unknown"
     largest_torque_n_mm: FloatArray  # (J,) over the configurations; zeros where unknown
+    certified_nests: tuple[int, ...] = ()  # 1-based, known and measured
+    attachments: tuple[int, ...] = ()  # numbers of the tool's mountings
+    initialisations: tuple[int, ...] = ()  # numbers of the ballbar's
+    lengths: bool = False  # lengths were read instead of positions
 
 
 class Rows(NamedTuple):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from service.domain.arrays import FloatArray
+from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign, Stops
 from service.effects.ports import Setting
 from service.identification.placement import Known
@@ -63,4 +63,27 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
         gravity = rotation.T @ np.array(campaign.gravity_m_s2)
         chain = nominal_chain(campaign.robot, stops.joints_rad)
         largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
-    return Setting(campaign.robot, unknown_nests(campaign), has_orientations(campaign), source, largest)
+    legs = campaign.legs if campaign.calibration is None else None
+    return Setting(
+        robot=campaign.robot,
+        unknown_nests=unknown_nests(campaign),
+        has_orientations=has_orientations(campaign),
+        torque_source=source,
+        largest_torque_n_mm=largest,
+        certified_nests=_certified_nests(campaign),
+        attachments=_numbers(stops.attachment),
+        initialisations=_numbers(None if legs is None else legs.initialisation),
+        lengths=legs is not None,
+    )
+
+
+def _certified_nests(campaign: Campaign) -> tuple[int, ...]:
+    readings = campaign.calibration or campaign.legs
+    unknown = unknown_nests(campaign)
+    measured = () if readings is None else _numbers(readings.nest)
+    return tuple(nest for nest in measured if nest not in unknown)
+
+
+def _numbers(column: IntArray | None) -> tuple[int, ...]:
+    """Return the distinct known numbers of a column; those below 0 stand for unknown ones."""
+    return () if column is None else tuple(np.unique(column[column >= 0]).tolist())

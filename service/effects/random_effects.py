@@ -1,0 +1,74 @@
+r"""Standard deviations of effects that are drawn anew each time, from estimates of the single draws.
+
+The draws x_m of M occasions scatter about an unknown mean with deviation s_g in the components of group g.
+They are known as a fit left them: mean m and covariance C, under a prior N(0, W) that is taken out again,
+which leaves the information A = C^-1 - W^-1, b = C^-1 m. The evidence for the deviations is then
+
+    log p(s) = (b^T (A + S^-1)^-1 b - log det(I + S A)) / 2,   S = diag(s_g^2) + (a wide common mean)
+
+evaluated on a grid of deviations; mean and deviation over it, equal weight per relative step, are the
+estimate and its standard uncertainty. Few occasions leave a wide one, as they should.
+
+Source: D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
+"""
+
+from itertools import product
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+
+_GRID = 33
+_FINEST, _WIDEST = 1e-2, 10.0  # of the prior's width: what the grid of deviations spans
+
+
+def deviations(
+    mean: FloatArray, covariance: FloatArray, widths: FloatArray, groups: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Estimate the deviation of each group of components.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (M, d)
+        Estimates of the draws of M occasions, d components each.
+    covariance : ndarray, shape (M d, M d)
+        Of these estimates, occasions first.
+    widths : ndarray, shape (d,)
+        Of the prior, about 0, under which they were estimated.
+    groups : ndarray, shape (d,)
+        Group 0, 1, .. of each component.
+
+    Returns
+    -------
+    deviation, standard_uncertainty : ndarray, shape (G,)
+    """
+    occasions, components = mean.shape
+    scale = np.tile(widths, occasions)
+    precision = np.linalg.inv(covariance / np.outer(scale, scale))
+    vector = precision @ (mean.ravel() / scale)
+    information = _positive(precision - np.eye(len(scale)))
+    steps = np.geomspace(_FINEST, _WIDEST, _GRID)
+    common = np.kron(np.full((occasions, occasions), _WIDEST**2), np.eye(components))
+    candidates = np.array(list(product(steps, repeat=int(groups.max()) + 1)))
+    evidence = np.array([
+        _evidence(np.tile(candidate[groups] ** 2, occasions), common, information, vector)
+        for candidate in candidates
+    ])
+    share = np.exp(evidence - evidence.max())
+    share /= share.sum()
+    unit = np.array([widths[groups == group][0] for group in range(int(groups.max()) + 1)])
+    middle = share @ candidates
+    spread = np.sqrt(share @ (candidates - middle) ** 2)
+    return middle * unit, spread * unit
+
+
+def _positive(matrix: FloatArray) -> FloatArray:
+    values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
+
+
+def _evidence(variance: FloatArray, common: FloatArray, information: FloatArray, vector: FloatArray) -> float:
+    spread = np.diag(variance) + common
+    loaded = np.eye(len(variance)) + information @ spread
+    explained = vector @ spread @ np.linalg.solve(loaded, vector)
+    return 0.5 * float(explained - np.linalg.slogdet(loaded)[1])
