@@ -2,7 +2,20 @@
 
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.ports import Effect
-from simulators.physics.effects.registry import EFFECTS, plant_effect
+from simulators.physics.effects.registry import EFFECTS, plant_effect, realise_effect
 from simulators.physics.effects.site import Site
+from simulators.physics.effects.stated import ModelArm, Stated
 
-__all__ = ["EFFECTS", "Conditions", "Deflection", "Effect", "Loads", "PlantedChange", "Site", "plant_effect"]
+__all__ = [
+    "EFFECTS",
+    "Conditions",
+    "Deflection",
+    "Effect",
+    "Loads",
+    "ModelArm",
+    "PlantedChange",
+    "Site",
+    "Stated",
+    "plant_effect",
+    "realise_effect",
+]

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from simulators.errors import ScenarioError
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import NoDetails, Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import joint_indices
 from simulators.physics.rigid import FloatArray
 
@@ -31,7 +33,22 @@ def plant(change: PlantedChange, site: Site) -> Backlash:
     """Build the effect; the amplitude is the full gap [deg], of `joints` the largest of the gaps."""
     read_details(NoDetails, change)
     joints = joint_indices(change, site.arm)
-    measured = np.array(MEASURED_GAPS_DEG)
     share = np.zeros(site.arm.n_joints)
-    share[list(joints)] = 1.0 if len(joints) == 1 else measured / measured.max()
+    share[list(joints)] = 1.0 if len(joints) == 1 else _measured_shares(change, site.arm.n_joints)
     return Backlash(np.radians(change.amplitude * share), change.from_s)
+
+
+def _measured_shares(change: PlantedChange, n_joints: int) -> FloatArray:
+    measured = np.array(MEASURED_GAPS_DEG)
+    if n_joints != len(measured):
+        raise ScenarioError(
+            f'effect {change.name}: "joints" are in the proportions of an arm of {len(measured)} joints, this'
+            f' one has {n_joints}; plant "joint 1" and so on one by one'
+        )
+    shares: FloatArray = measured / measured.max()
+    return shares
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[Backlash, ...]:
+    """Build the identified gaps, `gap_<joint>` [rad]."""
+    return (Backlash(stated.of_joints("gap", site.arm), ALWAYS_S),)

@@ -6,6 +6,7 @@ import numpy as np
 
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import NoDetails, Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.loads import overturning_moment_n_mm
 
@@ -30,3 +31,9 @@ def plant(change: PlantedChange, site: Site) -> SoftBase:
     check_only(change, "base")
     read_details(NoDetails, change)
     return SoftBase(change.amplitude, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[SoftBase, ...]:
+    """Build the identified compliance, `base_c` [rad/(N mm)]."""
+    del site
+    return tuple(SoftBase(value, ALWAYS_S) for _, value in stated.matching("base_c", "base_c"))

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
-from simulators.physics.effects.rigid_change import drift_per_s
+from simulators.physics.effects.rigid_change import drift_per_s, seen_in_world
 from simulators.physics.effects.site import Site
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import check_only
+from simulators.physics.effects.time_shape import SHAPES, Course, courses
 from simulators.physics.rigid import FloatArray
 
 
@@ -29,3 +31,23 @@ def plant(change: PlantedChange, site: Site) -> DriftingBase:
     """Build the effect; the amplitude is the norm of the translation [mm/h]."""
     check_only(change, "base")
     return DriftingBase(drift_per_s(change, site), change.from_s)
+
+
+@dataclass(frozen=True, slots=True)
+class DriftedBase:
+    """The base moves as an identified drift says, along its own axes and about its own origin."""
+
+    courses: tuple[Course, ...]
+    base: FloatArray  # (4, 4)
+
+    def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
+        """Return how far the base has come."""
+        del loads
+        come = np.sum([course.come(conditions.time_s) for course in self.courses], axis=0)
+        return Deflection.of_body(conditions, 0, seen_in_world(self.base, come))
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[DriftedBase, ...]:
+    """Build the identified drift, `drift_<shape>_x`..`_rz` [mm/h, rad/h]; shapes as `time_shape` has them."""
+    rates = stated.motions(f"drift_{SHAPES}", "drift_<shape>")
+    return (DriftedBase(courses(rates), site.base),) if rates else ()

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
-from simulators.physics.effects.rigid_change import jump
+from simulators.physics.effects.rigid_change import jump, seen_in_world
 from simulators.physics.effects.site import Site
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.rigid import FloatArray
 
@@ -28,3 +29,15 @@ def plant(change: PlantedChange, site: Site) -> ShiftedBase:
     """Build the effect; the amplitude is the norm of the translation [mm]."""
     check_only(change, "base")
     return ShiftedBase(jump(change, site), change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[ShiftedBase, ...]:
+    """Build the identified jumps, `jump_<time>_x`..`_rz` [mm, rad], along the axes of the base.
+
+    Several jumps add up, each stated where the base stood at first.
+    """
+    jumps = stated.motions(r"jump_(-?[0-9.e+-]+)", "jump_<time>")
+    return tuple(
+        ShiftedBase(seen_in_world(site.base, motion), float(time_s) - site.origin_s)
+        for time_s, motion in jumps.items()
+    )

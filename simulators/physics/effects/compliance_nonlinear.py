@@ -11,6 +11,7 @@ import numpy as np
 from simulators.errors import ScenarioError
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import joint_indices
 from simulators.physics.rigid import FloatArray
 
@@ -48,3 +49,14 @@ def plant(change: PlantedChange, site: Site) -> SofterUnloaded:
     joints = list(joint_indices(change, site.arm))
     extra[joints] = change.amplitude * site.compliance_rad_per_n_mm[joints]
     return SofterUnloaded(extra, details.t0_n_mm, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[SofterUnloaded, ...]:
+    """Build the identified characteristics, `soft_<joint>_<t0 in N mm>` [rad/(N mm)]."""
+    form, n = "soft_<joint>_<t0>", site.arm.n_joints
+    found = []
+    for (joint, t0_n_mm), extra in stated.matching(r"soft_([0-9]+)_([0-9.e+]+)", form):
+        softness = np.zeros(n)
+        softness[stated.index(joint, n, "joint")] = extra
+        found.append(SofterUnloaded(softness, float(t0_n_mm), ALWAYS_S))
+    return tuple(found)

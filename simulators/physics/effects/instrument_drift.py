@@ -11,8 +11,10 @@ import numpy as np
 from simulators.physics.effects.effect import PlantedChange
 from simulators.physics.effects.rigid_change import drift_per_s
 from simulators.physics.effects.site import Site
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import check_only
-from simulators.physics.rigid import FloatArray
+from simulators.physics.effects.time_shape import SHAPES, Course, courses
+from simulators.physics.rigid import FloatArray, inverse, placed, to_six
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,3 +35,22 @@ def plant(change: PlantedChange, site: Site) -> DriftingInstrument:
     """Build the effect; the amplitude is the norm of the translation [mm/h]."""
     check_only(change, "tracker")
     return DriftingInstrument(drift_per_s(change, site), change.from_s)
+
+
+@dataclass(frozen=True, slots=True)
+class DriftedInstrument:
+    """The tracker's frame moves the other way than an identified drift says of the readings."""
+
+    courses: tuple[Course, ...]
+
+    def frame_motion(self, time_s: FloatArray) -> FloatArray:
+        """Return how far the frame has come, shape (n, 6)."""
+        come = np.sum([course.come(time_s) for course in self.courses], axis=0)
+        return to_six(inverse(placed(come[..., :3], come[..., 3:])))
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[DriftedInstrument, ...]:
+    """Build the identified drift of readings, `tracker_<shape>_x`..`_rz` [mm/h, rad/h] about the world."""
+    del site
+    rates = stated.motions(f"tracker_{SHAPES}", "tracker_<shape>")
+    return (DriftedInstrument(courses(rates)),) if rates else ()

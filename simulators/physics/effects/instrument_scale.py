@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from simulators.physics.effects.effect import PlantedChange, since
 from simulators.physics.effects.site import NoDetails, Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.rigid import FloatArray
 
@@ -26,3 +27,9 @@ def plant(change: PlantedChange, site: Site) -> WrongScale:
     check_only(change, "tracker")
     read_details(NoDetails, change)
     return WrongScale(change.amplitude, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[WrongScale, ...]:
+    """Build the identified scale, `scale` [1]."""
+    del site
+    return tuple(WrongScale(value, ALWAYS_S) for _, value in stated.matching("scale", "scale"))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from simulators.errors import ScenarioError
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import joint_index, joint_named
 
 
@@ -43,3 +44,12 @@ def plant(change: PlantedChange, site: Site) -> JointCoupling:
             f'effect {change.name}: key "source" must be another joint than the subject, not "{stated}"'
         )
     return JointCoupling(moved, source, change.amplitude, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[JointCoupling, ...]:
+    """Build the identified couplings, `coupling_<moved>_<source>` [rad/rad], angles as the joints count."""
+    form, n = "coupling_<moved>_<source>", site.arm.n_joints
+    return tuple(
+        JointCoupling(stated.index(moved, n, "joint"), stated.index(source, n, "joint"), share, ALWAYS_S)
+        for (moved, source), share in stated.matching(r"coupling_([0-9]+)_([0-9]+)", form)
+    )

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import NoDetails, Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import joint_index
 
 
@@ -26,3 +27,9 @@ def plant(change: PlantedChange, site: Site) -> JointGain:
     """Build the effect; the amplitude is the gain less one [1]."""
     read_details(NoDetails, change)
     return JointGain(joint_index(change, site.arm), change.amplitude, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[JointGain, ...]:
+    """Build the identified gains, `gain_<joint>` [1]."""
+    gains = stated.of_joints("gain", site.arm)
+    return tuple(JointGain(joint, float(gain), ALWAYS_S) for joint, gain in enumerate(gains) if gain)

@@ -1,13 +1,14 @@
 """Waves of a joint's own angle: eccentric gears and encoders, and the cycle of a strain-wave gear."""
 
 from dataclasses import dataclass
-from math import pi, radians
+from math import atan2, hypot, pi, radians
 
 import numpy as np
 
 from simulators.errors import ScenarioError
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import joint_index
 
 
@@ -51,3 +52,24 @@ def plant(change: PlantedChange, site: Site) -> JointHarmonic:
     drawn_rad = float(site.rng().uniform(-pi, pi))
     phase_rad = drawn_rad if details.phase_deg is None else radians(details.phase_deg)
     return JointHarmonic(joint, radians(change.amplitude), details.order, phase_rad, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[JointHarmonic, ...]:
+    """Build the identified waves, `wave_<joint>_<order>_sin` and `.._cos` [rad].
+
+    The angle about z of the joint's frame is sin * sin(order * t) + cos * cos(order * t), t what the joint
+    turns by about that z; a joint that counts backwards sees its cosines with the other sign.
+    """
+    parts: dict[tuple[str, str], dict[str, float]] = {}
+    form = "wave_<joint>_<order>_sin or _cos"
+    for (joint, order, part), value in stated.matching(r"wave_([0-9]+)_([0-9.e+]+)_(sin|cos)", form):
+        parts.setdefault((joint, order), {})[part] = value
+    return tuple(
+        _wave(stated.index(joint, site.arm.n_joints, "joint"), float(order), part, site)
+        for (joint, order), part in parts.items()
+    )
+
+
+def _wave(joint: int, order: float, part: dict[str, float], site: ModelArm) -> JointHarmonic:
+    sine, cosine = part.get("sin", 0.0), site.rows[joint].sign * part.get("cos", 0.0)
+    return JointHarmonic(joint, hypot(sine, cosine), order, atan2(cosine, sine), ALWAYS_S)

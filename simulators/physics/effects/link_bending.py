@@ -16,6 +16,7 @@ from simulators.physics.arm import Arm, CarriedMass, Vector
 from simulators.physics.chain import Bodies, link_motions, place_bodies
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import NoDetails, Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import link_numbers
 from simulators.physics.loads import GRAVITY_M_S2, PlacedMass, place_masses
 from simulators.physics.rigid import FloatArray, apply
@@ -111,3 +112,9 @@ def plant(change: PlantedChange, site: Site) -> BendingLinks:
 def _across(vector: FloatArray, along: FloatArray) -> FloatArray:
     across: FloatArray = vector - np.sum(vector * along, axis=1, keepdims=True) * along
     return across
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[BendingLinks, ...]:
+    """Build the identified beams, `sag_<link>` [1/(N mm2)], of links 2 and 3."""
+    found = stated.matching(r"sag_([23])", "sag_2, sag_3")
+    return (BendingLinks(tuple(Beam(int(link), per_ei) for (link,), per_ei in found), site.arm, ALWAYS_S),)

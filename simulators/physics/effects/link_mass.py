@@ -7,8 +7,9 @@ import numpy as np
 from simulators.errors import ScenarioError
 from simulators.physics.arm import CarriedMass
 from simulators.physics.effects.effect import Conditions, PlantedChange
-from simulators.physics.effects.mass_error import MassDetails, MassError
+from simulators.physics.effects.mass_error import IdentifiedMass, MassDetails, MassError, identified_mass
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import link_numbers
 from simulators.physics.loads import MassChange
 from simulators.physics.rigid import FloatArray
@@ -47,3 +48,20 @@ def _error(change: PlantedChange, stated: CarriedMass, shift_mm: FloatArray) -> 
             f" cannot be {change.amplitude:g}"
         )
     return MassError(stated, change.amplitude, shift_mm)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[IdentifiedMass, ...]:
+    """Build the identified links, `mass_<link>` [kg] and `moment_<link>_x`.. [kg mm, frame of the joint]."""
+    extra_kg: dict[int, float] = {}
+    moments: dict[int, FloatArray] = {}
+    pattern, form = r"(?:mass_([0-9]+)|moment_([0-9]+)_([xyz]))", "mass_<link>, moment_<link>_x, _y, _z"
+    for (of_mass, of_moment, axis), value in stated.matching(pattern, form):
+        link = 1 + stated.index(of_mass or of_moment, site.arm.n_joints, "link")
+        if axis is None:
+            extra_kg[link] = value
+        else:
+            moments.setdefault(link, np.zeros(3))["xyz".index(axis)] = value
+    return tuple(
+        identified_mass(link, extra_kg.get(link, 0.0), moments.get(link, np.zeros(3)), site)
+        for link in sorted({*extra_kg, *moments})
+    )

@@ -8,6 +8,7 @@ from simulators.physics.arm import Vector
 from simulators.physics.effects.effect import Conditions, PlantedChange
 from simulators.physics.effects.rigid_change import unit_or_drawn
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import nest_index
 from simulators.physics.rigid import FloatArray
 
@@ -39,3 +40,11 @@ def plant(change: PlantedChange, site: Site) -> OffsetNest:
     direction = unit_or_drawn(details.direction, site.rng())
     offsets[nest_index(change, site.n_nests)] = change.amplitude * direction
     return OffsetNest(offsets, change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[OffsetNest, ...]:
+    """Build the identified offsets, `offset_<nest>_x`.. [mm, last frame]."""
+    offsets = np.zeros((site.n_nests, 3))
+    for nest, offset_mm in stated.vectors("offset_([0-9]+)", "offset_<nest>").items():
+        offsets[stated.index(nest, site.n_nests, "nest")] = offset_mm
+    return (OffsetNest(offsets, ALWAYS_S),)

@@ -7,8 +7,9 @@ import numpy as np
 from simulators.errors import ScenarioError
 from simulators.physics.arm import CarriedMass, Vector
 from simulators.physics.effects.effect import Conditions, PlantedChange
-from simulators.physics.effects.mass_error import MassDetails, MassError
+from simulators.physics.effects.mass_error import IdentifiedMass, MassDetails, MassError, identified_mass
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.loads import MassChange
 
@@ -39,3 +40,14 @@ def plant(change: PlantedChange, site: Site) -> WrongPayload:
         )
     shift_mm = np.array(details.centre_shift_mm)
     return WrongPayload(MassError(stated, change.amplitude, shift_mm), change.from_s)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[IdentifiedMass, ...]:
+    """Build the identified tool, `payload_mass` [kg] and `payload_x`.. [kg mm, last frame]."""
+    extra_kg, moment = 0.0, np.zeros(3)
+    for (part,), value in stated.matching(r"payload_(mass|x|y|z)", "payload_mass, payload_x, _y, _z"):
+        if part == "mass":
+            extra_kg = value
+        else:
+            moment["xyz".index(part)] = value
+    return (identified_mass(site.arm.n_joints, extra_kg, moment, site),)

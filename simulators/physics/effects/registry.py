@@ -1,10 +1,10 @@
-"""The effects by the names that scenarios use: one line each."""
+"""The effects by the names that scenarios and identified models use: one line each."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from simulators.errors import ScenarioError
+from simulators.errors import ModelError, ScenarioError
 from simulators.physics.effects import (
     axis_parallelism,
     backlash,
@@ -30,6 +30,7 @@ from simulators.physics.effects import (
 from simulators.physics.effects.effect import PlantedChange
 from simulators.physics.effects.ports import Effect
 from simulators.physics.effects.site import Site
+from simulators.physics.effects.stated import ModelArm, Stated
 
 LATEST_S = 1e9  # thirty years of cell time
 
@@ -65,6 +66,39 @@ EFFECTS: Mapping[str, Kind] = MappingProxyType({
     "thermal_growth": Kind(thermal_growth.plant, -1e-3, 1e-3),
     "tool_reseating": Kind(tool_reseating.plant, 0.0, 10.0),
 })
+
+# How effects are built from the parameters of an identified model. Those that place the base, the links and
+# the nests are the plant itself (`identified.py`).
+REALISED: Mapping[str, Callable[[Stated, ModelArm], tuple[Effect, ...]]] = MappingProxyType({
+    "backlash": backlash.realise,
+    "base_compliance": base_compliance.realise,
+    "base_drift": base_drift.realise,
+    "base_shift": base_shift.realise,
+    "compliance": compliance.realise,
+    "compliance_nonlinear": compliance_nonlinear.realise,
+    "instrument_drift": instrument_drift.realise,
+    "instrument_scale": instrument_scale.realise,
+    "joint_coupling": joint_coupling.realise,
+    "joint_gain": joint_gain.realise,
+    "joint_harmonics": joint_harmonics.realise,
+    "link_bending": link_bending.realise,
+    "link_mass": link_mass.realise,
+    "nest_offset": nest_offset.realise,
+    "payload": payload.realise,
+    "thermal_growth": thermal_growth.realise,
+    "tool_reseating": tool_reseating.realise,
+})
+
+
+def realise_effect(stated: Stated, site: ModelArm) -> tuple[Effect, ...]:
+    """Build an effect as an identified model states it; raises ModelError where no physics is here for it."""
+    realise = REALISED.get(stated.effect)
+    if realise is None:
+        raise ModelError(
+            f"effect {stated.effect}: the simulated physics has none of that name; it realises"
+            f" {', '.join(REALISED)}"
+        )
+    return realise(stated, site)
 
 
 def plant_effect(change: PlantedChange, site: Site) -> Effect:

@@ -8,7 +8,7 @@ from simulators.errors import ScenarioError
 from simulators.physics.arm import Vector
 from simulators.physics.effects.effect import PlantedChange
 from simulators.physics.effects.site import Site, read_details
-from simulators.physics.rigid import FloatArray
+from simulators.physics.rigid import FloatArray, inverse, placed, to_six
 
 _LARGEST_ROTATION_RAD = 0.1
 
@@ -79,3 +79,21 @@ def _check_turn(key: str, value: float) -> None:
 def _check_vector(key: str, value: Vector | None) -> None:
     if value is not None and not 1e-6 <= max(abs(part) for part in value) <= 1e6:
         raise ScenarioError(f'key "{key}" must be a vector that points somewhere, not {list(value)}')
+
+
+def seen_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
+    """Motions of a body, stated in its own frame as Trans RotX RotY RotZ, in the world about its origin.
+
+    Parameters
+    ----------
+    frame : ndarray, shape (4, 4)
+        The body in the world before it moves.
+    own : ndarray, shape (..., 6)
+        Shifts [mm] and the three angles [rad].
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        `[tx ty tz rx ry rz]` [mm, rad] with a rotation vector, as `rigid.small_motion` takes it.
+    """
+    return to_six(frame @ placed(own[..., :3], own[..., 3:]) @ inverse(frame))

@@ -13,8 +13,12 @@ from simulators.errors import ScenarioError
 from simulators.physics.arm import Arm
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.rigid import FloatArray, apply
+
+# Temperature at which lengths in drawings are meant (ISO 1), and those of an identified model.
+_LENGTHS_HOLD_C = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,3 +74,12 @@ def _links_mm(arm: Arm) -> FloatArray:
     links: FloatArray = np.zeros((arm.n_joints + 2, 3))
     links[1:] = apply(np.swapaxes(frames[:, :3, :3], 1, 2), ways)
     return links
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[ThermalGrowth, ...]:
+    """Build the identified expansion, `growth` [1/K] of all lengths from 20 degC on, in the cell's air."""
+    links_mm, still = _links_mm(site.arm), WarmUpDetails(warm_up_k=0.0)
+    return tuple(
+        ThermalGrowth(links_mm, per_k, still, _LENGTHS_HOLD_C, ALWAYS_S)
+        for _, per_k in stated.matching("growth", "growth")
+    )

@@ -1,12 +1,15 @@
 """A tool that sits a little differently after each mounting: chips under the flange, a worn pin."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from simulators.errors import ScenarioError
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
+from simulators.physics.effects.rigid_change import seen_in_world
 from simulators.physics.effects.site import Site, read_details
+from simulators.physics.effects.stated import ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.rigid import FloatArray
 
@@ -53,3 +56,25 @@ def plant(change: PlantedChange, site: Site) -> ReseatedTool:
     details = read_details(ReseatingDetails, change)
     scale = np.repeat([change.amplitude, details.rotation_rad], 3)
     return ReseatedTool(scale, site, change.from_s)
+
+
+@dataclass(frozen=True, slots=True)
+class SeatedTool:
+    """Mountings whose seat was identified; in any other the tool sits as it should."""
+
+    seats: Mapping[int, FloatArray]  # (6,) [mm, rad] by mounting
+
+    def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
+        """Return where the tool of each mounting sits, in the last frame."""
+        del loads
+        motions = np.zeros((len(conditions), 6))
+        for mounting, seat in self.seats.items():
+            motions[conditions.attachment == mounting] = seat
+        return Deflection.of_body(conditions, _TOOL, motions)
+
+
+def realise(stated: Stated, site: ModelArm) -> tuple[SeatedTool, ...]:
+    """Build the identified seats, `seat_<mounting>_x`..`_rz` [mm, rad, last frame]."""
+    del site
+    seats = stated.motions("seat_([0-9]+)", "seat_<mounting>")
+    return (SeatedTool({int(number): seen_in_world(np.eye(4), seat) for number, seat in seats.items()}),)
