@@ -18,6 +18,7 @@ from service.effects.joint_harmonics import JointHarmonics
 from service.effects.nest_offset import NestOffset
 from service.effects.payload import Payload
 from service.effects.ports import Effect
+from service.effects.thermal_growth import ThermalGrowth
 from service.effects.tool import Tool
 from service.effects.tool_reseating import ToolReseating
 
@@ -34,6 +35,7 @@ _CAUSES: tuple[Cause, ...] = (
     JointHarmonics(),
     NestOffset(),
     Payload(),
+    ThermalGrowth(),
     ToolReseating(),
 )
 _EFFECTS: tuple[Effect, ...] = (
