@@ -4,6 +4,7 @@ from service.domain.errors import UnknownEffectError
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
 from service.effects.base import Base
+from service.effects.base_compliance import BaseCompliance
 from service.effects.base_drift import BaseDrift
 from service.effects.base_shift import BaseShift
 from service.effects.causes import Cause
@@ -15,6 +16,7 @@ from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
 from service.effects.joint_harmonics import JointHarmonics
+from service.effects.link_mass import LinkMasses
 from service.effects.nest_offset import NestOffset
 from service.effects.payload import Payload
 from service.effects.ports import Effect
@@ -34,6 +36,8 @@ _CAUSES: tuple[Cause, ...] = (
     JointGain(),
     JointHarmonics(),
     NestOffset(),
+    BaseCompliance(),
+    LinkMasses(),
     Payload(),
     ThermalGrowth(),
     ToolReseating(),

@@ -45,12 +45,22 @@ def rows(robot):
     )
 
 
+def shortened(n_joints):
+    """The IRB 120 cut off after some joints."""
+    return replace(
+        IRB_120,
+        joints=IRB_120.joints[:n_joints],
+        masses=tuple(mass for mass in IRB_120.masses if mass.frame <= n_joints),
+        typical_compliances_rad_per_n_mm=None,
+    )
+
+
 SETTINGS = {
     "six axes": setting(),
     "seven axes": setting(SEVEN_AXES),
     "masses unknown": setting(torque_source="unknown", largest_torque_n_mm=np.zeros(6)),
-    "five axes": setting(replace(IRB_120, joints=IRB_120.joints[:5], typical_compliances_rad_per_n_mm=None)),
-    "one axis": setting(replace(IRB_120, joints=IRB_120.joints[:1], typical_compliances_rad_per_n_mm=None)),
+    "five axes": setting(shortened(5)),
+    "one axis": setting(shortened(1)),
 }
 
 
