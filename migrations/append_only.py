@@ -14,6 +14,17 @@ def protect(table: str) -> None:
 
 def drop_protected(table: str) -> None:
     """Drop `table` with its triggers."""
+    _unprotect(table)
+    op.drop_table(table)
+
+
+def delete_protected(table: str, condition: str) -> None:
+    """Delete what an older schema has no words for, on the way down."""
+    _unprotect(table)
+    op.execute(f"DELETE FROM {table} WHERE {condition}")
+    protect(table)
+
+
+def _unprotect(table: str) -> None:
     for action in ("update", "delete"):
         op.execute(f"DROP TRIGGER {table}_no_{action}")
-    op.drop_table(table)

@@ -4,6 +4,8 @@ AnalysisError
 ├── SessionsDifferError    two sessions were not measured with the same robot and set-up
 ├── RoleError              readings kept for validation would identify, or judge what they identified
 ├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
+├── NeverDiagnosedError    no diagnosis of that robot is stored
+├── RobotsMixedError       diagnoses of several robots would be compared as if they were of one
 └── WorkerDiedError        the worker process ended without an answer
 """
 
@@ -24,6 +26,14 @@ class RoleError(AnalysisError):
 
 class NothingMeasuredError(AnalysisError):
     """A session or campaign holds no reading of the kind that is asked for."""
+
+
+class NeverDiagnosedError(AnalysisError):
+    """No diagnosis of that robot is stored."""
+
+
+class RobotsMixedError(AnalysisError):
+    """Diagnoses of several robots would be compared as if they were of one."""
 
 
 class WorkerDiedError(AnalysisError):

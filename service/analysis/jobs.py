@@ -5,14 +5,17 @@ import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from datetime import date
 from typing import Any, Final, Protocol
 
-from service.analysis.tasks import Answer, IdentifyTask, PlanTask, Task, ValidateTask
+from service.analysis.tasks import Answer, DiagnoseTask, IdentifyTask, PlanTask, Task, ValidateTask
 from service.analysis.worker_process import Told, perform_in_worker
+from service.domain.diagnosis import Diagnosis
 from service.domain.errors import TrueposeError
 from service.domain.results import Identification, Validation
 from service.domain.session import SessionPlan
 from service.storage.campaigns import CampaignRepository
+from service.storage.diagnoses import DiagnosisRepository
 from service.storage.jobs import JobRepository
 from service.storage.records import JobKind, JobState, RequestKey
 from service.storage.results import ResultRepository
@@ -46,11 +49,13 @@ class JobDesk:
         jobs: JobRepository,
         campaigns: CampaignRepository,
         results: ResultRepository,
+        diagnoses: DiagnosisRepository,
         perform: Perform = perform_in_worker,
     ) -> None:
         self._jobs = jobs
         self._campaigns = campaigns
         self._results = results
+        self._diagnoses = diagnoses
         self._perform = perform
         self._turn = asyncio.Lock()
         self._running: dict[int, asyncio.Task[None]] = {}
@@ -90,6 +95,29 @@ class JobDesk:
 
         request = {"model_id": model_id, "campaign_id": campaign_id, "limit_mm": limit_mm}
         return await self._queue(JobKind.VALIDATION, request, _Work(load, store), key)
+
+    async def diagnose(
+        self,
+        campaign_id: int,
+        effects: tuple[str, ...] | None,
+        measured_on: date | None = None,
+        key: RequestKey | None = None,
+    ) -> int:
+        """Queue a diagnosis and return the job's number; raises NotFoundError."""
+        await self._campaigns.get(campaign_id)
+
+        async def load() -> Task:
+            return DiagnoseTask(await self._campaigns.archive(campaign_id), effects)
+
+        async def store(job_id: int, found: Diagnosis) -> int:
+            return await self._diagnoses.keep(job_id, campaign_id, found, measured_on)
+
+        request = {
+            "campaign_id": campaign_id,
+            "effects": None if effects is None else list(effects),
+            "measured_on": None if measured_on is None else measured_on.isoformat(),
+        }
+        return await self._queue(JobKind.DIAGNOSIS, request, _Work(load, store), key)
 
     async def plan(self, name: str, task: PlanTask, key: RequestKey | None = None) -> int:
         """Queue the choice of a session's configurations and return the job's number."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from service.analysis.errors import NothingMeasuredError
 from service.domain.campaign import Campaign, LegReadings, PointReadings
 from service.domain.cell import Cell
+from service.domain.diagnosis import Diagnosis
 from service.domain.errors import ConfigurationError
 from service.domain.results import Identification, Model, Validation
 from service.domain.session import SessionPlan
@@ -58,6 +59,22 @@ class ValidateTask:
 
 
 @dataclass(frozen=True, slots=True)
+class DiagnoseTask:
+    """Say what the model of a campaign gets wrong; `effects` None starts from the usual ones."""
+
+    archive: bytes  # zip of the campaign folder
+    effects: tuple[str, ...] | None
+
+    def perform(self, report: Report) -> Diagnosis:
+        """Return the diagnosis; raises TrueposeError."""
+        from service.diagnosis.diagnose import diagnose
+        from service.exchange.campaign_zip import read_campaign_zip
+
+        report(0.0, "reading the campaign")
+        return diagnose(read_campaign_zip(self.archive), self.effects, progress=report)
+
+
+@dataclass(frozen=True, slots=True)
 class PlanTask:
     """Choose the configurations of a session: by observability, or at random to validate."""
 
@@ -95,8 +112,8 @@ def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
     )
 
 
-Task: TypeAlias = IdentifyTask | ValidateTask | PlanTask
-Answer: TypeAlias = Identification | Validation | SessionPlan
+Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask
+Answer: TypeAlias = Identification | Validation | Diagnosis | SessionPlan
 
 
 def held_out(campaign: Campaign) -> PointReadings | LegReadings:

@@ -21,6 +21,7 @@ from service.operation.sessions import SessionDesk
 from service.settings import Settings
 from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
+from service.storage.diagnoses import DiagnosisRepository
 from service.storage.events import EventRepository
 from service.storage.jobs import JobRepository
 from service.storage.readings import ReadingRepository
@@ -174,11 +175,8 @@ def _context(
     cell: Cell, database: Database, rack: Rack, simulation: Simulation | None, perform: Perform
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
-    campaigns, jobs, results = (
-        CampaignRepository(database),
-        JobRepository(database),
-        ResultRepository(database),
-    )
+    campaigns, jobs = CampaignRepository(database), JobRepository(database)
+    results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     return Context(
         version=program_version(),
         cell=cell,
@@ -189,10 +187,11 @@ def _context(
         campaigns=campaigns,
         jobs=jobs,
         results=results,
+        diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
         session_desk=SessionDesk(sessions, readings, rack),
-        job_desk=JobDesk(jobs, campaigns, results, perform),
+        job_desk=JobDesk(jobs, campaigns, results, diagnoses, perform),
         campaign_desk=CampaignDesk(campaigns, sessions, readings),
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,

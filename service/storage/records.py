@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Any, Literal
 
 from service.domain.cell import Cell
+from service.domain.diagnosis import Diagnosis
 from service.domain.results import Identification, Model, Validation
 from service.domain.session import FixedNestTaken, PointTaken, Role, SessionState
 
@@ -98,6 +99,7 @@ class JobKind(StrEnum):
 
     IDENTIFICATION = "identification"
     VALIDATION = "validation"
+    DIAGNOSIS = "diagnosis"
     PLAN = "plan"
 
 
@@ -146,12 +148,28 @@ class IdentificationRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class ModelRecord:
-    """A stored model."""
+class DiagnosisRecord:
+    """A stored diagnosis; its model is a record of its own."""
 
     id: int
     recorded_at: str
-    identification_id: int
+    measured_at: str  # when its readings were taken: a day, or UTC in ISO 8601
+    job_id: int
+    campaign_id: int
+    session_id: int | None  # whose readings it is of; None for an uploaded campaign
+    model_id: int | None
+    robot_serial_number: str  # empty where nobody said it
+    diagnosis: Diagnosis
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRecord:
+    """A stored model; exactly one of its two origins is given."""
+
+    id: int
+    recorded_at: str
+    identification_id: int | None
+    diagnosis_id: int | None
     robot: str
     model: Model
 

@@ -130,7 +130,7 @@ def _identification(row: Row[Any]) -> IdentificationRecord:
 
 def _model(row: Row[Any]) -> ModelRecord:
     model = from_document(Model, row.document)
-    return ModelRecord(row.id, row.recorded_at, row.identification_id, row.robot, model)
+    return ModelRecord(row.id, row.recorded_at, row.identification_id, row.diagnosis_id, row.robot, model)
 
 
 def _validation(row: Row[Any]) -> ValidationRecord:

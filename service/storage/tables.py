@@ -96,6 +96,18 @@ notes = sa.Table(
     sqlite_autoincrement=True,
 )
 
+added_stops = sa.Table(
+    "added_stops",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("person", sa.Text, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Index("ix_added_stops_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
 campaigns = sa.Table(
     "campaigns",
     metadata,
@@ -143,12 +155,28 @@ identifications = sa.Table(
     sqlite_autoincrement=True,
 )
 
+diagnoses = sa.Table(
+    "diagnoses",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("job_id", "jobs"),
+    _reference("campaign_id", "campaigns"),
+    sa.Column("measured_at", sa.Text, nullable=False),
+    sa.Column("robot_serial_number", sa.Text, nullable=False),  # empty where nobody said it
+    sa.Column("summary", sa.JSON, nullable=False),  # the document without what only a page draws
+    sa.Column("document", sa.JSON, nullable=False),
+    sqlite_autoincrement=True,
+)
+
 models = sa.Table(
     "models",
     metadata,
     _number(),
     _recorded(),
-    _reference("identification_id", "identifications"),
+    # exactly one of the two
+    _reference("identification_id", "identifications", nullable=True),
+    _reference("diagnosis_id", "diagnoses", nullable=True),
     sa.Column("robot", sa.Text, nullable=False),
     sa.Column("document", sa.JSON, nullable=False),
     sqlite_autoincrement=True,

@@ -12,6 +12,7 @@ from service.web import (
     campaigns,
     cells,
     devices,
+    diagnoses,
     events,
     health,
     identifications,
@@ -38,15 +39,16 @@ _RESOURCES: Final = (
     jobs,
     identifications,
     validations,
+    diagnoses,
     models,
     campaigns,
     events,
 )
 _DESCRIPTION: Final = (
-    "Measures industrial robots, identifies what their nominal model gets wrong, and validates the result. "
-    "Every quantity names its unit; angles are in degrees. Errors are problem documents (RFC 9457) with one "
-    "sentence in `detail`. This software is not the safety function: nothing moves before a named person has "
-    "confirmed, and the emergency stop stays in reach."
+    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, and "
+    "names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors are "
+    "problem documents (RFC 9457) with one sentence in `detail`. This software is not the safety function: "
+    "nothing moves before a named person has confirmed, and the emergency stop stays in reach."
 )
 
 

@@ -14,6 +14,7 @@ from service.operation.devices import Rack
 from service.operation.sessions import SessionDesk
 from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
+from service.storage.diagnoses import DiagnosisRepository
 from service.storage.events import EventRepository
 from service.storage.jobs import JobRepository
 from service.storage.readings import ReadingRepository
@@ -44,6 +45,7 @@ class Context:
     campaigns: CampaignRepository
     jobs: JobRepository
     results: ResultRepository
+    diagnoses: DiagnosisRepository
     events: EventRepository
     rack: Rack
     session_desk: SessionDesk

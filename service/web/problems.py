@@ -12,7 +12,13 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from drivers.errors import DeviceRefusedError, DriverError
-from service.analysis.errors import NothingMeasuredError, RoleError, SessionsDifferError
+from service.analysis.errors import (
+    NeverDiagnosedError,
+    NothingMeasuredError,
+    RobotsMixedError,
+    RoleError,
+    SessionsDifferError,
+)
 from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
@@ -27,6 +33,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     NotFoundError: HTTPStatus.NOT_FOUND,
     UnknownDeviceError: HTTPStatus.NOT_FOUND,
     UnknownRobotError: HTTPStatus.NOT_FOUND,
+    NeverDiagnosedError: HTTPStatus.NOT_FOUND,
     ConflictError: HTTPStatus.CONFLICT,
     NotNowError: HTTPStatus.CONFLICT,
     DeviceInUseError: HTTPStatus.CONFLICT,
@@ -34,6 +41,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     NothingMeasuredError: HTTPStatus.CONFLICT,
     SessionsDifferError: HTTPStatus.CONFLICT,
     RoleError: HTTPStatus.CONFLICT,
+    RobotsMixedError: HTTPStatus.CONFLICT,
     PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,

@@ -8,6 +8,7 @@ from service.web.schemas.base import RecordedAt, RecordId, Reply
 _RESULTS = {
     JobKind.IDENTIFICATION: "identifications",
     JobKind.VALIDATION: "validations",
+    JobKind.DIAGNOSIS: "diagnoses",
     JobKind.PLAN: "sessions",
 }
 
@@ -17,7 +18,8 @@ class JobRequestReply(Reply):
 
     campaign_id: int | None = None
     model_id: int | None = None
-    effects: list[str] | None = Field(None, description="Null: chosen from the campaign.")
+    effects: list[str] | None = Field(None, description="Null: the usual ones.")
+    measured_on: str | None = Field(None, description="Day of the readings, where somebody said it.")
     limit_mm: float | None = None
     name: str | None = None
     role: str | None = None

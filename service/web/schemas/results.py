@@ -164,7 +164,8 @@ class ModelReply(Reply):
 
     id: RecordId
     recorded_at: RecordedAt
-    identification_id: RecordId
+    identification_id: RecordId | None = Field(description="Which made it; null: a diagnosis did.")
+    diagnosis_id: RecordId | None = Field(description="Which made it; null: an identification did.")
     robot: str = Field(examples=["ABB IRB 120"])
     effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
     parameters: list[ParameterDocument]
@@ -206,6 +207,7 @@ def model_reply(record: ModelRecord) -> ModelReply:
         id=record.id,
         recorded_at=record.recorded_at,
         identification_id=record.identification_id,
+        diagnosis_id=record.diagnosis_id,
         robot=record.robot,
         effects=document["effects"],
         parameters=[ParameterDocument.model_validate(entry) for entry in document["parameters"]],

@@ -37,7 +37,11 @@ async def client(app):
 
 @pytest.fixture
 def until(client):
-    """Ask a resource until a key has one of the values given; fails after ten seconds."""
+    return asking(client)
+
+
+def asking(client):
+    """Return what asks a resource until a key has one of the values given; fails after ten seconds."""
 
     async def ask(path, key, *values):
         async with asyncio.timeout(10):

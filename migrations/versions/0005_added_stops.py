@@ -1,0 +1,32 @@
+"""Configurations that a person added to the plan of a session."""
+
+import sqlalchemy as sa
+from alembic import op
+
+from migrations.append_only import drop_protected, protect
+from migrations.columns import number, recorded, reference
+
+revision = "0005"
+down_revision = "0004"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    """Make the table of what was added."""
+    op.create_table(
+        "added_stops",
+        number(),
+        recorded(),
+        reference("session_id", "sessions"),
+        sa.Column("person", sa.Text, nullable=False),
+        sa.Column("document", sa.JSON, nullable=False),
+        sqlite_autoincrement=True,
+    )
+    op.create_index("ix_added_stops_session_id", "added_stops", ["session_id", "id"])
+    protect("added_stops")
+
+
+def downgrade() -> None:
+    """Drop what was added; the readings taken there stay."""
+    drop_protected("added_stops")

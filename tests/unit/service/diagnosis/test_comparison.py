@@ -1,0 +1,195 @@
+"""Whether a cause has changed between two diagnoses, and by how much."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.comparison import DatedDiagnosis, Sighting, compare
+from service.domain.diagnosis import Confidence, Detail, RuledOut
+from tests.diagnoses import make_diagnosis, make_finding, make_wave
+
+SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
+
+
+def dated(number, day, *findings, **changes):
+    return DatedDiagnosis(number, day, make_diagnosis(findings=findings, ruled_out=(), **changes))
+
+
+def backlash(amplitude, u=0.003, **changes):
+    return make_finding(amplitude=amplitude, amplitude_standard_uncertainty=u, **changes)
+
+
+def test_a_backlash_that_grew_is_said_with_its_uncertainty_and_days():
+    (cause,) = compare([
+        dated(1, SPRING, backlash(0.021, 0.0024)),
+        dated(2, AUTUMN, backlash(0.033, 0.0032)),
+    ])
+
+    (change,) = cause.changes
+    assert (cause.effect, cause.subject, cause.unit) == ("backlash", "joint 3", "deg")
+    assert change.difference == pytest.approx(0.012)
+    assert change.standard_uncertainty == pytest.approx(0.004)
+    # two-sided tail of a standard normal beyond 3, any table
+    assert change.p_value == pytest.approx(0.0026998, rel=1e-4)
+    assert change.sentence == (
+        "Backlash of joint 3 grew by 0.0120 ± 0.0040 deg between 2026-03-03 and 2026-10-02: "
+        "significant (p = 0.0027)."
+    )
+
+
+def test_a_difference_that_noise_explains_is_no_change():
+    (cause,) = compare([dated(1, SPRING, backlash(0.021)), dated(2, AUTUMN, backlash(0.018))])
+
+    assert not cause.changes[0].significant
+    assert "fell by 0.0030 ± 0.0042 deg" in cause.changes[0].sentence
+    assert "within what noise explains" in cause.changes[0].sentence
+
+
+def test_diagnoses_stand_in_the_order_of_their_readings_not_of_their_numbers():
+    (cause,) = compare([dated(1, AUTUMN, backlash(0.033)), dated(2, SPRING, backlash(0.021))])
+
+    assert [sign.diagnosis_id for sign in cause.signs] == [2, 1]
+    assert cause.changes[0].difference > 0.0
+
+
+def test_many_small_steps_are_seen_from_first_to_last():
+    (cause,) = compare([
+        dated(1, SPRING, backlash(0.020)),
+        dated(2, SUMMER, backlash(0.027)),
+        dated(3, AUTUMN, backlash(0.036)),
+    ])
+
+    # each step is about 2 u, the whole way almost 4
+    assert [change.significant for change in cause.changes] == [False, False]
+    assert (cause.overall.from_id, cause.overall.to_id, cause.overall.significant) == (1, 3, True)
+
+
+def test_tests_share_one_level():
+    joints = [f"joint {k}" for k in range(1, 7)]
+    before = [backlash(0.020, subject=joint) for joint in joints]
+    after = [backlash(0.020 + (0.010 if joint == "joint 3" else 0.0), subject=joint) for joint in joints]
+
+    alone = compare([dated(1, SPRING, before[2]), dated(2, AUTUMN, after[2])])
+    among_six = compare([dated(1, SPRING, *before), dated(2, AUTUMN, *after)])
+
+    p = alone[0].changes[0].p_value
+    assert among_six[2].changes[0].p_value == pytest.approx(6 * p)  # Holm: the smallest of six
+    assert alone[0].changes[0].significant
+    assert not among_six[2].changes[0].significant
+
+
+def test_no_change_is_seen_more_often_than_the_level_allows():
+    rng = np.random.default_rng(5)
+    false_alarms = 0
+    for _ in range(400):
+        days = [
+            dated(
+                k,
+                f"2026-0{k}-01",
+                *(backlash(0.02 + 0.003 * rng.normal(), subject=f"joint {j}") for j in (1, 2)),
+            )
+            for k in (1, 2, 3)
+        ]
+        causes = compare(days)
+        false_alarms += any(
+            change.significant for cause in causes for change in (*cause.changes, cause.overall)
+        )
+
+    # Holm keeps 5 % whatever depends on what; 20 expected at most, standard deviation below 4.4
+    assert false_alarms <= 20 + 3 * 4.4
+
+
+@pytest.mark.parametrize(
+    ("changes", "sighting"),
+    [
+        ({"ruled_out": (RuledOut("backlash", "joint 3", "no sign of it", 0.4),)}, Sighting.NOT_FOUND),
+        ({"ruled_out": (RuledOut("backlash", "", "one direction only", None, False),)}, Sighting.NOT_VISIBLE),
+        ({"ruled_out": (RuledOut("backlash", "joint 2", "no sign of it", 0.4),)}, Sighting.NOT_MENTIONED),
+        ({"start_effects": ("base", "geometry", "backlash")}, Sighting.PART_OF_START),
+        ({"findings": (make_finding(subject="joints"),)}, Sighting.WITH_OTHERS),
+    ],
+)
+def test_what_was_not_found_is_not_taken_for_zero(changes, sighting):
+    earlier = DatedDiagnosis(1, SPRING, make_diagnosis(**{"findings": (), "ruled_out": (), **changes}))
+
+    causes = compare([earlier, dated(2, AUTUMN, backlash(0.033))])
+
+    (joint,) = (cause for cause in causes if cause.subject == "joint 3")
+    assert [sign.sighting for sign in joint.signs] == [sighting, Sighting.FOUND]
+    assert joint.signs[0].amplitude is None
+    assert joint.changes == ()
+
+
+def test_waves_are_compared_order_by_order():
+    two_waves = make_wave(
+        details=(
+            Detail("order", 2.0, "1", 0.0),
+            Detail("amplitude", 0.010, "deg", 0.001),
+            Detail("phase", 5.0, "deg", 1.0),
+            Detail("order", 101.0, "1", 0.0),
+            Detail("amplitude", 0.029, "deg", 0.002),
+        )
+    )
+
+    causes = compare([dated(1, SPRING, make_wave(order=2.0)), dated(2, AUTUMN, two_waves)])
+
+    second, high = causes
+    assert (second.order, high.order) == (2.0, 101.0)
+    assert second.changes[0].difference == pytest.approx(0.010 - 0.029)
+    assert high.changes == ()
+
+
+def test_amplitudes_in_different_units_are_not_subtracted():
+    causes = compare([dated(1, SPRING, backlash(0.021)), dated(2, AUTUMN, backlash(0.021, unit="mrad"))])
+
+    assert [cause.unit for cause in causes] == ["deg", "mrad"]
+    assert [cause.changes for cause in causes] == [(), ()]
+
+
+def test_two_jumps_are_two_events_and_no_change():
+    jump = make_finding(effect="base_shift", subject="base", amplitude=0.08, unit="mm")
+
+    (cause,) = compare([dated(1, SPRING, jump), dated(2, AUTUMN, replace(jump, amplitude=0.5))])
+
+    assert [sign.amplitude for sign in cause.signs] == [0.08, 0.5]
+    assert cause.changes == ()
+
+
+@pytest.mark.parametrize("unknown", [0.0, math.nan])
+def test_without_an_uncertainty_nothing_is_tested(unknown):
+    (cause,) = compare([
+        dated(1, SPRING, backlash(0.021, unknown)),
+        dated(2, AUTUMN, backlash(0.05, unknown)),
+    ])
+
+    assert (cause.changes[0].p_value, cause.changes[0].significant) == (None, False)
+    assert "not tested" in cause.changes[0].sentence
+
+
+def test_a_gain_that_changed_its_sign_has_turned_round():
+    gain = make_finding(effect="joint_gain", subject="joint 2", unit="1", amplitude=2e-4)
+    small = {"amplitude_standard_uncertainty": 2e-5, "confidence": Confidence.CERTAIN}
+
+    (cause,) = compare([
+        dated(1, SPRING, replace(gain, **small)),
+        dated(2, SPRING, replace(gain, amplitude=-1e-4, **small)),
+    ])
+
+    assert cause.changes[0].sentence.startswith(
+        "Joint gain of joint 2 turned round by (3.00 ± 0.28)e-4 between"
+    )
+
+
+def test_diagnoses_of_one_day_are_told_apart_by_the_minute():
+    morning, noon = "2026-03-03T08:15:30.000+00:00", "2026-03-03T12:00:01.000+00:00"
+
+    (cause,) = compare([dated(1, morning, backlash(0.02)), dated(2, noon, backlash(0.02))])
+
+    assert "between 2026-03-03 08:15 and 2026-03-03 12:00" in cause.changes[0].sentence
+
+
+def test_nothing_found_is_nothing_to_compare():
+    assert compare([]) == ()
+    assert compare([dated(1, SPRING), dated(2, AUTUMN)]) == ()
