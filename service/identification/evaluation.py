@@ -1,8 +1,7 @@
-"""Predictions and their derivatives: effects move ports, the chain turns ports into positions.
+"""Predictions: effects move ports, the chain turns ports into positions; `derivatives` differentiates them.
 
 The torques that load the gearboxes are those at the deflected arm, found by repeating the forward
-kinematics until they balance. Derivatives are taken at the torques in force: that a torque itself
-changes with a parameter is left out of them (a hundredth of the derivative at most), not of the prediction.
+kinematics until they balance.
 """
 
 from collections import defaultdict
@@ -12,22 +11,16 @@ import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Stops
-from service.effects.names import joint_name
-from service.effects.ports import Port, PortKind, Rows, Term, motion_port
+from service.effects.ports import Port, PortKind, Rows, Term
 from service.effects.registry import effect_named
 from service.identification.structure import Structure, base_axes
 from service.kinematics.chain import (
     Chain,
     LinkValues,
-    alpha_gradient,
-    beta_gradient,
-    body_gradients,
     forward,
     nominal_values,
-    theta_gradient,
-    theta_gradient_of,
 )
-from service.kinematics.frames import cross, turned_axes
+from service.kinematics.frames import turned_axes
 from service.kinematics.gravity import gravity_torques
 
 _MOST_PASSES = 4  # each brings the torques closer by a factor of about a thousand
@@ -74,6 +67,11 @@ class State:
         """Orientation of the tool in the world, shape (n, 3, 3)."""
         turned: FloatArray = self.chain.end_rotation @ self.tool_rotation
         return turned
+
+    def seen(self, points_mm: FloatArray) -> FloatArray:
+        """Return where the instrument sees points (n, 3) of the world, at the times of the targets."""
+        instrument = instrument_place(self.structure)
+        return _seen(points_mm, self.scale, instrument, self.instrument_motion)
 
 
 def evaluate(
@@ -154,7 +152,7 @@ def _evaluate_loaded(
         tool_axes=tool_axes,
         scale=scale,
         unscaled_mm=unscaled,
-        position_mm=_seen(unscaled, scale, _instrument(structure), instrument_motion),
+        position_mm=_seen(unscaled, scale, instrument_place(structure), instrument_motion),
         motions=motions,
         instrument_motion=instrument_motion,
         moved=moved,
@@ -176,6 +174,11 @@ def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, cha
         placement=targets.placement,
         length_mm=targets.length_mm,
     )
+
+
+def rows_of(state: State) -> Rows:
+    """Return the rows that effects see at a state."""
+    return _rows(state.structure, state.targets, state.torque_n_mm, state.chain)
 
 
 def _loaded_terms(
@@ -246,7 +249,8 @@ def _nests(structure: Structure, moved: dict[Port, FloatArray | float], nest: In
     return moved_nests[nest - 1]
 
 
-def _instrument(structure: Structure) -> FloatArray:
+def instrument_place(structure: Structure) -> FloatArray:
+    """Return where the instrument stands, the world's origin where that is unknown, shape (3,) [mm]."""
     return np.zeros(3) if structure.instrument_mm is None else structure.instrument_mm
 
 
@@ -268,154 +272,3 @@ def _displaced(nominal: LinkValues, moved: dict[Port, FloatArray | float]) -> Li
         theta_rad=shifted(PortKind.THETA, nominal.theta_rad),
         d_mm=shifted(PortKind.D, nominal.d_mm),
     )
-
-
-def position_jacobian(state: State) -> FloatArray:
-    """Differentiate the positions in the parameters.
-
-    Returns
-    -------
-    ndarray, shape (P, n, 3)
-        In mm per internal unit of each parameter; parameters of legs (anchors, offset) have zeros.
-    """
-    gradients = _position_gradients(state)
-    jacobian = np.zeros((len(state.structure.specs), len(state.targets), 3))
-    for term in state.terms:
-        gradient = gradients.get(term.port)
-        if gradient is not None:
-            factor = 1.0 if term.port.kind is PortKind.SCALE else 1.0 + state.scale
-            jacobian[term.parameter] += _weighted(term.weight, gradient) * factor
-    if state.instrument_motion is not None:
-        _see_through_instrument(state, state.instrument_motion, jacobian)
-    return jacobian
-
-
-def _see_through_instrument(state: State, motion: FloatArray, jacobian: FloatArray) -> None:
-    """Turn the derivatives with the instrument's frame, and add those of the frame's own motion."""
-    turn, axes = turned_axes(motion[:, 3:])
-    jacobian[:] = np.einsum("nij,pnj->pni", turn, jacobian)
-    for term in state.terms:
-        if term.port.kind is PortKind.INSTRUMENT:
-            component = term.port.number
-            own = (
-                np.broadcast_to(np.eye(3)[component], motion[:, :3].shape)
-                if component < 3
-                else cross(axes[component - 3], state.position_mm - motion[:, :3])
-            )
-            jacobian[term.parameter] += _weighted(term.weight, own)
-
-
-def _weighted(weight: float | FloatArray, gradient: FloatArray) -> FloatArray:
-    if isinstance(weight, np.ndarray):
-        return weight[:, None] * gradient
-    return weight * gradient
-
-
-def _position_gradients(state: State) -> dict[Port, FloatArray]:
-    chain, points = state.chain, state.unscaled_mm
-    kinds = {term.port.kind for term in state.terms}
-    stacks: dict[PortKind, FloatArray] = {}
-    if PortKind.THETA in kinds:
-        stacks[PortKind.THETA] = theta_gradient(chain, points)
-    if PortKind.ALPHA in kinds:
-        stacks[PortKind.ALPHA] = alpha_gradient(chain, points)
-    if PortKind.A in kinds:
-        stacks[PortKind.A] = chain.x_before
-    if PortKind.D in kinds:
-        stacks[PortKind.D] = chain.z
-    gradients = {
-        Port(kind, joint): stack[joint] for kind, stack in stacks.items() for joint in range(len(stack))
-    }
-    gradients |= {
-        term.port: beta_gradient(chain, points, term.port.number)
-        for term in state.terms
-        if term.port.kind is PortKind.BETA
-    }
-    gradients |= _base_gradients(state)
-    gradients |= _nest_gradients(state)
-    gradients |= _motion_gradients(state)
-    gradients |= _torque_gradients(state)
-    gradients[Port(PortKind.SCALE, 0)] = points - _instrument(state.structure)
-    return gradients
-
-
-def _base_gradients(state: State) -> dict[Port, FloatArray]:
-    arms = state.unscaled_mm - state.base_origin_mm
-    shifts = {Port(PortKind.BASE, k): np.broadcast_to(np.eye(3)[k], arms.shape) for k in range(3)}
-    turns = {Port(PortKind.BASE, 3 + k): cross(state.base_axes[k], arms) for k in range(3)}
-    return shifts | turns
-
-
-def _nest_gradients(state: State) -> dict[Port, FloatArray]:
-    last = state.chain.end_rotation
-    gradients: dict[Port, FloatArray] = {}
-    for term in state.terms:
-        if term.port.kind is PortKind.NEST:
-            nest, component = divmod(term.port.number, 3)
-            here = (state.targets.nest == nest + 1)[:, None]
-            gradients[term.port] = np.where(here, last[:, :, component], 0.0)
-    return gradients
-
-
-def _motion_gradients(state: State) -> dict[Port, FloatArray]:
-    return {
-        motion_port(body, component): gradient
-        for body, motion in state.motions.items()
-        for component, gradient in enumerate(body_gradients(state.chain, body, motion, state.unscaled_mm))
-    }
-
-
-def _torque_gradients(state: State) -> dict[Port, FloatArray]:
-    """Return what loads do: each turns its own joint by the softness of its gearbox."""
-    return {
-        term.port: softness * theta_gradient_of(state.chain, state.unscaled_mm, term.port.number)
-        for term in state.terms
-        if term.port.kind is PortKind.TORQUE
-        for softness in (softness_of(state.structure, state.values, term.port.number),)
-    }
-
-
-def softness_of(structure: Structure, values: FloatArray, joint: int) -> float:
-    """Return the linear compliance of a joint (0-based) in the model, 0 where it has none [rad/(N mm)]."""
-    name = joint_name("c", joint)
-    return float(values[structure.index_of(name)]) if name in structure.names else 0.0
-
-
-def rotation_jacobian(state: State) -> FloatArray:
-    """Rotations of the tool per parameter, as rotation vectors in the world.
-
-    Returns
-    -------
-    ndarray, shape (P, n, 3)
-        In rad per internal unit of each parameter.
-    """
-    jacobian = np.zeros((len(state.structure.specs), len(state.targets), 3))
-    for term in state.terms:
-        axis = _rotation_axis(state, term.port)
-        if axis is not None:
-            jacobian[term.parameter] += _weighted(term.weight, np.broadcast_to(axis, jacobian.shape[1:]))
-    return jacobian
-
-
-def _rotation_axis(state: State, port: Port) -> FloatArray | None:
-    chain = state.chain
-    axis: FloatArray | None = None
-    match port.kind:
-        case PortKind.THETA:
-            axis = chain.z[port.number]
-        case PortKind.ALPHA:
-            axis = chain.x_before[port.number]
-        case PortKind.BETA:
-            axis = chain.y_middle[port.number]
-        case PortKind.BASE if port.number >= 3:
-            axis = state.base_axes[port.number - 3]
-        case PortKind.TOOL_ROTATION:
-            axis = chain.end_rotation @ state.tool_axes[port.number]
-        case PortKind.TORQUE:
-            axis = softness_of(state.structure, state.values, port.number) * chain.z[port.number]
-        case PortKind.MOTION if port.number % 6 >= 3:
-            body = port.number // 6
-            _, axes = turned_axes(state.motions[body][:, 3:])
-            rotation, _about = chain.body(body)
-            axis = np.einsum("nij,nj->ni", rotation, axes[port.number % 6 - 3])
-    return axis
