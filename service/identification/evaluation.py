@@ -14,12 +14,7 @@ from service.domain.campaign import Stops
 from service.effects.ports import Port, PortKind, Rows, Term
 from service.effects.registry import effect_named
 from service.identification.structure import Structure, base_axes
-from service.kinematics.chain import (
-    Chain,
-    LinkValues,
-    forward,
-    nominal_values,
-)
+from service.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from service.kinematics.frames import turned_axes
 from service.kinematics.gravity import gravity_torques
 

@@ -11,13 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
-from service.identification.evaluation import (
-    State,
-    Targets,
-    evaluate,
-    position_jacobian,
-    rotation_jacobian,
-)
+from service.identification.derivatives import position_jacobian, rotation_jacobian
+from service.identification.evaluation import State, Targets, evaluate
 from service.identification.rows import taken
 from service.identification.structure import Structure
 from service.identification.whitening import Whitener, whitener

@@ -9,7 +9,8 @@ from service.domain.campaign import LegReadings, Stops
 from service.domain.errors import ConfigurationError
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.effects.ports import ParameterSpec
-from service.identification.evaluation import Targets, evaluate, position_jacobian
+from service.identification.derivatives import position_jacobian
+from service.identification.evaluation import Targets, evaluate
 from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.problem import NOMINAL_EFFECTS
 from service.identification.structure import Structure

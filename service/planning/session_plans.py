@@ -8,7 +8,8 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign, PointReadings, Stops
 from service.domain.session import PlannedStop, Role, SessionPlan
-from service.identification.evaluation import evaluate, position_jacobian
+from service.identification.derivatives import position_jacobian
+from service.identification.evaluation import evaluate
 from service.identification.problem import automatic_effects, build
 from service.planning.candidates import Candidates, draw_candidates
 from service.planning.exchange import Selection, choose_by_exchange

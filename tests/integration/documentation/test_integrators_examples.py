@@ -27,7 +27,8 @@ from service.effects.registry import EFFECTS
 from service.exchange.cell_file import read_cell
 from service.exchange.shipped_robots import load_robot_with_tool, read_robot_file
 from service.identification import identify
-from service.identification.evaluation import Targets, evaluate, position_jacobian
+from service.identification.derivatives import position_jacobian
+from service.identification.evaluation import Targets, evaluate
 from service.identification.problem import build
 from service.kinematics.chain import nominal_chain
 
