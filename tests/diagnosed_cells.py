@@ -277,6 +277,7 @@ def cross_validated():
 
 
 def of_lengths():
+    zeros = np.array([0.01, -0.012, 0.004, 0.013, -0.008])
     errors = make_errors(n=180, components=1, before_mm=0.02, after_mm=0.003)
     zero = make_finding(
         effect="ballbar_zero",
@@ -293,8 +294,10 @@ def of_lengths():
             quantity="error of the length",
             quantity_unit="mm",
             x=np.repeat(np.arange(1.0, 6.0), 20),
+            residual=np.repeat(zeros, 20) + np.random.default_rng(4).normal(0.0, 0.003, 100),
+            standard_uncertainty=np.full(100, 0.003),
             line_x=np.arange(1.0, 6.0),
-            line=np.array([0.01, -0.012, 0.004, 0.013, -0.008]),
+            line=zeros,
             line_band=np.full(5, 0.0015),
         ),
     )

@@ -1,19 +1,34 @@
 """Words for causes and quantities: what a name in a document is called on a page."""
 
-from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict
+from dataclasses import dataclass
 
-VERDICT_WORDS = {
-    Verdict.CONSISTENT: "Consistent",
-    Verdict.EXPLAINED: "Explained",
-    Verdict.PARTLY_EXPLAINED: "Partly explained",
-    Verdict.UNEXPLAINED: "Unexplained",
+from service.domain.diagnosis import Cause, Confidence, Diagnosis, Finding, Gain, Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class VerdictWords:
+    """A verdict in a word and a sentence; `look` names its shape and colour."""
+
+    word: str
+    meaning: str
+    look: str
+
+
+_VERDICTS = {
+    Verdict.CONSISTENT: ("Consistent", "The present model explains the data within their uncertainties."),
+    Verdict.EXPLAINED: (
+        "Explained",
+        "The model lacked something; it has a name, and what is left looks like noise.",
+    ),
+    Verdict.PARTLY_EXPLAINED: (
+        "Partly explained",
+        "Something has a name, and structure is left that has none yet.",
+    ),
+    Verdict.UNEXPLAINED: ("Unexplained", "The model lacks something, and no known cause explains it."),
 }
-VERDICT_MEANINGS = {
-    Verdict.CONSISTENT: "The present model explains the data within their uncertainties.",
-    Verdict.EXPLAINED: "The model lacked something; it has a name, and what is left looks like noise.",
-    Verdict.PARTLY_EXPLAINED: "Something has a name, and structure is left that has none yet.",
-    Verdict.UNEXPLAINED: "The model lacks something, and no known cause explains it.",
-}
+_NOT_ANSWERED = VerdictWords(
+    "Not answered", "Nothing could be fitted, so these data say nothing of the model.", "not_answered"
+)
 _AMPLITUDES = {
     "axis_parallelism": "angle between the two axes",
     "joint_gain": "share by which the joint turns further than it should",
@@ -42,6 +57,13 @@ _PRINTED_UNITS = {"1": "", "degC": "°C"}
 _NO_RIVAL = (
     "no rival explains these data nearly as well, and the false-alarm level holds over everything tried"
 )
+
+
+def verdict_words(diagnosis: Diagnosis) -> VerdictWords:
+    """Return the verdict in words; without a model there is none, whatever the document must say."""
+    if diagnosis.model is None:
+        return _NOT_ANSWERED
+    return VerdictWords(*_VERDICTS[diagnosis.verdict], diagnosis.verdict.value)
 
 
 def effect_words(effect: str) -> str:

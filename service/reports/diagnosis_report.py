@@ -1,5 +1,6 @@
 """The report of a diagnosis: what the model gets wrong, why, and how anyone can check it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
 from service.domain.results import Model
 from service.exchange.model_document import file_factor, file_unit
-from service.reports.causes import VERDICT_MEANINGS, VERDICT_WORDS, causes_listed, printed_unit
+from service.reports.causes import causes_listed, printed_unit, verdict_words
 from service.reports.conditions import ReportConditions, condition_rows
 from service.reports.figures.comparison import comparison
 from service.reports.figures.error_maps import error_maps
@@ -88,10 +89,10 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "diagnosis": diagnosis,
         "campaign": report.campaign,
         "conditions": report.conditions,
-        "condition_rows": tuple(condition_rows(report.conditions)),
+        "stated_conditions": tuple(_stated(report.conditions)),
         "simulated": is_simulated(report),
-        "verdict": VERDICT_WORDS[diagnosis.verdict],
-        "verdict_meaning": VERDICT_MEANINGS[diagnosis.verdict],
+        "verdict": verdict_words(diagnosis),
+        "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
         "findings": finding_blocks(diagnosis),
         "gains": gains(diagnosis.findings),
         "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
@@ -101,6 +102,17 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "added": added_parameters(diagnosis),
         **_errors(diagnosis),
     }
+
+
+def _origin(model: Model) -> Iterator[tuple[str, str | int | float]]:
+    """Yield what the model says of its readings, in words."""
+    return ((name.replace("_", " "), said) for name, said in model.identified_from.items())
+
+
+def _stated(conditions: ReportConditions) -> Iterator[tuple[str, str]]:
+    """Yield what somebody stated: a diagnosis rests on the readings, and what nobody said has no row here."""
+    silent = dict(condition_rows(ReportConditions()))
+    return ((name, text) for name, text in condition_rows(conditions) if text != silent[name])
 
 
 def is_simulated(report: DiagnosisInput) -> bool:

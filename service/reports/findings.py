@@ -1,5 +1,6 @@
 """One finding as a block of a page: its numbers as text, its curve, and what else it could be."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -7,7 +8,7 @@ from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain
 from service.reports.causes import amplitude_meaning, cause_words, confidence_meaning, printed_unit
 from service.reports.figures.residual_curve import CurveFigure, residual_curve
 from service.reports.look_alikes import Alternatives, alternatives
-from service.reports.rounding import MINUS, millimetres, p_value, rounded, with_uncertainty
+from service.reports.rounding import MINUS, interval, millimetres, p_value, with_uncertainty
 
 _COVERAGE_95 = 1.96  # of a normal distribution
 _OF_SINGLE_READINGS = frozenset({"outliers", "label_swap"})  # their far readings are the finding itself
@@ -56,7 +57,7 @@ def amplitude_text(finding: Finding) -> str:
 
 def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
     yield "Amplitude ± standard uncertainty", amplitude_text(finding), amplitude_meaning(finding.effect)
-    if finding.amplitude_standard_uncertainty > 0.0:
+    if 0.0 < finding.amplitude_standard_uncertainty < math.inf:
         yield "95 % interval of the amplitude", _interval(finding), "normal approximation"
     yield "Held-out gain", *gain_text(finding.gain)
     yield "p value", p_value(finding.p_value), "chance of noise alone showing as much, over everything tried"
@@ -68,10 +69,9 @@ def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
 
 
 def _interval(finding: Finding) -> str:
-    half = _COVERAGE_95 * finding.amplitude_standard_uncertainty
-    ends = (finding.amplitude - half, finding.amplitude + half)
-    low, high = (rounded(end, finding.amplitude_standard_uncertainty) for end in ends)
-    return f"{low} to {high} {printed_unit(finding.unit)}".rstrip()
+    u = finding.amplitude_standard_uncertainty
+    ends = interval(finding.amplitude - _COVERAGE_95 * u, finding.amplitude + _COVERAGE_95 * u, u)
+    return f"{ends} {printed_unit(finding.unit)}".rstrip()
 
 
 def gain_text(gain: Gain | None) -> tuple[str, str]:

@@ -39,7 +39,7 @@ _KIN = (
     # of the places of nests
     frozenset({"nest_offset", "tool_reseating", "label_swap", "fixture_shift"}),
     # of lengths
-    frozenset({"instrument_scale", "thermal_growth", "ballbar_zero", "joint_gain"}),
+    frozenset({"instrument_scale", "thermal_growth", "ballbar_zero"}),
     # of single readings
     frozenset({"outliers", "label_swap"}),
 )

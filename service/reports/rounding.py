@@ -41,12 +41,25 @@ def with_uncertainty(value: float, standard_uncertainty: float) -> str:
     """Return "value ± uncertainty" as printed; small ones share one power of ten."""
     if not math.isfinite(standard_uncertainty) or standard_uncertainty <= 0.0 or not math.isfinite(value):
         return rounded(value, standard_uncertainty)
+    return _joined((value, standard_uncertainty), standard_uncertainty, " ± ")
+
+
+def interval(low: float, high: float, standard_uncertainty: float) -> str:
+    """Return "low to high" with the digits that a standard uncertainty above 0 allows."""
+    return _joined((low, high), standard_uncertainty, " to ")
+
+
+def _joined(values: tuple[float, float], standard_uncertainty: float, word: str) -> str:
     if standard_uncertainty >= _SMALLEST_PLAIN:
-        return f"{rounded(value, standard_uncertainty)} ± {uncertainty(standard_uncertainty)}"
-    exponent = math.floor(math.log10(max(abs(value), standard_uncertainty)))
+        return word.join(_printed(rounded(value, standard_uncertainty)) for value in values)
+    exponent = math.floor(math.log10(max(*map(abs, values), standard_uncertainty)))
     decimals = max(decimals_of(standard_uncertainty) + exponent, 0)
-    mantissas = (f"{number / 10.0**exponent:.{decimals}f}" for number in (value, standard_uncertainty))
-    return f"({' ± '.join(mantissas)}) {_TIMES} 10{str(exponent).translate(_RAISED)}"
+    mantissas = word.join(_printed(_signed(f"{value / 10.0**exponent:.{decimals}f}")) for value in values)
+    return f"({mantissas}) {_TIMES} 10{str(exponent).translate(_RAISED)}"
+
+
+def _printed(number: str) -> str:
+    return number.replace("-", MINUS)
 
 
 def exact(value: float) -> str:

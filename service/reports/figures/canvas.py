@@ -8,6 +8,7 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from textwrap import shorten
 
 import matplotlib as mpl
 from markupsafe import Markup
@@ -82,6 +83,11 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img"', text, count=1)
     text = text.replace(">", f' aria-label="{Markup.escape(description)}">', 1)
     return Markup(text)
+
+
+def label(text: str, most: int) -> str:
+    """Return text of others as a label: as it is, of at most so many letters, and never a formula."""
+    return shorten(text, most, placeholder=" ...").replace("$", r"\$")
 
 
 def no_spines(axes: Axes) -> None:

@@ -8,12 +8,13 @@ from matplotlib.axes import Axes
 
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import HeldOutErrors
-from service.reports.figures.canvas import AFTER, BEFORE, MUTED, new_figure, page_style, to_svg
+from service.reports.figures.canvas import AFTER, BEFORE, INK, MUTED, new_figure, page_style, to_svg
 from service.reports.figures.work_space import exaggeration
 
 _MOST_VECTORS = 250
 _VIEWS = ((0, 1, "from above"), (0, 2, "along y"))
 _PANEL_IN = 3.5
+_MOST_HEIGHT_IN = 6.0  # both rows; a page holds them with their caption
 _LEAST_SHARE = 0.25  # of the longest side, for the shortest: a flat campaign is still a picture
 _MARGIN = 0.06
 _LARGEST_DOT = 80.0  # area [pt2] of a large error of a length
@@ -42,7 +43,8 @@ def error_maps(errors: HeldOutErrors) -> ErrorMaps | None:
     lengths = before.shape[1] == 1
     scale = 1.0 if lengths else exaggeration(errors.position_mm, errors.before_mm)
     large = float(np.quantile(np.abs(np.concatenate([errors.before_mm, errors.after_mm])), 0.99))
-    limits = _limits(points if lengths else np.concatenate([points, points + scale * before]))
+    tips = [] if lengths else [points + scale * before, points + scale * after]
+    limits = _limits(np.concatenate([points, *tips]))
     panels = ((before * scale, BEFORE, "before"), (after * scale, AFTER, "after"))
     with page_style():
         picture = _picture(points, panels, limits, large if lengths else None, scale)
@@ -75,7 +77,8 @@ def _picture(
 ) -> Markup:
     width = limits[1] - limits[0]
     heights = [float(np.clip(width[up] / width[across], 0.3, 1.4)) for across, up, _ in _VIEWS]
-    figure = new_figure(8.0, _PANEL_IN * sum(heights) + 1.5)
+    panel_in = min(_PANEL_IN, _MOST_HEIGHT_IN / sum(heights))
+    figure = new_figure(8.0, panel_in * sum(heights) + 1.3)
     grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": heights}, sharex=True, sharey="row")
     for row, (across, up, view) in enumerate(_VIEWS):
         for axes, (errors, colour, name) in zip(grid[row], panels, strict=True):
@@ -83,7 +86,7 @@ def _picture(
             if large_mm is None:
                 _arrows(axes, points[:, [across, up]], errors[:, [across, up]], colour)
             else:
-                _dots(axes, points[:, [across, up]], errors[:, 0] / large_mm, colour)
+                _dots(axes, points[:, [across, up]], errors[:, 0] / max(large_mm, 1e-9), colour)
             axes.set_title(f"{name}, {view}")
         grid[row][0].set_ylabel(f"{'xyz'[up]} [mm]")
     for axes in grid[1]:
@@ -116,17 +119,31 @@ def _arrows(axes: Axes, points: FloatArray, vectors: FloatArray, colour: str) ->
 
 def _dots(axes: Axes, points: FloatArray, share: FloatArray, colour: str) -> None:
     size = np.clip(np.abs(share), 0.002, 1.0) * _LARGEST_DOT
-    face = [colour if longer else "none" for longer in share > 0.0]
-    axes.scatter(
-        points[:, 0], points[:, 1], s=size, facecolors=face, edgecolors=colour, linewidths=0.9, alpha=0.8
-    )
+    for rows, face in ((share > 0.0, colour), (share <= 0.0, "none")):
+        x, y = points[rows].T
+        axes.scatter(x, y, s=size[rows], facecolors=face, edgecolors=colour, linewidths=0.9)
 
 
 def _scale_bar(axes: Axes, limits: FloatArray, scale: float) -> None:
-    """Draw a length that errors can be compared with: a round one of about a fifth of the panel."""
+    """Draw a length below the panel that errors can be compared with: a round one of about a fifth of it."""
     wanted = 0.2 * float(limits[1, 0] - limits[0, 0]) / scale
     decade = 10.0 ** np.floor(np.log10(wanted))
     length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted * (1.0 + 1e-9))
-    start, end = limits[0, 0] + 0.04 * np.ptp(limits[:, 0]), limits[0, 1] + 0.05 * np.ptp(limits[:, 1])
-    axes.plot([start, start + length * scale], [end, end], color=MUTED, linewidth=2.5, solid_capstyle="butt")
-    axes.annotate(f"error of {length:g} mm", (start, end), (0, 4), textcoords="offset points", fontsize=8.0)
+    start, low = float(limits[0, 0]), float(limits[0, 1] - 0.10 * np.ptp(limits[:, 1]))
+    axes.plot(
+        [start, start + length * scale],
+        [low, low],
+        color=INK,
+        linewidth=2.5,
+        solid_capstyle="butt",
+        clip_on=False,
+    )
+    axes.annotate(
+        f"error of {length:g} mm",
+        (start + length * scale, low),
+        (6, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=9.0,
+        annotation_clip=False,
+    )

@@ -5,7 +5,9 @@ from markupsafe import Markup
 
 from service.domain.diagnosis import Cause, Finding
 from service.reports.causes import cause_words
-from service.reports.figures.canvas import AFTER, INK, new_figure, page_style, to_svg
+from service.reports.figures.canvas import AFTER, INK, label, new_figure, page_style, to_svg
+
+_WIDEST = 44  # letters of a name; the scale needs the rest
 
 
 def gains(findings: tuple[Finding, ...]) -> Markup | None:
@@ -22,7 +24,7 @@ def gains(findings: tuple[Finding, ...]) -> Markup | None:
         axes.axvline(0.0, color=INK, linewidth=1.0)
         axes.hlines(rows, low, high, color=AFTER, linewidth=3.0, alpha=0.5)
         axes.plot(best, rows, "o", color=AFTER, markersize=6.0)
-        axes.set_yticks(rows, [cause_words(Cause(f.effect, f.subject)) for f, _ in known])
+        axes.set_yticks(rows, [label(cause_words(Cause(f.effect, f.subject)), _WIDEST) for f, _ in known])
         axes.set_ylim(-0.6, len(known) - 0.4)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel("held-out RMS that the finding takes off [mm]")

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.diagnosis import Curve
 from service.reports.causes import printed_unit
-from service.reports.figures.canvas import AFTER, INK, MUTED, new_figure, page_style, to_svg
+from service.reports.figures.canvas import AFTER, INK, MUTED, label, new_figure, page_style, to_svg
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
@@ -19,6 +20,8 @@ _FEW_VALUES = 12  # of a variable that counts: mountings, nests
 _TURNS_TO_FOLD = 8.0  # periods in the picture beyond which a wave is drawn within one period
 _MOST_BENDS = 8  # of the line; a mean over a tenth of a wave would flatten it
 _TURN_DEG = 360.0
+_WIDEST_LABEL, _TALLEST_LABEL = 90, 40  # letters that fit along the axes
+_BESIDE = 0.1  # of the step between two numbers, so that the value does not hide the mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +76,8 @@ def residual_curve(
         if means is not None:
             _draw_means(axes, means)
         axes.set_ylim(-limit, limit)
-        axes.set_xlabel(_label(shown.variable, shown.variable_unit))
-        axes.set_ylabel(_label(shown.quantity, shown.quantity_unit))
+        axes.set_xlabel(label(_axis(shown.variable, shown.variable_unit), _WIDEST_LABEL))
+        axes.set_ylabel(label(_axis(shown.quantity, shown.quantity_unit), _TALLEST_LABEL))
         figure.legend(loc="outside upper left", ncols=4)
         picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
     return CurveFigure(picture, " ".join(_caption(len(shown.x), len(chosen), beyond, shown, means)))
@@ -129,20 +132,37 @@ def _chosen(x: FloatArray) -> IntArray:
 
 
 def _readings(axes: Axes, curve: Curve, rows: IntArray, *, faint: bool) -> None:
-    strength = 0.35 if faint else 0.8
+    strength = 0.55 if faint else 0.9
     x, y, u = curve.x[rows], curve.residual[rows], curve.standard_uncertainty[rows]
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
-    axes.vlines(x, y - u, y + u, color=MUTED, linewidth=0.7, alpha=0.6 * strength)
-    axes.plot(x, y, ".", color=MUTED, markersize=4.0, alpha=strength, markeredgewidth=0.0, label="readings")
+    axes.vlines(x, y - u, y + u, color=MUTED, linewidth=0.7, alpha=0.5 * strength)
+    axes.plot(x, y, ".", color=MUTED, markersize=5.0, alpha=strength, markeredgewidth=0.0, label="readings")
 
 
 def _line(axes: Axes, curve: Curve, name: str) -> None:
     if not curve.line_x.size:
         return
+    if _counts(curve):
+        _steps(axes, curve, name)
+        return
     low, high = curve.line - curve.line_band, curve.line + curve.line_band
     axes.fill_between(curve.line_x, low, high, color=AFTER, alpha=0.22, linewidth=0.0, label="its 95 % band")
-    marker = "o" if _counts(curve) else None
-    axes.plot(curve.line_x, curve.line, color=AFTER, linewidth=1.8, marker=marker, markersize=4, label=name)
+    axes.plot(curve.line_x, curve.line, color=AFTER, linewidth=1.8, label=name)
+
+
+def _steps(axes: Axes, curve: Curve, name: str) -> None:
+    """Draw a value for each number: between the first mounting and the second there is nothing."""
+    axes.errorbar(
+        curve.line_x + _BESIDE,
+        curve.line,
+        curve.line_band,
+        fmt="D",
+        color=AFTER,
+        markersize=5.0,
+        linewidth=2.0,
+        label=f"{name}, 95 % interval",
+    )
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 def _draw_means(axes: Axes, means: _Means) -> None:
@@ -194,7 +214,7 @@ def _bends(line: FloatArray) -> int:
     return int((slope[1:] != slope[:-1]).sum())
 
 
-def _label(quantity: str, unit: str) -> str:
+def _axis(quantity: str, unit: str) -> str:
     printed = printed_unit(unit)
     return f"{quantity} [{printed}]" if printed else quantity
 

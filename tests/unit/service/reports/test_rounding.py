@@ -2,7 +2,16 @@ import math
 
 import pytest
 
-from service.reports.rounding import MISSING, exact, millimetres, p_value, rounded, uncertainty
+from service.reports.rounding import (
+    MISSING,
+    exact,
+    interval,
+    millimetres,
+    p_value,
+    rounded,
+    uncertainty,
+    with_uncertainty,
+)
 
 
 @pytest.mark.parametrize(
@@ -44,3 +53,24 @@ def test_lengths_below_a_tenth_of_a_millimetre_show_tenths_of_a_micrometre():
 
 def test_a_tiny_p_value_is_only_said_to_be_small():
     assert (p_value(3e-9), p_value(0.0421)) == ("< 0.0001", "0.042")
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "printed"),
+    [
+        (0.0293, 0.0019, "0.0293 ± 0.0019"),
+        (-0.5, 0.25, "\N{MINUS SIGN}0.50 ± 0.25"),
+        (2.07e-4, 1.9e-5, "(2.07 ± 0.19) \N{MULTIPLICATION SIGN} 10⁻⁴"),
+        (5e-9, 4e-10, "(5.00 ± 0.40) \N{MULTIPLICATION SIGN} 10⁻⁹"),
+        (1e-6, 3e-5, "(0.1 ± 3.0) \N{MULTIPLICATION SIGN} 10⁻⁵"),
+        (3.0, 0.0, "3"),
+        (3.0, float("nan"), "3"),
+    ],
+)
+def test_a_value_and_its_uncertainty_end_at_the_same_digit(value, u, printed):
+    assert with_uncertainty(value, u) == printed
+
+
+def test_the_ends_of_an_interval_have_the_digits_of_the_uncertainty():
+    assert interval(0.02558, 0.03302, 0.0019) == "0.0256 to 0.0330"
+    assert interval(-4e-6, 2e-4, 5e-5) == "(\N{MINUS SIGN}0.04 to 2.00) \N{MULTIPLICATION SIGN} 10⁻⁴"

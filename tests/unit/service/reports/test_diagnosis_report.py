@@ -1,0 +1,353 @@
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from service.domain.diagnosis import Cause, Detail, NextMeasurement, RuledOut, Verdict
+from service.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
+from service.reports.errors import UnwritableReportError
+from tests.builders import make_model
+from tests.diagnosed_cells import (
+    ENDINGS,
+    NOTHING_LEFT,
+    make_curve,
+    make_diagnosis,
+    make_errors,
+    make_finding,
+    make_gain_finding,
+    two_findings,
+)
+
+HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
+
+
+class Page(HTMLParser):
+    """What a browser would find: elements with attributes, and the text between them."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self._texts = [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self._texts.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self._texts).split())
+
+    @property
+    def tags(self):
+        return {tag for tag, _ in self.elements}
+
+
+def page_of(diagnosis, **parts):
+    return Page(diagnosis_content(DiagnosisInput(diagnosis, **parts)))
+
+
+@pytest.fixture(scope="module")
+def pages():
+    """The report of each ending as a file; drawing them takes a few tenths of a second each."""
+    return {name: str(diagnosis_content(DiagnosisInput(ending()))) for name, ending in ENDINGS.items()}
+
+
+def plain(**changes):
+    """A diagnosis without pictures, quick to write: for tests of the words."""
+    finding = make_finding(curve=None)
+    return make_diagnosis(**{"findings": (finding,), "errors": None, **changes})
+
+
+@pytest.mark.parametrize("name", ENDINGS)
+def test_every_ending_gives_a_page_that_asks_nothing_from_anywhere(pages, name):
+    html = pages[name]
+
+    page = Page(html)
+
+    assert not page.tags & {"script", "link", "iframe", "object", "embed", "base", "img"}
+    targets = [v for _, a in page.elements for k, v in a.items() if k in {"src", "href", "xlink:href"}]
+    assert all(target.startswith("#") for target in targets)
+    assert {target[1:] for target in targets} <= {a["id"] for _, a in page.elements if "id" in a}
+    assert "@import" not in html
+    assert not re.search(r"\bnan\b|\bNone\b(?!: no known cause)", page.text)
+
+
+@pytest.mark.parametrize("name", ENDINGS)
+def test_the_first_sentence_after_the_title_is_the_message(pages, name):
+    diagnosis, html = ENDINGS[name](), pages[name]
+
+    first = re.search(r'class="message">(.*?)</p>', html)
+    assert first[1] == diagnosis.message.replace("'", "&#39;")
+    assert html.index('class="message"') < html.index("<h2")
+
+
+@pytest.mark.parametrize(
+    ("ending", "word", "look"),
+    [
+        ("consistent", "Consistent.", "consistent"),
+        ("explained", "Explained.", "explained"),
+        ("partly explained", "Partly explained.", "partly_explained"),
+        ("unexplained", "Unexplained.", "unexplained"),
+        ("nothing fitted", "Not answered.", "not_answered"),
+    ],
+)
+def test_a_verdict_is_a_word_and_a_shape_and_a_colour(pages, ending, word, look):
+    page = Page(pages[ending])
+
+    assert word in page.text
+    assert {"class": f"verdict {look}"} in [attributes for tag, attributes in page.elements if tag == "div"]
+
+
+def test_shapes_of_verdicts_differ(pages):
+    shapes = {re.search(r'<svg class="shape".*?</svg>', html, re.DOTALL)[0] for html in pages.values()}
+
+    assert len(shapes) == 5
+
+
+def test_without_a_model_nothing_is_claimed(pages):
+    text = Page(pages["nothing fitted"]).text
+
+    for claim in ("What is left", "could have been seen", "How it was done", "no known cause"):
+        assert claim not in text
+
+
+def test_a_finding_states_its_numbers_with_uncertainty_and_unit():
+    text = page_of(plain()).text
+
+    assert "Amplitude ± standard uncertainty 0.0293 ± 0.0019 deg amplitude of the wave: half of peak" in text
+    assert "95 % interval of the amplitude 0.0256 to 0.0330 deg" in text  # 0.0293 -+ 1.96 * 0.0019
+    assert "Held-out gain 0.0223 mm (95 % interval 0.0171 to 0.0282 mm)" in text
+    assert "RMS 0.0612 mm without it, 0.0389 mm with it" in text
+    assert "p value < 0.0001" in text
+    assert "Order 2 Phase 41.2 ± 3.7 deg" in text
+
+
+def test_small_amplitudes_share_a_power_of_ten():
+    text = page_of(plain(findings=(make_gain_finding(curve=None),))).text
+
+    assert "(2.07 ± 0.19) × 10⁻⁴" in text  # noqa: RUF001 - as it is printed
+    assert "(1.70 to 2.44) × 10⁻⁴" in text  # noqa: RUF001
+    assert "95 % interval −0.0002 to 0.0059 mm" in text  # noqa: RUF001
+
+
+def test_an_unknown_uncertainty_is_not_printed_as_zero():
+    finding = make_finding(curve=None, amplitude_standard_uncertainty=float("nan"))
+
+    text = page_of(plain(findings=(finding,))).text
+
+    assert "standard uncertainty 0.0293 deg" in text
+    assert "95 % interval of the amplitude" not in text
+
+
+def test_a_certain_finding_says_what_that_word_stands_on():
+    text = page_of(plain()).text
+
+    assert "Certain : no rival explains these data nearly as well" in text
+    assert "the 95 % interval of the gain lies above 0." in text
+
+
+def test_a_likely_finding_says_what_it_lacks():
+    text = page_of(plain(findings=(make_gain_finding(curve=None),))).text
+
+    assert (
+        "these data cannot tell it from joint harmonics, joint 2; the 95 % interval of the gain reaches 0"
+        in text
+    )
+
+
+def test_a_gain_that_nothing_can_show_is_said():
+    text = page_of(plain(findings=(make_finding(curve=None, gain=None),))).text
+
+    assert "Held-out gain not known nothing held out can show it" in text
+    assert "the 95 % interval of the gain" not in text
+
+
+def test_rivals_stand_with_what_would_tell_them_apart(pages):
+    text = Page(pages["two findings"]).text
+
+    assert (
+        "Yes. These data cannot tell it from: joint harmonics, joint 2. What would tell: Turn joint 2" in text
+    )
+
+
+def test_a_rival_without_a_proposal_says_so():
+    text = page_of(plain(findings=(make_gain_finding(curve=None),))).text
+
+    assert "No measurement is proposed that would tell them apart." in text
+
+
+def test_a_similar_cause_that_cannot_be_seen_is_not_called_excluded():
+    text = page_of(plain()).text
+
+    assert "No cause that these data can show. But a similar one cannot be seen in them at all:" in text
+    assert "backlash: all configurations were approached from the same side" in text
+
+
+def test_before_and_after_say_what_they_are_judged_on(pages):
+    assert "On 300 held-out positions: neither the choice" in Page(pages["explained"]).text
+    crossed = page_of(plain(held_out="cross_validation")).text
+    assert "Before and after" not in crossed  # without statistics there is nothing to judge
+
+
+def test_cross_validation_is_not_sold_as_held_out_readings(pages):
+    text = Page(pages["cross-validated"]).text
+
+    assert "There is no validation file. By nested cross-validation on 50 positions" in text
+
+
+def test_lengths_are_reported_as_lengths(pages):
+    text = Page(pages["lengths"]).text
+
+    assert "On 180 held-out lengths" in text
+    assert "Absolute length errors [mm]" in text
+    assert "open ones shorter" in text
+
+
+def test_what_is_left_shows_what_it_depends_on(pages):
+    page = Page(pages["partly explained"])
+
+    assert "Time p < 0.0001" in page.text
+    assert "Torque of joint 2 p = 0.004" in page.text
+    pictures = [a["aria-label"] for tag, a in page.elements if tag == "svg" and "aria-label" in a]
+    assert {"shift along x against time", "shift along x against torque of joint 2"} <= set(pictures)
+
+
+def test_heavy_tails_are_called_noise(pages):
+    text = Page(pages["unexplained"]).text
+
+    assert "as Student's t with 4.2 degrees of freedom" in text
+
+
+def test_what_was_tried_and_what_cannot_be_seen_stand_apart():
+    text = page_of(plain()).text
+
+    tried, unseen = text.split("What these data cannot show")
+    assert "payload tool torques explain nothing more 0.55" in tried
+    assert "thermal growth links the temperature changed by 0.4 K only" in unseen
+
+
+def test_configurations_to_measure_stand_in_degrees(pages):
+    text = Page(pages["two findings"]).text
+
+    assert "Joint angles [deg]" in text
+    assert "1 0.00 −90.00 30.00 0.00 45.00 0.00" in text  # noqa: RUF001
+
+
+def test_withdrawn_extensions_are_said(pages):
+    assert "made held-out errors 0.002 mm worse and was withdrawn" in Page(pages["two findings"]).text
+
+
+def test_the_models_new_parameters_stand_in_the_units_of_documents():
+    text = page_of(plain()).text
+
+    # 3.8e-4 rad and 2.3e-5 rad in degrees
+    assert "wave_6_2_cos 0.0218 0.0013 deg" in text
+
+
+def test_a_parameter_that_the_model_does_not_hold_is_left_out():
+    finding = make_finding(curve=None, parameters=("no_such",))
+
+    text = page_of(plain(findings=(finding,))).text
+
+    assert "It is the start model: nothing was added." in text
+
+
+@pytest.mark.parametrize("source", ["conditions", "notes"])
+def test_a_simulated_diagnosis_says_so_before_anything_else(tmp_path, source):
+    notes = ("SIMULATED: no robot took part.",) if source == "notes" else ()
+    conditions = ReportConditions(simulated=source == "conditions", notes=notes)
+
+    write_diagnosis_report(tmp_path / "r.html", DiagnosisInput(plain(), conditions=conditions))
+
+    html = (tmp_path / "r.html").read_text()
+    assert 0 < html.index("SIMULATED.") < html.index("<h1>")
+
+
+def test_text_of_others_stays_text():
+    finding = make_finding(
+        subject=HOSTILE,
+        effect=HOSTILE,
+        unit=HOSTILE,
+        sentence=HOSTILE,
+        details=(Detail(HOSTILE, 1.0, HOSTILE, 0.1),),
+        confusable_with=(Cause(HOSTILE, HOSTILE),),
+        parameters=(HOSTILE,),
+        curve=make_curve(variable=HOSTILE, quantity=HOSTILE, variable_unit=HOSTILE, quantity_unit=HOSTILE),
+    )
+    diagnosis = make_diagnosis(
+        robot=HOSTILE,
+        message=HOSTILE,
+        findings=(finding, replace(finding, subject="other")),
+        start_effects=(HOSTILE,),
+        remaining=replace(NOTHING_LEFT, sentence=HOSTILE),
+        next_measurements=(NextMeasurement(HOSTILE, (), (Cause(HOSTILE, HOSTILE),)),),
+        ruled_out=(RuledOut(HOSTILE, HOSTILE, HOSTILE, 0.5), RuledOut(HOSTILE, "x", HOSTILE, None, False)),
+        withdrawn=(HOSTILE,),
+        model=make_model(identified_from={HOSTILE: HOSTILE}),
+    )
+    conditions = ReportConditions(
+        robot_serial_number=HOSTILE, written_at=HOSTILE, notes=(HOSTILE,), load=HOSTILE
+    )
+
+    page = page_of(diagnosis, campaign=HOSTILE, conditions=conditions)
+
+    assert not page.tags & {"script", "img"}
+    assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
+    assert HOSTILE in page.text
+
+
+def test_ten_thousand_readings_make_no_heavy_page():
+    many = make_finding(curve=make_curve(n=10_000))
+    diagnosis = make_diagnosis(findings=(many,) * 5, errors=make_errors(n=10_000))
+
+    html = diagnosis_content(DiagnosisInput(diagnosis))
+
+    # five curves of 400 dots with whiskers and 250 arrows four times, some 150 bytes each, and the words
+    assert len(html) < 1_500_000
+    assert "400 of 10,000 readings, evenly chosen" in html
+
+
+def test_readings_that_are_no_numbers_are_left_out_of_the_pictures():
+    curve = make_curve()
+    curve.residual[::2] = np.nan
+    errors = make_errors()
+    errors.after_mm[0] = np.nan
+    nothing = make_curve(residual=np.full(100, np.nan))
+    findings = (make_finding(curve=curve), make_finding(subject="joint 5", curve=nothing))
+
+    text = page_of(make_diagnosis(findings=findings, errors=errors)).text
+
+    assert "Dots: 50 readings" in text
+    assert "There is no picture of it" in text
+
+
+def test_the_same_diagnosis_gives_the_same_page(pages):
+    assert diagnosis_content(DiagnosisInput(two_findings())) == pages["two findings"]
+
+
+def test_ids_of_pictures_do_not_meet(pages):
+    html = pages["partly explained"]
+
+    ids = re.findall(r'\bid="([^"]+)"', html)
+
+    assert len(ids) == len(set(ids))
+
+
+def test_an_effect_that_the_page_has_never_heard_of_is_shown_all_the_same():
+    finding = make_finding(effect="gear_resonance", subject="joint 4", unit="mm/V", curve=None)
+
+    text = page_of(plain(findings=(finding,), verdict=Verdict.PARTLY_EXPLAINED)).text
+
+    assert "Gear resonance, joint 4" in text
+    assert "0.0293 ± 0.0019 mm/V" in text
+
+
+def test_a_report_that_cannot_be_written_says_where(tmp_path):
+    (tmp_path / "taken").write_text("a file, no folder")
+
+    with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
+        write_diagnosis_report(tmp_path / "taken" / "report.html", DiagnosisInput(plain()))

@@ -1,0 +1,76 @@
+import pytest
+
+from service.domain.diagnosis import Cause, NextMeasurement, RuledOut
+from service.reports.look_alikes import acts_alike, alternatives
+from tests.diagnosed_cells import make_finding
+
+
+def finding(effect, subject):
+    return make_finding(effect=effect, subject=subject, curve=None)
+
+
+def entry(effect, subject="", visible=True):
+    return RuledOut(effect, subject, "why", 0.5 if visible else None, visible)
+
+
+@pytest.mark.parametrize(
+    ("found", "other"),
+    [
+        (("joint_gain", "joint 2"), ("joint_harmonics", "joint 2")),  # a slow wave
+        (("joint_harmonics", "joint 6"), ("joint_harmonics", "joint 5")),  # the neighbour's
+        (("backlash", "joint 3"), ("compliance", "joints")),
+        (("backlash", "joint 3"), ("joint_coupling", "")),
+        (("payload", "tool"), ("link_mass", "links")),
+        (("base_drift", "base"), ("thermal_growth", "links")),
+        (("base_drift", "base"), ("instrument_drift", "tracker")),
+        (("nest_offset", "nest 1"), ("label_swap", "nest 1, nest 2")),
+    ],
+)
+def test_a_sceptic_asks_for_causes_that_act_alike(found, other):
+    assert acts_alike(finding(*found), entry(*other))
+
+
+@pytest.mark.parametrize(
+    ("found", "other"),
+    [
+        (("joint_gain", "joint 2"), ("joint_harmonics", "joint 5")),
+        (("joint_gain", "joint 2"), ("joint_gain", "joint 2")),  # itself
+        (("outliers", "readings"), ("thermal_growth", "links")),
+        (("nest_offset", "nest 1"), ("backlash", "joint 2")),
+    ],
+)
+def test_nobody_asks_for_causes_that_act_otherwise(found, other):
+    assert not acts_alike(finding(*found), entry(*other))
+
+
+def test_what_cannot_be_seen_is_told_from_what_was_excluded():
+    seen, unseen = entry("joint_gain", "joint 6"), entry("backlash", visible=False)
+
+    answer = alternatives(make_finding(curve=None), (seen, unseen, entry("outliers", "readings")), ())
+
+    assert answer.excluded == (seen,)
+    assert answer.not_excluded == (unseen,)
+    assert answer.rivals == ()
+
+
+def test_a_rival_is_not_said_to_be_excluded_as_well():
+    rival = Cause("joint_gain", "joint 6")
+
+    answer = alternatives(
+        make_finding(confusable_with=(rival,), curve=None), (entry("joint_gain", "joint 6"),), ()
+    )
+
+    assert [r.name for r in answer.rivals] == ["joint gain, joint 6"]
+    assert answer.excluded == ()
+
+
+def test_the_measurement_that_separates_both_is_named_first():
+    rival, own = Cause("joint_gain", "joint 6"), Cause("joint_harmonics", "joint 6")
+    proposals = (
+        NextMeasurement("about others", (), (rival, Cause("payload", "tool"))),
+        NextMeasurement("about both", (), (rival, own)),
+    )
+
+    answer = alternatives(make_finding(confusable_with=(rival,), curve=None), (), proposals)
+
+    assert answer.rivals[0].separated_by == "about both"
