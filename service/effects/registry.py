@@ -16,10 +16,12 @@ from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
 from service.effects.joint_harmonics import JointHarmonics
+from service.effects.link_bending import LinkBending
 from service.effects.link_mass import LinkMasses
 from service.effects.nest_offset import NestOffset
 from service.effects.payload import Payload
 from service.effects.ports import Effect
+from service.effects.reference import Reference
 from service.effects.thermal_growth import ThermalGrowth
 from service.effects.tool import Tool
 from service.effects.tool_reseating import ToolReseating
@@ -37,6 +39,7 @@ _CAUSES: tuple[Cause, ...] = (
     JointHarmonics(),
     NestOffset(),
     BaseCompliance(),
+    LinkBending(),
     LinkMasses(),
     Payload(),
     ThermalGrowth(),
@@ -48,6 +51,7 @@ _EFFECTS: tuple[Effect, ...] = (
     Geometry("geometry", tilt=True),
     Geometry("geometry_dhm", tilt=False),
     JointOffset(),
+    Reference(),
     InstrumentScale(),
     *_CAUSES,
 )
