@@ -13,6 +13,7 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, FixedNestReadings
 from service.domain.robot import FixedNest, WorldRegistration
 from service.identification.observations import Block, BlockResult, OrientationBlock, PositionBlock
+from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 from service.kinematics.frames import cross_matrix
 
@@ -88,8 +89,11 @@ def _nest_sensitivity(campaign: Campaign, result: BlockResult) -> FloatArray:
 def _frame_sensitivity(result: BlockResult, block: Block) -> FloatArray:
     """Return the motion of each prediction, in the frame of the readings, per small motion of the world.
 
-    Shape (6, n, 3): three shifts, three turns; a turn moves positions and turns orientations.
+    Shape (6, n, 3): three shifts, three turns; a turn moves positions and turns orientations. The readings
+    of fixed nests have the world's error among their own parameters and carry nothing into the others.
     """
+    if isinstance(block, ReferenceBlock):
+        return np.zeros((6, *result.residual.shape))
     points = result.state.position_mm
     shifts = np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3))
     if isinstance(block, OrientationBlock):

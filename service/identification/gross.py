@@ -5,7 +5,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.results import Outlier
 from service.identification.evaluation import Targets, evaluate
-from service.identification.observations import PositionBlock
+from service.identification.observations import OrientationBlock, PositionBlock
 from service.identification.robust import RobustFit
 
 _EXPLAINED = 0.2  # a rival explanation must leave less than this share of the residual
@@ -66,7 +66,9 @@ def _fitting_nest(fit: RobustFit, block: PositionBlock, row: int, measured: Floa
 
 def _orientation_outliers(fit: RobustFit) -> list[Outlier]:
     found = []
-    for block, result, flags in list(zip(fit.blocks, fit.results, fit.gross, strict=True))[1:]:
+    for block, result, flags in zip(fit.blocks, fit.results, fit.gross, strict=True):
+        if not isinstance(block, OrientationBlock):
+            continue
         for row in np.flatnonzero(flags):
             turn = float(np.linalg.norm(result.residual[row]))
             found.append(

@@ -14,6 +14,7 @@ from service.domain.results import NotIdentifiable
 from service.effects.compliance import compliance_prior
 from service.effects.geometry import is_parallel_to_previous
 from service.effects.ports import Setting
+from service.effects.reference import NAME as REFERENCE
 from service.identification.structure import Structure
 
 _UNDETERMINED = 0.25  # square of half a width
@@ -47,7 +48,9 @@ def not_identifiable(
         By construction first, then what these configurations leave open.
     """
     built_in = _by_construction(structure, setting)
-    found = _by_data(structure, covariance, jacobian, moved)
+    # What readings of fixed nests leave open of their own places is nobody's question.
+    own = np.array([owner != REFERENCE for owner in structure.owners], dtype=bool)
+    found = _by_data(structure.without((REFERENCE,)), covariance[np.ix_(own, own)], jacobian[own], moved)
     return (*built_in, *found)
 
 

@@ -13,6 +13,7 @@ from service.identification.evaluation import Targets
 from service.identification.leg_problem import leg_structure
 from service.identification.observations import Block, LegBlock, OrientationBlock, PositionBlock
 from service.identification.placement import Placement, place
+from service.identification.reference import reference_block, with_reference_parameters
 from service.identification.setting import (
     has_orientations,
     known_placement,
@@ -31,6 +32,8 @@ from service.kinematics.frames import (
 
 _UNSTATED_RAD = 1e-3  # first guess of an orientation's uncertainty; the residuals replace it
 NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
+# Effects that move the readings of fixed nests too, and the one that stands for these readings.
+_SEEN_ON_FIXED_NESTS = frozenset({"instrument_drift", "instrument_scale", "reference"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +63,15 @@ def automatic_effects(campaign: Campaign) -> tuple[str, ...]:
     return tuple(names)
 
 
-def build(campaign: Campaign, effects: tuple[str, ...]) -> Problem:
+def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool = False) -> Problem:
     """Build the problem of a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str
+    with_reference : bool
+        Take readings of fixed nests as observations; they are in any case where an effect moves them.
 
     Raises
     ------
@@ -85,7 +95,26 @@ def build(campaign: Campaign, effects: tuple[str, ...]) -> Problem:
         raise ConfigurationError(
             f"Nothing is unknown that {', '.join(effects)} could say: add effects, e.g. base,geometry."
         )
-    return problem
+    if with_reference or _SEEN_ON_FIXED_NESTS & set(effects):
+        problem = _with_reference(campaign, problem)
+    return replace(problem, structure=replace(problem.structure, origin_s=_first_s(campaign, readings.stops)))
+
+
+def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
+    """Add the readings of fixed nests to the readings of positions."""
+    block = None if problem.quantity == "length" else reference_block(campaign)
+    if block is None:
+        return problem
+    structure, start = with_reference_parameters(problem.structure, problem.start, block, campaign)
+    return replace(problem, structure=structure, blocks=(*problem.blocks, block), start=start)
+
+
+def _first_s(campaign: Campaign, stops: Stops) -> float:
+    """Return the time of the first reading, fixed nests included, 0 where no times are known."""
+    fixed = campaign.reference if campaign.calibration is not None else None
+    columns = (stops.time_s, None if fixed is None else fixed.time_s)
+    known = [column[np.isfinite(column)] for column in columns if column is not None]
+    return min((float(column.min()) for column in known if column.size), default=0.0)
 
 
 def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
