@@ -1,17 +1,21 @@
-"""From a scenario and a seed to the true parts of a cell."""
+"""From a scenario, a seed and perhaps an identified model to the true parts of a cell."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from simulators.everyday import draw_everyday
-from simulators.physics.arm import CarriedMass
-from simulators.physics.effects import Site
+from simulators.physics.arm import Arm, CarriedMass, Vector
+from simulators.physics.effects import Effect, Site
+from simulators.physics.identified import IdentifiedModel, IdentifiedRobot
 from simulators.physics.plant import Plant, draw_compliances, draw_motions
 from simulators.physics.rigid import FloatArray
 from simulators.physics.robots import ARMS
 from simulators.planted import PlantedEffects
-from simulators.scenario import Scenario
+from simulators.scenario import ArmSetup, Scenario, ToolSetup
+
+_SEEN_FROM_EVERYWHERE_DEG = 180.0
 
 
 def draw_plant(scenario: Scenario, rng: np.random.Generator) -> Plant:
@@ -28,17 +32,65 @@ def draw_plant(scenario: Scenario, rng: np.random.Generator) -> Plant:
     return Plant(arm, motions, compliance, _tool_mass(scenario))
 
 
+def adapted(scenario: Scenario, model: IdentifiedModel, robot: IdentifiedRobot) -> Scenario:
+    """Return the scenario with the model's tool and tracker in place of its own.
+
+    Table, air, noise, faults and planted changes stay; what the robot itself was drawn from goes.
+    """
+    place = scenario.tracker.position_mm if model.instrument_mm is None else model.instrument_mm
+    return replace(
+        scenario,
+        robot=model.table.name,
+        base=None,
+        links=(),
+        everyday=None,
+        arm=replace(scenario.arm, home_deg=_home_deg(scenario.arm, robot.plant.arm)),
+        tool=_tool(scenario.tool, robot.nests_mm),
+        tracker=replace(scenario.tracker, position_mm=place),
+    )
+
+
+def _home_deg(setup: ArmSetup, arm: Arm) -> tuple[float, ...]:
+    """Return the scenario's home where the arm has it, else all joints as near to zero as they go."""
+    stated = setup.home_deg if len(setup.home_deg) == arm.n_joints else (0.0,) * arm.n_joints
+    lower, upper = np.degrees(arm.limits_rad.T)
+    return tuple(float(angle) for angle in np.clip(stated, lower, upper))
+
+
+def _tool(setup: ToolSetup, nests_mm: FloatArray) -> ToolSetup:
+    """Return the model's nests; a model does not say where they face, the scenario's own three do."""
+    nests = tuple(_vector(nest) for nest in nests_mm)
+    facing, acceptance = setup.facing, setup.acceptance_deg
+    if len(nests) != len(setup.nests_mm):
+        facing, acceptance = ((0.0, 0.0, 1.0),) * len(nests), _SEEN_FROM_EVERYWHERE_DEG
+    # The masses of the model contain its tool.
+    return replace(
+        setup, nests_mm=nests, facing=facing, acceptance_deg=acceptance, nest_u_mm=0.0, mass_kg=0.0
+    )
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
 def draw_nests(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.Generator) -> FloatArray:
     """Draw true places of nests that a certificate states, shape (m, 3): off by its uncertainty."""
     stated = np.array(nests_mm, dtype=np.float64).reshape(-1, 3)
     return stated + u_mm * rng.standard_normal(stated.shape)
 
 
-def draw_effects(scenario: Scenario, plant: Plant, seed: int, rng: np.random.Generator) -> PlantedEffects:
+def draw_effects(
+    scenario: Scenario,
+    plant: Plant,
+    seed: int,
+    rng: np.random.Generator,
+    identified: Sequence[Effect] = (),
+) -> PlantedEffects:
     """Draw the everyday effects and plant the stated ones before them; raises ScenarioError.
 
     Stated changes come first, so that what they leave to chance is the same in a clean and in an everyday
-    cell of one seed.
+    cell of one seed. Those that a model identified act besides.
     """
     tool = scenario.tool
     everyday = scenario.everyday
@@ -47,20 +99,28 @@ def draw_effects(scenario: Scenario, plant: Plant, seed: int, rng: np.random.Gen
         if everyday is None
         else draw_everyday(everyday, plant.arm, plant.tool_mass, len(tool.nests_mm), rng)
     )
-    site = _site(scenario, plant.compliance_rad_per_n_mm, seed)
-    return PlantedEffects(site, (*scenario.effects, *drawn))
+    site = _site(scenario, plant.arm, plant.tool_mass, plant.compliance_rad_per_n_mm, seed)
+    return PlantedEffects(site, (*scenario.effects, *drawn), identified)
 
 
 def nominal_site(scenario: Scenario) -> Site:
     """Return where an effect would be planted, to see whether it can be."""
-    return _site(scenario, np.array(ARMS[scenario.robot].typical_compliance_rad_per_n_mm), seed=0)
+    arm = ARMS[scenario.robot]
+    typical = np.array(arm.typical_compliance_rad_per_n_mm)
+    return _site(scenario, arm, _tool_mass(scenario), typical, seed=0)
 
 
-def _site(scenario: Scenario, compliance_rad_per_n_mm: FloatArray, seed: int) -> Site:
+def _site(
+    scenario: Scenario,
+    arm: Arm,
+    tool_mass: CarriedMass | None,
+    compliance_rad_per_n_mm: FloatArray,
+    seed: int,
+) -> Site:
     return Site(
-        arm=ARMS[scenario.robot],
+        arm=arm,
         compliance_rad_per_n_mm=compliance_rad_per_n_mm,
-        tool_mass=_tool_mass(scenario),
+        tool_mass=tool_mass,
         n_nests=len(scenario.tool.nests_mm),
         reference_c=scenario.air.temperature_c,
         entropy=(seed,),

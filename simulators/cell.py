@@ -6,12 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from simulators.air import Air
-from simulators.building import draw_effects, draw_nests, draw_plant
+from simulators.building import adapted, draw_effects, draw_nests, draw_plant
 from simulators.clock import CellClock
 from simulators.faults import Fault, Faults
 from simulators.physics.effects import Conditions, PlantedChange
 from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.equilibrium import Rest, find_rest
+from simulators.physics.identified import IdentifiedModel, realise
 from simulators.physics.rigid import FloatArray, apply, small_motion
 from simulators.planted import PlantedEffects
 from simulators.robot import JointMotion, Robot, SpeedLimits, check_range
@@ -25,22 +26,31 @@ _TRIED_STOPS = 32
 class Cell:
     """One cell. Instruments ask it; it knows no protocol."""
 
-    def __init__(self, scenario: Scenario, seed: int, clock: CellClock) -> None:
+    def __init__(
+        self, scenario: Scenario, seed: int, clock: CellClock, model: IdentifiedModel | None = None
+    ) -> None:
         """Build the cell that `seed` gives; the plant does not depend on the order of readings.
 
-        Raises ScenarioError or NoEquilibriumError for a cell that cannot be.
+        With a model its robot stands in the place of the scenario's; cell time 0 is the origin of its times.
+
+        Raises ScenarioError, ModelError or NoEquilibriumError for a cell that cannot be.
         """
+        identified = None if model is None else realise(model)
+        if model is not None and identified is not None:
+            scenario = adapted(scenario, model, identified)
         parts = np.random.SeedSequence(seed).spawn(4)
         plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
+        self.model = model
         self.scenario = scenario
         self.seed = seed
         self.clock = clock
         self.faults = Faults()
         self.attachment = 1
-        self.plant = draw_plant(scenario, plant_rng)
+        self.plant = draw_plant(scenario, plant_rng) if identified is None else identified.plant
         self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
         self._fixed_nests_mm = draw_nests(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
-        self.planted = draw_effects(scenario, self.plant, seed, everyday_rng)
+        effects = () if identified is None else identified.effects
+        self.planted = draw_effects(scenario, self.plant, seed, everyday_rng, effects)
         phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
         self.air = Air(scenario.air, phase_rad, lambda time_s: self.planted.warming_k(time_s))
         self._first_frame = place_tracker(scenario.tracker, plant_rng)

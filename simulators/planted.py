@@ -24,11 +24,20 @@ from simulators.physics.rigid import FloatArray
 class PlantedEffects:
     """The effects of one cell; what a change leaves to chance depends on the seed and its number alone."""
 
-    def __init__(self, site: Site, changes: Sequence[PlantedChange] = ()) -> None:
-        """Build the effects of all changes, `site.entropy` being the cell's; raises ScenarioError."""
+    def __init__(
+        self, site: Site, changes: Sequence[PlantedChange] = (), identified: Sequence[Effect] = ()
+    ) -> None:
+        """Build the effects of all changes, `site.entropy` being the cell's; raises ScenarioError.
+
+        `identified` act besides, as a model states them.
+        """
         self._site = site
+        self._identified = tuple(identified)
         self.changes = tuple(changes)
-        effects = [_planted(change, number, site) for number, change in enumerate(changes)]
+        effects = [
+            *identified,
+            *(_planted(change, number, site) for number, change in enumerate(changes)),
+        ]
         self.arm = [effect for effect in effects if isinstance(effect, ArmEffect)]
         self._masses = [effect for effect in effects if isinstance(effect, MassEffect)]
         self._nests = [effect for effect in effects if isinstance(effect, NestEffect)]
@@ -39,11 +48,11 @@ class PlantedEffects:
         self._readings = [effect for effect in effects if isinstance(effect, ReadingEffect)]
 
     def __bool__(self) -> bool:
-        return bool(self.changes)
+        return bool(self.changes or self._identified)
 
     def with_change(self, change: PlantedChange) -> "PlantedEffects":
         """Return these effects and one more; raises ScenarioError."""
-        return PlantedEffects(self._site, (*self.changes, change))
+        return PlantedEffects(self._site, (*self.changes, change), self._identified)
 
     def mass_changes(self, conditions: Conditions) -> list[MassChange]:
         """Masses that are there besides the stated ones."""

@@ -21,8 +21,9 @@ from simulators.physics.table_arm import ArmTable, draw_arm, zero_frames
 
 _ROWS = frozenset({"geometry", "geometry_dhm", "joint_offset", "axis_parallelism"})
 _PLACES = frozenset({"base", "tool"})
-# Anchor and offset of a length gauge: the instrument that measured, not the robot.
-_GAUGE = frozenset({"legs"})
+# Anchors and offset of a length gauge, what readings of fixed nests left open: how it was measured, not the
+# robot.
+_MEASURING = frozenset({"legs", "reference"})
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def realise(model: IdentifiedModel) -> IdentifiedRobot:
 
 def _effects(model: IdentifiedModel, site: ModelArm) -> Iterator[Effect]:
     for name in model.parameters:
-        if name not in _ROWS | _PLACES | _GAUGE:
+        if name not in _ROWS | _PLACES | _MEASURING:
             yield from realise_effect(_stated(model, name), site)
 
 

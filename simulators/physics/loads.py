@@ -87,15 +87,13 @@ def gravity_torques(
 def overturning_moment_n_mm(
     masses: Sequence[PlacedMass],
     n: int,
-    gravity_m_s2: Vector = GRAVITY_M_S2,
-    about_mm: FloatArray | None = None,
+    gravity_m_s2: Vector,
+    about_mm: FloatArray,
 ) -> FloatArray:
-    """Moment of all weights about a point (3,), by default the origin of the world [N mm], shape (n, 3)."""
+    """Moment of all weights about a point (3,) of the world [N mm], shape (n, 3)."""
+    mass = sum((np.asarray(item.mass_kg) for item in masses), start=np.zeros(n))
     levers = sum((item.first_moment_kg_mm for item in masses), start=np.zeros((n, 3)))
-    if about_mm is not None:
-        mass = sum((np.asarray(item.mass_kg) for item in masses), start=np.zeros(n))
-        levers = levers - mass[:, np.newaxis] * about_mm
-    return _moments(levers, gravity_m_s2)
+    return _moments(levers - mass[:, np.newaxis] * about_mm, gravity_m_s2)
 
 
 def _sum_beyond(per_joint: FloatArray) -> FloatArray:

@@ -59,6 +59,7 @@ class ArmTable:
     rows: tuple[TableRow, ...]
     masses: tuple[FrameMass, ...]
     limits_rad: tuple[tuple[float, float], ...] | None  # None: not stated
+    calibration_rad: tuple[tuple[float, float], ...] | None  # where configurations are chosen
     gear_ratio: tuple[float, ...] | None
     typical_compliance_rad_per_n_mm: tuple[float, ...] | None
 

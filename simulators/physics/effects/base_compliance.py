@@ -9,31 +9,37 @@ from simulators.physics.effects.site import NoDetails, Site, read_details
 from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
 from simulators.physics.effects.subject import check_only
 from simulators.physics.loads import overturning_moment_n_mm
+from simulators.physics.rigid import FloatArray, apply, rotation
 
 
 @dataclass(frozen=True, slots=True)
 class SoftBase:
-    """The base turns about the origin of the world by compliance times overturning moment."""
+    """The base turns about a point by compliance times the overturning moment about that point."""
 
     compliance_rad_per_n_mm: float
+    about_mm: FloatArray  # (3,) world
     from_s: float
 
     def deflect(self, conditions: Conditions, loads: Loads) -> Deflection:
         """Return the tilt of the base."""
-        moment = overturning_moment_n_mm(loads.masses, len(conditions), loads.gravity_m_s2)
+        moment = overturning_moment_n_mm(loads.masses, len(conditions), loads.gravity_m_s2, self.about_mm)
         tilt = self.compliance_rad_per_n_mm * moment * conditions.since(self.from_s)[:, np.newaxis]
-        return Deflection.of_body(conditions, 0, np.concatenate([np.zeros_like(tilt), tilt], axis=1))
+        shift = self.about_mm - apply(rotation(tilt), self.about_mm)
+        return Deflection.of_body(conditions, 0, np.concatenate([shift, tilt], axis=1))
 
 
 def plant(change: PlantedChange, site: Site) -> SoftBase:
-    """Build the effect; the amplitude is the compliance about every horizontal axis [rad/(N mm)]."""
+    """Build the effect; the amplitude is the compliance about every horizontal axis [rad/(N mm)].
+
+    It turns about the origin of the world, where drawings have the foot of the arm.
+    """
     del site
     check_only(change, "base")
     read_details(NoDetails, change)
-    return SoftBase(change.amplitude, change.from_s)
+    return SoftBase(change.amplitude, np.zeros(3), change.from_s)
 
 
 def realise(stated: Stated, site: ModelArm) -> tuple[SoftBase, ...]:
-    """Build the identified compliance, `base_c` [rad/(N mm)]."""
-    del site
-    return tuple(SoftBase(value, ALWAYS_S) for _, value in stated.matching("base_c", "base_c"))
+    """Build the identified compliance, `base_c` [rad/(N mm)], about the origin of the identified base."""
+    origin_mm = site.base[:3, 3]
+    return tuple(SoftBase(value, origin_mm, ALWAYS_S) for _, value in stated.matching("base_c", "base_c"))

@@ -77,7 +77,7 @@ class IdentifiedMass:
 def identified_mass(
     joint: int, extra_kg: float, extra_moment_kg_mm: FloatArray, site: ModelArm
 ) -> IdentifiedMass:
-    """Return a body whose mass and first moment (3,) differ, both stated in the frame of its joint (1-based)."""
+    """Return a body of other mass and first moment (3,); changes are stated in the frame of its joint."""
     frame = site.frames[joint - 1]
     moment = apply(frame[:3, :3], extra_moment_kg_mm) + extra_kg * frame[:3, 3]
     return IdentifiedMass(_stated_mass(joint, site), extra_kg, moment)
