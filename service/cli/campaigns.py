@@ -1,13 +1,12 @@
 """Commands on campaign folders, model files and point files. Heavy imports wait until a command runs."""
 
-import contextlib
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
 from service.cli.output import print_json, print_tables, remark
 from service.domain.errors import ConfigurationError
 
@@ -15,11 +14,9 @@ if TYPE_CHECKING:
     from service.domain.campaign import Campaign
     from service.domain.results import Identification, Model
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-
 
 def identify_command(
-    campaign: Annotated[Path, typer.Argument(help="Campaign folder, or a zip of one.")],
+    campaign: CampaignPath,
     effects: Annotated[
         str, typer.Option(help="`auto`, or names separated by commas, e.g. base,tool,geometry.")
     ] = "auto",
@@ -34,10 +31,10 @@ def identify_command(
     from service.exchange.result_documents import identification_document
     from service.identification import identify
 
-    _require_folders(model_out, report)
-    measured = _read(campaign)
+    require_folders(model_out, report)
+    measured = read_measured(campaign)
     remark(measured.ignored)
-    answer = identify(measured, _effect_names(effects))
+    answer = identify(measured, effect_names(effects))
     # Files first: who reads "converged" may rely on the model being there.
     if model_out is not None:
         _write_model(model_out, answer)
@@ -50,36 +47,6 @@ def identify_command(
     return 0 if _converged(answer) else 1
 
 
-def _effect_names(effects: str) -> tuple[str, ...] | None:
-    if effects.strip() == "auto":
-        return None
-    names = tuple(name.strip() for name in effects.split(",") if name.strip())
-    if not names:
-        raise ConfigurationError(
-            "--effects names no effect: give `auto`, or names separated by commas, e.g. base,geometry."
-        )
-    return names
-
-
-def _require_folders(*files: Path | None) -> None:
-    """Refuse before the work is done what could not be written after it."""
-    for file in files:
-        if file is not None and not file.parent.is_dir():
-            raise ConfigurationError(f"{file}: there is no folder {file.parent}; make it first.")
-        if file is not None and file.is_dir():
-            raise ConfigurationError(f"{file} is a folder: name a file in it.")
-
-
-@contextlib.contextmanager
-def _writing(file: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise ConfigurationError(
-            f"{file} cannot be written ({error.strerror}); choose another file."
-        ) from error
-
-
 def _converged(answer: "Identification") -> bool:
     return answer.model is not None and answer.status.value == "converged"
 
@@ -88,19 +55,10 @@ def _write_model(path: Path, answer: "Identification") -> None:
     from service.exchange.model_file import write_model
 
     if answer.model is not None and _converged(answer):
-        with _writing(path):
+        with writing(path):
             write_model(answer.model, path)
     else:
         remark([f"No model was written to {path}: {answer.message}"])
-
-
-def _read(path: Path) -> "Campaign":
-    from service.exchange.campaign_folder import read_campaign
-    from service.exchange.campaign_zip import read_campaign_zip
-
-    if path.is_file() and path.suffix == ".zip":
-        return read_campaign_zip(path.read_bytes(), path.name)
-    return read_campaign(path)
 
 
 def _show(answer: "Identification") -> None:
@@ -131,14 +89,14 @@ def predict_command(
     from service.identification import predict
     from service.identification.rows import each_nest
 
-    _require_folders(out)
+    require_folders(out)
     identified = read_model(model)
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
     remark(rows.ignored)
     stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
-    with _writing(out):
+    with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
 

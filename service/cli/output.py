@@ -1,12 +1,15 @@
 """What a command prints: one JSON document or tables on standard output, all else on standard error."""
 
+import contextlib
 import json
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from rich.console import Console, RenderableType
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 
 def print_json(document: Any) -> None:
@@ -20,6 +23,21 @@ def print_tables(tables: RenderableType) -> None:
     with console.capture() as printed:
         console.print(tables)
     _write(printed.get())
+
+
+def print_lines(lines: Iterable[str]) -> None:
+    """Print sentences on standard output, one a line however long."""
+    _write("".join(f"{line}\n" for line in lines))
+
+
+@contextlib.contextmanager
+def shown_progress() -> Iterator[Callable[[float, str], None]]:
+    """Yield what is to be told how far the work is (0 to 1, and what is done); a bar on a terminal only."""
+    console = Console(stderr=True, highlight=False)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
+        bar = bars.add_task("", total=1.0)
+        yield lambda fraction, doing: bars.update(bar, completed=fraction, description=escape(doing))
 
 
 def remark(sentences: Iterable[str]) -> None:

@@ -12,6 +12,7 @@ import typer
 
 from service.cli.campaigns import identify_command, predict_command, validate_command
 from service.cli.cells import demo_command, nightly_command, serve_command, simulate_command
+from service.cli.diagnoses import diagnose_command
 from service.domain.errors import TrueposeError
 
 UNUSABLE_INPUT = 2
@@ -22,6 +23,7 @@ _COMMANDS: dict[str, Callable[..., int]] = {
     "serve": serve_command,
     "simulate": simulate_command,
     "identify": identify_command,
+    "diagnose": diagnose_command,
     "predict": predict_command,
     "validate": validate_command,
     "nightly": nightly_command,
@@ -32,7 +34,7 @@ def main() -> int:
     """Run the command and return its exit status."""
     app = typer.Typer(
         name="truepose",
-        help="Measures, identifies and validates industrial robots.",
+        help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
         no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,

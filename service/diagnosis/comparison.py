@@ -270,7 +270,8 @@ def _number(value: float, u: float) -> str:
     """Return value and uncertainty to two digits of the uncertainty."""
     if not (math.isfinite(u) and u > 0.0):
         return f"{value:.3g}"
-    decimals = 1 - math.floor(math.log10(u))
+    # Rounded first: 0.0996 is 0.10 to two digits, one place fewer than its exponent says.
+    decimals = 1 - math.floor(math.log10(float(f"{u:.1e}")))
     if 0 <= decimals <= 5:
         return f"{value:.{decimals}f} ± {u:.{decimals}f}"
     exponent = math.floor(math.log10(max(value, u)))

@@ -17,7 +17,7 @@ from service.exchange.campaign_folder import write_campaign
 from tests.synthetic import measured, nominal_campaign
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
-COMMANDS = ("demo", "serve", "simulate", "identify", "predict", "validate", "nightly")
+COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
 
 
@@ -192,9 +192,7 @@ def test_predict_without_nests_gives_every_nest_of_every_row(good, tmp_path):
     assert [row["nest"] for row in rows_of(tmp_path / "out.csv")] == ["1", "2", "3"]
 
 
-@pytest.mark.parametrize(
-    "command", ["demo", "serve", "simulate", "identify", "predict", "validate", "nightly"]
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_help_shows_an_example(command):
     done = truepose(command, "--help")
 

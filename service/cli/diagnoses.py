@@ -1,0 +1,92 @@
+"""The command that says what a model gets wrong. Heavy imports wait until it runs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from service.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
+from service.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+
+if TYPE_CHECKING:
+    from service.domain.campaign import Campaign
+    from service.domain.diagnosis import Diagnosis
+
+
+def diagnose_command(
+    campaign: CampaignPath,
+    effects: Annotated[
+        str,
+        typer.Option(
+            help="Effects of the model to start from, separated by commas; none of them is a finding. "
+            "`auto`: base,tool,geometry,compliance."
+        ),
+    ] = "auto",
+    model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
+    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    json: Json = False,
+) -> int:
+    """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
+
+    Status 1: nothing could be fitted, so there is no answer.
+
+    Example: truepose diagnose my-campaign --model-out extended.json --report diagnosis.html
+    """
+    require_folders(model_out, report)
+    names = effect_names(effects)
+    _check_known(names)
+    measured = read_measured(campaign)
+    remark(measured.ignored)
+    answer = _diagnosed(measured, names)
+    # Files first: who reads "explained" may rely on the model being there.
+    if model_out is not None:
+        _write_model(model_out, answer)
+    if report is not None:
+        _write_report(report, campaign, answer)
+    _print(answer, as_json=json)
+    return 0 if answer.model is not None else 1
+
+
+def _check_known(names: tuple[str, ...] | None) -> None:
+    """Refuse a misspelt effect before a large campaign is read; raises UnknownEffectError."""
+    from service.effects.registry import effect_named
+
+    for name in names or ():
+        effect_named(name)
+
+
+def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagnosis":
+    from service.diagnosis.diagnose import diagnose
+
+    with shown_progress() as told:
+        return diagnose(campaign, effects, told)
+
+
+def _write_model(path: Path, answer: "Diagnosis") -> None:
+    from service.exchange.model_file import write_model
+
+    if answer.model is None:
+        remark([f"No model was written to {path}: {answer.message}"])
+        return
+    with writing(path):
+        write_model(answer.model, path)
+
+
+def _write_report(path: Path, campaign: Path, answer: "Diagnosis") -> None:
+    from service.reports import DiagnosisInput, write_diagnosis_report
+
+    write_diagnosis_report(path, DiagnosisInput(answer, campaign=campaign.resolve().name))
+
+
+def _print(answer: "Diagnosis", *, as_json: bool) -> None:
+    if as_json:
+        from service.exchange.diagnosis_document import diagnosis_document
+
+        print_json(diagnosis_document(answer))
+        return
+    from service.cli.diagnosis_text import diagnosis_lines, errors_table
+
+    print_lines(diagnosis_lines(answer))
+    table = errors_table(answer)
+    if table is not None:
+        print_tables(table)

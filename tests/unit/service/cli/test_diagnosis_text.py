@@ -1,0 +1,66 @@
+"""A diagnosis on a terminal: the first line is the answer, every number has its unit and its doubt."""
+
+import math
+
+import pytest
+
+from service.cli.diagnosis_text import diagnosis_lines, errors_table
+from service.domain.diagnosis import Gain
+from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
+
+
+def test_the_first_line_is_the_message_however_long():
+    message = "The model misses something. " * 20
+
+    lines = list(diagnosis_lines(make_diagnosis(message=message)))
+
+    assert lines[0] == message
+
+
+def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
+    lines = list(diagnosis_lines(make_diagnosis()))
+
+    assert lines[1] == "1. Joint 3 stops 0.021 deg further on when it comes from below: backlash."
+    assert lines[2] == "   Amplitude 0.0210 ± 0.0030 deg; likely, p < 0.0001."
+    assert lines[3] == (
+        "   Gain on held-out readings: RMS 0.0610 mm without it, 0.0190 mm with it "
+        "(95 % interval of the difference 0.0360 to 0.0470 mm)."
+    )
+    assert lines[4] == "   These data cannot tell it from: joint harmonics, joint 3."
+
+
+def test_what_is_left_and_what_to_measure_next_close_it():
+    lines = list(diagnosis_lines(make_diagnosis()))
+
+    assert lines[5] == "What is left: What is left looks like the stated noise."
+    assert lines[-3:] == [
+        "Measure next: Measure these from both sides.",
+        "   joints 0.00 40.00 -30.00 deg",
+        "   joints 5.00 45.00 -25.00 deg",
+    ]
+
+
+def test_structure_without_a_name_says_what_it_depends_on():
+    lines = list(diagnosis_lines(make_unexplained(withdrawn=("A wave of joint 2 did not help.",))))
+
+    assert "Withdrawn: A wave of joint 2 did not help." in lines
+    assert lines[2].endswith("It depends on: angle of joint 4 (p = 0.0001).")
+
+
+@pytest.mark.parametrize("gain", [None, Gain(math.nan, math.nan, (math.nan, math.nan))])
+def test_a_gain_that_nothing_shows_is_no_number(gain):
+    lines = list(diagnosis_lines(make_diagnosis(findings=(make_finding(gain=gain),))))
+
+    assert not any("nan" in line for line in lines)
+
+
+def test_errors_stand_before_and_after():
+    table = errors_table(make_diagnosis())
+
+    assert list(table.columns[0].cells) == ["before", "after"]
+    assert list(table.columns[3].cells) == ["0.0610", "0.0190"]
+    assert "cross-validation" in table.caption
+
+
+def test_where_nothing_could_be_fitted_there_is_no_table():
+    assert errors_table(make_unexplained(before=None, after=None, model=None)) is None
