@@ -71,8 +71,9 @@ def find_rest(
         bodies = place_bodies(plant.arm, _errors(plant, deflections), angles)
         masses = place_masses(bodies, plant.arm.masses, plant.tool_mass, mass_changes)
         torque = _load(conditions, gravity_torques(bodies, masses, plant.gravity_m_s2))
-        loaded = _agree(torque, loads.torque_n_mm, _TORQUE_TOLERANCE_N_MM)
-        if loaded and _agree(angles, before, _ANGLE_TOLERANCE_RAD):
+        balanced = _agree(torque, loads.torque_n_mm, _TORQUE_TOLERANCE_N_MM)
+        # An effect that looks at the placed arm has said nothing before there was one.
+        if loads.bodies is not None and balanced and _agree(angles, before, _ANGLE_TOLERANCE_RAD):
             return Rest(angles, torque, bodies)
         loads, before = Loads(torque, masses, bodies, plant.gravity_m_s2), angles
     raise NoEquilibriumError("the gearbox springs are too soft: the arm finds no rest under its own weight")

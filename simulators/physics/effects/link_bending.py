@@ -6,12 +6,12 @@ beam, M without its part along u (torsion is neglected). The beam is round: EI i
 Source: S. Timoshenko, Strength of Materials, part I, 1940, chapter V.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
+from simulators.errors import ModelError
 from simulators.physics.arm import Arm, CarriedMass, Vector
 from simulators.physics.chain import Bodies, link_motions, place_bodies
 from simulators.physics.effects.effect import Conditions, Deflection, Loads, PlantedChange
@@ -21,9 +21,8 @@ from simulators.physics.effects.subject import link_numbers
 from simulators.physics.loads import GRAVITY_M_S2, PlacedMass, place_masses
 from simulators.physics.rigid import FloatArray, apply
 
-# Joints whose masses sit on the beam: of the forearm also the roll joint, whose housing it is.
-_ON_BEAM: Mapping[int, tuple[int, ...]] = MappingProxyType({2: (2,), 3: (3, 4)})
 _SOFTER = MappingProxyType({2: 8.0 / 8.0, 3: 6.0 / 8.0})  # how the 1/EI of `links` compare
+_ROLLS_ABOUT_BEAM = 0.9  # cosine between the beam and the axis at its end
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +61,7 @@ def bending(
 ) -> FloatArray:
     """Motion of the end of a beam of EI = 1 N mm2, in the seat there, shape (n, 6) [mm, rad]."""
     start, end = bodies.axis_points_mm[:, link - 1], bodies.axis_points_mm[:, link]
+    on_beam = _on_beam(arm, link)
     length = np.linalg.norm(end - start, axis=1, keepdims=True)
     along = (end - start) / length
     turn, shift = np.zeros_like(along), np.zeros_like(along)
@@ -70,7 +70,7 @@ def bending(
             continue
         force = np.asarray(mass.mass_kg)[..., np.newaxis] * np.array(gravity_m_s2)
         reach = np.sum((mass.centre_mm - start) * along, axis=1, keepdims=True)
-        s = np.clip(reach, 0.0, length) if mass.joint in _ON_BEAM[link] else length
+        s = np.clip(reach, 0.0, length) if mass.joint in on_beam else length
         moment = _across(np.cross(mass.centre_mm - start - s * along, force), along)
         turned = s**2 / 2.0 * np.cross(along, force) + s * moment
         turn += turned
@@ -101,7 +101,7 @@ def sag_mm(arm: Arm, tool: CarriedMass | None, beams: tuple[Beam, ...]) -> float
 def plant(change: PlantedChange, site: Site) -> BendingLinks:
     """Build the effect; the amplitude is the sag of the stretched arm at its flange [mm]."""
     read_details(NoDetails, change)
-    links = link_numbers(change, tuple(_ON_BEAM))
+    links = link_numbers(change, tuple(_SOFTER))
     soft = tuple(Beam(link, _SOFTER[link]) for link in links)
     # Of EI = 1 N mm2 the sag would be 1e9 mm: the small-motion sum holds for a slender share only.
     slender = tuple(Beam(beam.link, 1e-12 * beam.per_ei) for beam in soft)
@@ -115,6 +115,31 @@ def _across(vector: FloatArray, along: FloatArray) -> FloatArray:
 
 
 def realise(stated: Stated, site: ModelArm) -> tuple[BendingLinks, ...]:
-    """Build the identified beams, `sag_<link>` [1/(N mm2)], of links 2 and 3."""
-    found = stated.matching(r"sag_([23])", "sag_2, sag_3")
-    return (BendingLinks(tuple(Beam(int(link), per_ei) for (link,), per_ei in found), site.arm, ALWAYS_S),)
+    """Build the identified beams, `sag_<link>` [1/(N mm2)], of links that lead to another joint."""
+    beams = tuple(
+        Beam(1 + stated.index(link, site.arm.n_joints - 1, "link with a joint at its end"), per_ei)
+        for (link,), per_ei in stated.matching(r"sag_([0-9]+)", "sag_<link>")
+    )
+    for beam in beams:
+        _check_length(beam.link, site.arm)
+    return (BendingLinks(beams, site.arm, ALWAYS_S),)
+
+
+def _check_length(link: int, arm: Arm) -> None:
+    if np.linalg.norm(_beam(arm, link)) < 1.0:
+        raise ModelError(
+            f"effect link_bending: link {link} is shorter than 1 mm and cannot bend; take another model"
+        )
+
+
+def _beam(arm: Arm, link: int) -> FloatArray:
+    """Way from the joint of a link (1-based) to the next, zero configuration, shape (3,)."""
+    way: FloatArray = arm.seats[link, :3, 3] - arm.seats[link - 1, :3, 3]
+    return way
+
+
+def _on_beam(arm: Arm, link: int) -> tuple[int, ...]:
+    """Joints whose masses sit on the beam: also one that rolls about it, whose housing the beam is."""
+    beam = _beam(arm, link)
+    along = abs(float(arm.seats[link, :3, 2] @ beam))
+    return (link, link + 1) if along > _ROLLS_ABOUT_BEAM * np.linalg.norm(beam) else (link,)
