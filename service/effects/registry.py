@@ -3,6 +3,7 @@
 from service.domain.errors import UnknownEffectError
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
+from service.effects.ballbar_zero import BallbarZero
 from service.effects.base import Base
 from service.effects.base_compliance import BaseCompliance
 from service.effects.base_drift import BaseDrift
@@ -10,15 +11,18 @@ from service.effects.base_shift import BaseShift
 from service.effects.causes import Cause
 from service.effects.compliance import Compliance
 from service.effects.compliance_nonlinear import ComplianceNonlinear
+from service.effects.fixture_shift import FixtureShift
 from service.effects.geometry import Geometry, JointOffset
 from service.effects.instrument_drift import InstrumentDrift
 from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
 from service.effects.joint_gain import JointGain
 from service.effects.joint_harmonics import JointHarmonics
+from service.effects.label_swap import LabelSwap
 from service.effects.link_bending import LinkBending
 from service.effects.link_mass import LinkMasses
 from service.effects.nest_offset import NestOffset
+from service.effects.outliers import Outliers
 from service.effects.payload import Payload
 from service.effects.ports import Effect
 from service.effects.reference import Reference
@@ -29,18 +33,23 @@ from service.effects.tool_reseating import ToolReseating
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
     Backlash(),
+    BallbarZero(),
+    BaseCompliance(),
     BaseDrift(),
     BaseShift(),
     Compliance(),
     ComplianceNonlinear(),
+    FixtureShift(),
     InstrumentDrift(),
+    InstrumentScale(),
     JointCoupling(),
     JointGain(),
     JointHarmonics(),
-    NestOffset(),
-    BaseCompliance(),
+    LabelSwap(),
     LinkBending(),
     LinkMasses(),
+    NestOffset(),
+    Outliers(),
     Payload(),
     ThermalGrowth(),
     ToolReseating(),
@@ -52,7 +61,6 @@ _EFFECTS: tuple[Effect, ...] = (
     Geometry("geometry_dhm", tilt=False),
     JointOffset(),
     Reference(),
-    InstrumentScale(),
     *_CAUSES,
 )
 EFFECTS = {effect.name: effect for effect in _EFFECTS}
