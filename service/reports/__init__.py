@@ -1,9 +1,10 @@
 """Reports: self-contained HTML pages and short text tables from results."""
 
+from service.reports.causes import VerdictWords, verdict_words
 from service.reports.conditions import Instrument, Period, ReportConditions
 from service.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
 from service.reports.identification_report import ReportInput, write_identification_report
-from service.reports.pages import page_styles
+from service.reports.pages import page_styles, verdict_shape
 from service.reports.table_report import Row, Section, Verdict, write_table_report
 from service.reports.truth import TrueParameter, Truth
 
@@ -18,8 +19,11 @@ __all__ = [
     "TrueParameter",
     "Truth",
     "Verdict",
+    "VerdictWords",
     "diagnosis_content",
     "page_styles",
+    "verdict_shape",
+    "verdict_words",
     "write_diagnosis_report",
     "write_identification_report",
     "write_table_report",

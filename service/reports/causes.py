@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from service.domain.diagnosis import Cause, Confidence, Diagnosis, Finding, Gain, Verdict
+from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +59,9 @@ _NO_RIVAL = (
 )
 
 
-def verdict_words(diagnosis: Diagnosis) -> VerdictWords:
-    """Return the verdict in words; without a model there is none, whatever the document must say."""
-    if diagnosis.model is None:
-        return _NOT_ANSWERED
-    return VerdictWords(*_VERDICTS[diagnosis.verdict], diagnosis.verdict.value)
+def verdict_words(verdict: Verdict, *, answered: bool) -> VerdictWords:
+    """Return a verdict in words; where nothing could be fitted there is none, whatever the document says."""
+    return VerdictWords(*_VERDICTS[verdict], verdict.value) if answered else _NOT_ANSWERED
 
 
 def effect_words(effect: str) -> str:

@@ -32,6 +32,12 @@ class DiagnosisInput:
     campaign: str = ""  # what the readings are called; "" is printed as not stated
     conditions: ReportConditions = field(default_factory=ReportConditions)
 
+    @property
+    def simulated(self) -> bool:
+        """Whether no robot took part; a campaign of simulated sessions says so in its notes."""
+        notes = self.conditions.notes
+        return self.conditions.simulated or any(note.startswith("SIMULATED") for note in notes)
+
 
 @dataclass(frozen=True, slots=True)
 class DependenceBlock:
@@ -90,8 +96,8 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "campaign": report.campaign,
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions)),
-        "simulated": is_simulated(report),
-        "verdict": verdict_words(diagnosis),
+        "simulated": report.simulated,
+        "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None),
         "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
         "findings": finding_blocks(diagnosis),
         "gains": gains(diagnosis.findings),
@@ -113,12 +119,6 @@ def _stated(conditions: ReportConditions) -> Iterator[tuple[str, str]]:
     """Yield what somebody stated: a diagnosis rests on the readings, and what nobody said has no row here."""
     silent = dict(condition_rows(ReportConditions()))
     return ((name, text) for name, text in condition_rows(conditions) if text != silent[name])
-
-
-def is_simulated(report: DiagnosisInput) -> bool:
-    """Whether no robot took part; a campaign of simulated sessions says so in its notes."""
-    notes = report.conditions.notes
-    return report.conditions.simulated or any(note.startswith("SIMULATED") for note in notes)
 
 
 def _errors(diagnosis: Diagnosis) -> dict[str, object]:

@@ -39,6 +39,11 @@ def page_styles() -> Markup:
     return rendered("style.css")
 
 
+def verdict_shape(look: str) -> Markup:
+    """Return the shape that stands for a verdict; `look` as `VerdictWords` names it."""
+    return rendered("shape.html", look=look)
+
+
 def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("service.reports"),

@@ -1,45 +1,41 @@
-"""Pages for people: the start page and the API's reference, both rendered here, without scripts.
+"""Pages for people: the start page, the API's reference and the diagnoses, rendered here.
 
 The usual OpenAPI pages need megabytes of script, from a content network or a package that lags years behind.
 A reference that names every route, field, unit and error needs none.
 """
 
-from pathlib import Path
 from typing import Any, Final
 
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from service.web import diagnosis_pages
 from service.web.context import Here
+from service.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
-_TEMPLATES: Final = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined
-)
+router.include_router(diagnosis_pages.router)
 _SHOWN: Final = 20
 
 
 @router.get("/", response_class=HTMLResponse)
 async def start_page(here: Here) -> HTMLResponse:
     """Show the cell, its devices and the latest sessions."""
-    page = _TEMPLATES.get_template("start.html").render(
+    return page(
+        "start.html",
         here=here,
         devices=here.rack.statuses(),
         sessions=await here.sessions.newest(_SHOWN),
         jobs=await here.jobs.newest(_SHOWN),
     )
-    return HTMLResponse(page)
 
 
 @router.get("/docs", response_class=HTMLResponse)
 async def api_page(request: Request, here: Here) -> HTMLResponse:
     """Show the reference of the API, from the document at /openapi.json."""
     document = request.app.openapi()
-    page = _TEMPLATES.get_template("api.html").render(
-        here=here, document=document, operations=list(_operations(document)), base=str(request.base_url)
-    )
-    return HTMLResponse(page)
+    operations = list(_operations(document))
+    return page("api.html", here=here, document=document, operations=operations, base=str(request.base_url))
 
 
 def _operations(document: dict[str, Any]) -> Any:

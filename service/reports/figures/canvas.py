@@ -6,9 +6,11 @@ stand-ins are replaced by the page's variables in the finished SVG.
 
 import io
 import re
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from textwrap import shorten
+from typing import Final
 
 import matplotlib as mpl
 from markupsafe import Markup
@@ -29,6 +31,8 @@ _VARIABLES = {
     Y: "axis-y",
     Z: "axis-z",
 }
+# Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
+_SETTINGS: Final = threading.Lock()
 _STYLE = {
     "svg.fonttype": "none",  # text stays text: readable by machines, and in the font of the page
     "svg.hashsalt": "truepose",  # the same figure gives the same ids
@@ -57,8 +61,8 @@ _STYLE = {
 
 @contextmanager
 def page_style() -> Iterator[None]:
-    """Draw in the style of the page within this block."""
-    with mpl.rc_context(_STYLE):  # type: ignore[arg-type]  # its stub wants literal keys
+    """Draw in the style of the page within this block; one thread at a time."""
+    with _SETTINGS, mpl.rc_context(_STYLE):  # type: ignore[arg-type]  # its stub wants literal keys
         yield
 
 

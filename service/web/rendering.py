@@ -1,0 +1,17 @@
+"""Templates of the pages for people."""
+
+from http import HTTPStatus
+from pathlib import Path
+from typing import Final
+
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+_TEMPLATES: Final = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined
+)
+
+
+def page(template: str, status: HTTPStatus = HTTPStatus.OK, **context: object) -> HTMLResponse:
+    """Return a page of this package's templates, filled in."""
+    return HTMLResponse(_TEMPLATES.get_template(template).render(**context), status)

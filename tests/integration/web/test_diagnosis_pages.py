@@ -1,0 +1,124 @@
+"""Diagnoses as pages: what a person at the cell reads."""
+
+from dataclasses import replace
+
+import pytest
+
+from service.app import create_app
+from service.exchange.campaign_zip import write_campaign_zip
+from tests.builders import make_campaign
+from tests.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
+
+HOSTILE = "<script>alert('x')</script>"
+
+
+class Diagnostician:
+    """Answers every request with the diagnosis that it was told to give."""
+
+    def __init__(self):
+        self.answer = consistent()
+
+    async def __call__(self, task, told):
+        return self.answer
+
+
+@pytest.fixture
+def worker():
+    return Diagnostician()
+
+
+@pytest.fixture
+async def app(settings, bench, worker):
+    application = create_app(settings, bench.registry(), worker)
+    async with application.router.lifespan_context(application):
+        yield application
+
+
+@pytest.fixture
+def diagnosed(client, until, worker):
+    """Diagnose an uploaded campaign and return the number of the diagnosis."""
+
+    async def ask(answer, **campaign):
+        worker.answer = answer
+        archive = write_campaign_zip(make_campaign(**campaign))
+        headers = {"Content-Type": "application/zip"}
+        number = (await client.post("/api/v1/campaigns", content=archive, headers=headers)).json()["id"]
+        asked = await client.post("/api/v1/diagnoses", json={"campaign_id": number})
+        job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+        return int(job["result_url"].rsplit("/", 1)[1])
+
+    return ask
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+async def test_a_stored_diagnosis_is_shown_as_its_report(client, diagnosed, ending):
+    answer = ENDINGS[ending]()
+    number = await diagnosed(answer)
+
+    reply = await client.get(f"/diagnoses/{number}")
+
+    assert reply.status_code == 200
+    assert reply.headers["content-type"] == "text/html; charset=utf-8"
+    assert f'class="message">{answer.message.replace(chr(39), "&#39;")}</p>' in reply.text
+    assert ("Not answered." in reply.text) == (answer.model is None)  # the model is stored apart
+    assert all(finding.sentence in reply.text.replace("&#39;", "'") for finding in answer.findings)
+
+
+async def test_the_list_shows_the_first_lines_newest_first(client, diagnosed):
+    older, newer = await diagnosed(consistent()), await diagnosed(two_findings())
+
+    text = (await client.get("/diagnoses")).text
+
+    assert 0 < text.index(f'href="/diagnoses/{newer}"') < text.index(f'href="/diagnoses/{older}"')
+    assert "Consistent" in text
+    assert two_findings().message in text
+
+
+async def test_the_list_does_not_call_unexplained_what_was_not_answered(client, diagnosed):
+    await diagnosed(nothing_fitted())
+
+    text = (await client.get("/diagnoses")).text
+
+    assert "Not answered" in text
+    assert "Unexplained" not in text
+
+
+async def test_without_any_the_list_says_how_to_ask_for_one(client):
+    text = (await client.get("/diagnoses")).text
+
+    assert "None yet." in text
+    assert "/api/v1/diagnoses" in text
+
+
+@pytest.mark.parametrize("number", ["7", "0", "seven", "9" * 40, "٣"])
+async def test_a_number_that_there_is_not_gets_a_page_that_says_so(client, number):
+    reply = await client.get(f"/diagnoses/{number}")
+
+    assert reply.status_code == 404
+    assert "There is no such diagnosis" in reply.text
+
+
+async def test_a_simulated_campaign_says_so_on_a_service_that_is_not(client, diagnosed):
+    number = await diagnosed(consistent(), notes=("SIMULATED: no robot took part.",))
+
+    text = (await client.get(f"/diagnoses/{number}")).text
+
+    assert 0 < text.index("SIMULATED.") < text.index('class="message"')
+
+
+async def test_text_of_others_stays_text(client, diagnosed):
+    number = await diagnosed(replace(consistent(), message=HOSTILE, robot=HOSTILE))
+
+    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}")]
+
+    assert not any("<script>alert" in text for text in texts)
+
+
+async def test_the_start_page_leads_to_the_diagnoses(client):
+    assert 'href="/diagnoses"' in (await client.get("/")).text
+
+
+async def test_pages_are_no_part_of_the_api(client):
+    paths = (await client.get("/openapi.json")).json()["paths"]
+
+    assert not any(path.startswith("/diagnoses") for path in paths)
