@@ -5,20 +5,24 @@ import asyncio
 import signal
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from simulators.cell import Cell
 from simulators.clock import CellClock, Pace
-from simulators.errors import EndpointUnavailableError, SimulatorError
+from simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
 from simulators.instruments.truth import truth_endpoint
+from simulators.model_file import load_model
+from simulators.physics.identified import IdentifiedModel
 from simulators.scenario_file import load_scenario, shipped_scenarios
 
 _EXIT_UNUSABLE_INPUT = 2
 _EXIT_DEVICE_FAILED = 3
+_JOINTS_ON_THE_WIRE = 6  # of every message of open_abb
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,7 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         scenario = load_scenario(options.scenario)
         pace: Pace = 1 if options.pace == 1 else 0
-        cell = Cell(scenario, options.seed, CellClock(pace))
+        model = None if options.model is None else _drivable(load_model(options.model))
+        cell = Cell(scenario, options.seed, CellClock(pace), model)
         asyncio.run(_run(cell, options.host, options.port_base))
     except EndpointUnavailableError as error:
         return _fail(error, _EXIT_DEVICE_FAILED)
@@ -57,6 +62,11 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--pace", type=int, choices=(0, 1), default=1, help="1: real time (default); 0: waiting costs nothing"
     )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        help="identified model (JSON): its robot, base and tool stand in the place of the scenario's",
+    )
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
     return parser.parse_args(arguments)
 
@@ -66,6 +76,21 @@ def _natural(text: str) -> int:
     if number < 0:
         raise argparse.ArgumentTypeError(f"{text} is negative")
     return number
+
+
+def _drivable(model: IdentifiedModel) -> IdentifiedModel:
+    """Return a model that can be moved over the wire; raises ModelError."""
+    n_joints, instead = len(model.table.rows), "replay a campaign with simulators.recording instead"
+    if n_joints != _JOINTS_ON_THE_WIRE:
+        raise ModelError(
+            f"{model.table.name} has {n_joints} joints, open_abb moves {_JOINTS_ON_THE_WIRE}; {instead}"
+        )
+    if model.sensed_torques and not model.table.masses:
+        raise ModelError(
+            f"the springs of {model.table.name} were identified from torque sensors and the model states no"
+            f" masses, so that nothing would load them here; {instead}"
+        )
+    return model
 
 
 async def _run(cell: Cell, host: str, port_base: int) -> None:

@@ -20,6 +20,7 @@ def plant_document(cell: Cell) -> dict[str, Any]:
         "fixed_nests_mm": cell.fixed_nests_mm().tolist(),
         "tracker_frame": {"rotation": frame[:3, :3].tolist(), "translation_mm": frame[:3, 3].tolist()},
         "effects": [_stated(change) for change in cell.planted.changes],
+        "identified": None if cell.model is None else dict(cell.model.parameters),
     }
 
 

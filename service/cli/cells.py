@@ -69,12 +69,18 @@ def simulate_command(
     port_base: Annotated[int, typer.Option(min=0, max=65535, help="First port; 0 picks free ones.")] = 0,
     pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: waiting costs nothing.")] = 1,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    model: Annotated[
+        Path | None,
+        typer.Option(help="Identified model (JSON): its robot, base and tool replace the scenario's."),
+    ] = None,
 ) -> int:
     """Start only the simulated instruments and robot; prints one JSON line per endpoint.
 
     Example: truepose simulate irb120-clean --seed 3 --port-base 7000 --pace 0
+    Example: truepose simulate --model robot.json
     """
     arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
+    arguments += [] if model is None else ["--model", model]
     command = [sys.executable, "-m", "simulators", scenario, *(str(argument) for argument in arguments)]
     # In our place, not beside us: whoever signals this process ends the cell, and no child is left behind.
     os.execv(sys.executable, command)
