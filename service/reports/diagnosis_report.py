@@ -19,7 +19,7 @@ from service.reports.figures.gains import gains
 from service.reports.figures.residual_curve import CurveFigure, residual_curve
 from service.reports.findings import finding_blocks
 from service.reports.pages import rendered, write_page
-from service.reports.parameter_rows import meaning
+from service.reports.parameter_meanings import meaning
 from service.reports.rounding import rounded, uncertainty
 from service.reports.ruled_out import ruled_out_rows
 

@@ -16,6 +16,7 @@ from service.kinematics.frames import (
     placement_translation,
     rotation_xyz,
 )
+from service.reports.parameter_meanings import meaning
 from service.reports.rounding import MISSING, exact, rounded, uncertainty
 
 Standing = Literal["determined", "combination", "prior"]
@@ -149,33 +150,3 @@ def _split(name: str) -> tuple[str, int]:
     """Return quantity and number of e.g. `alpha_3`; 0 where there is no number at the end."""
     kind, _, number = name.partition("_")
     return kind, int(number) if number.isdigit() else 0
-
-
-_MEANINGS = (
-    (r"base_([xyz])", "place of the robot's base in the world, {0}"),
-    (r"base_r([xyz])", "orientation of the robot's base in the world, about {0}"),
-    (r"alpha_(\d+)", "angle between axes {before} and {0} (DH-Modified)"),
-    (r"a_(\d+)", "distance between axes {before} and {0} (DH-Modified)"),
-    (r"theta_(\d+)", "zero of joint {0} (DH-Modified)"),
-    (r"d_(\d+)", "offset along axis {0} (DH-Modified)"),
-    (r"beta_(\d+)", "tilt of axis {0} out of the plane it shares with axis {before}, about y (Hayati)"),
-    (r"c_(\d+)", "compliance of gearbox {0}: angle per torque about its axis"),
-    (r"c_(\d+)\*m([xy])_(\d+)", "compliance of gearbox {0} times the mass moment about {1} in frame {2}"),
-    (r"gain_(\d+)", "joint {0} turns by this share more than it should"),
-    (r"nest_(\d+)_([xyz])", "tool nest {0} in the last frame, {1}"),
-    (r"tool_r([xyz])", "orientation of the tool, about {0}"),
-    (r"anchor_(\d+)_(\d+)_([xyz])", "base nest {1} of placement {0} in the world, {2}"),
-    (r"length_offset", "added to every length"),
-    (r"scale", "lengths of the instrument are off by this share"),
-)
-
-
-def meaning(name: str, effect: str) -> str:
-    """Return what a parameter is, in words; the name of its effect where there is none."""
-    for pattern, words in _MEANINGS:
-        match = re.fullmatch(pattern, name)
-        if match:
-            groups = match.groups()
-            before = int(groups[0]) - 1 if groups and groups[0].isdigit() else 0
-            return words.format(*groups, before=before)
-    return effect

@@ -7,7 +7,8 @@ from service.domain.results import NotIdentifiable
 from service.domain.robot import FramePlacement
 from service.effects.ports import Setting
 from service.effects.registry import EFFECTS
-from service.reports.parameter_rows import meaning, parameter_rows
+from service.reports.parameter_meanings import meaning
+from service.reports.parameter_rows import parameter_rows
 from tests.builders import make_campaign, make_identification, make_model, make_parameter, make_robot
 
 
@@ -84,3 +85,20 @@ def test_every_parameter_of_every_effect_is_explained(effect, torques):
 def test_base_nests_and_the_length_offset_are_explained():
     assert meaning("anchor_1_3_x", "legs") == "base nest 3 of placement 1 in the world, x"
     assert meaning("length_offset", "legs") == "added to every length"
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("drift_exp1200_rz", "motion of the base that settles within about 1200 s, about z"),
+        ("jump_1234.5_x", "jump of the base between two readings, along x"),
+        ("fixture_2_1234.5_ry", "jump of the base fixture during placement 2, about y"),
+        ("seat_3_z", "seat of the tool at mounting 3, along z"),
+        ("offset_2_y", "tool nest 2 away from its certified place, y"),
+        ("sag_4", "bending of link 4: one over its flexural rigidity"),
+        ("mass_3", "mass of link 3 beyond what is stated"),
+        ("wave_6_202_cos", "error of joint 6 over its own angle: cos of 202 periods per turn"),
+    ],
+)
+def test_parameters_that_only_data_propose_are_explained(name, words):
+    assert meaning(name, "unexplained") == words
