@@ -1,0 +1,80 @@
+"""Campaigns whose rows tell everything that an effect may depend on, and what a diagnosis sees of them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from service.domain.campaign import FixedNestReadings
+from service.domain.robot import FixedNest
+from service.effects.causes import Scene
+from service.identification.evaluation import evaluate, rows_of
+from service.identification.problem import build
+from tests.robots import IRB_120
+from tests.synthetic import nominal_campaign
+
+TRACKER_MM = (2600.0, -700.0, 500.0)
+FIXED_MM = ((600.0, 500.0, 0.0), (600.0, -500.0, 0.0), (-350.0, 500.0, 0.0))
+START = ("base", "geometry", "compliance")
+ORIGIN_S = 1000.0
+_CADENCE_S = 30.0
+
+
+def telling_campaign(n=24, robot=IRB_120, seed=5, joints_rad=None, **changes):
+    """Positions of three nests, with directions, times, temperatures, mountings and looks at fixed nests."""
+    rng = np.random.default_rng(seed)
+    campaign = nominal_campaign(
+        n, robot=robot, joints_rad=joints_rad, tracker_position_mm=TRACKER_MM,
+        fixed_nests=tuple(FixedNest(centre, 0.002) for centre in FIXED_MM),
+    )  # fmt: skip
+    stops = replace(
+        campaign.calibration.stops,
+        direction=rng.choice([-1, 1], (n, robot.n_joints)),
+        time_s=ORIGIN_S + _CADENCE_S * np.arange(n),
+        temperature_c=23.0 + 3.0 * np.sin(0.3 * np.arange(n)),
+        attachment=1 + np.arange(n) * 4 // n,
+    )
+    looks = np.arange(6 * 3)
+    reference = FixedNestReadings(
+        time_s=ORIGIN_S - 10.0 + _CADENCE_S * n / 6.0 * (looks // 3),
+        fixed_nest=1 + looks % 3,
+        position_mm=np.array(FIXED_MM)[looks % 3],
+        standard_uncertainty_mm=np.full(len(looks), 0.015),
+    )
+    readings = replace(campaign.calibration, stops=stops)
+    return replace(campaign, calibration=readings, reference=reference, **changes)
+
+
+def without_masses(robot=IRB_120):
+    """The robot of somebody who does not know what its links weigh."""
+    return replace(robot, masses=())
+
+
+def scene_of(problem, values=None, campaign=None, **changes):
+    """What a diagnosis would look at after a fit that ended at `values`."""
+    structure = problem.structure
+    values = problem.start if values is None else values
+    state = evaluate(structure, values, problem.blocks[0].targets)
+    joints = range(1, structure.robot.n_joints + 1)
+    by_name = dict(zip(structure.names, values, strict=True))
+    reference = None if campaign is None else campaign.reference
+    scene = Scene(
+        setting=problem.setting,
+        stops=state.targets.stops,
+        nest=state.targets.nest,
+        chain=state.chain,
+        torque_n_mm=state.torque_n_mm,
+        turn_rad=rows_of(state).turn_rad,
+        softness_rad_per_n_mm=np.array([by_name.get(f"c_{joint}", 0.0) for joint in joints]),
+        present=frozenset(structure.names),
+        effects=structure.effects,
+        reference_s=np.zeros(0) if reference is None else reference.time_s,
+        origin_s=structure.origin_s,
+        gravity_m_s2=tuple(structure.gravity_m_s2.tolist()),
+    )
+    return replace(scene, **changes)
+
+
+def telling_scene(effects=START, campaign=None, **changes):
+    """The scene of a telling campaign that was fitted with some effects."""
+    campaign = telling_campaign() if campaign is None else campaign
+    return scene_of(build(campaign, effects), campaign=campaign, **changes)
