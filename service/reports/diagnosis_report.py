@@ -23,6 +23,8 @@ from service.reports.parameter_meanings import meaning
 from service.reports.rounding import rounded, uncertainty
 from service.reports.ruled_out import ruled_out_rows
 
+_CAMPAIGN = "campaign"  # where a model tells what its readings are called
+
 
 @dataclass(frozen=True, slots=True)
 class DiagnosisInput:
@@ -93,7 +95,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
     diagnosis = report.diagnosis
     return {
         "diagnosis": diagnosis,
-        "campaign": report.campaign,
+        "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions)),
         "simulated": report.simulated,
@@ -111,8 +113,13 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
 
 
 def _origin(model: Model) -> Iterator[tuple[str, str | int | float]]:
-    """Yield what the model says of its readings, in words."""
-    return ((name.replace("_", " "), said) for name, said in model.identified_from.items())
+    """Yield what the model says of its readings beside their name, in words."""
+    told = model.identified_from.items()
+    return ((name.replace("_", " "), said) for name, said in told if name != _CAMPAIGN)
+
+
+def _named_campaign(model: Model | None) -> str:
+    return "" if model is None else str(model.identified_from.get(_CAMPAIGN, ""))
 
 
 def _stated(conditions: ReportConditions) -> Iterator[tuple[str, str]]:

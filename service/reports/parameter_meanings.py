@@ -40,7 +40,7 @@ _MEANINGS = (
     (r"zero_(\d+)", "added to every length after initialisation {0}"),
     (r"zerorate_(\d+)_(\S+)", "growth of the ballbar's zero after initialisation {0}"),
     (r"length_offset", "added to every length"),
-    (r"scale", "lengths of the instrument are off by this share"),
+    (r"(?:ballbar_)?scale", "lengths of the instrument are off by this share"),
 )
 
 

@@ -227,7 +227,7 @@ def _caption(total: int, chosen: int, beyond: int, curve: Curve, means: _Means |
     )
     yield "as the model without this cause leaves them, with their standard uncertainty."
     if means is not None:
-        yield f"Black: weighted means of up to {means.of} neighbours each, with their standard uncertainty."
+        yield f"Large dots: weighted means of up to {means.of} neighbours each, with their own."
     if beyond:
         lies = "reading lies" if beyond == 1 else "readings lie"
         yield f"{beyond} {lies} beyond the picture, the farthest at {_farthest(curve)}."
