@@ -134,7 +134,7 @@ def _evaluate_loaded(
     chain = forward(_displaced(nominal, moved), rotation, origin, motions)
     unscaled = chain.points(_nests(structure, moved, targets.nest))
     scale = float(moved.get(Port(PortKind.SCALE, 0), 0.0))
-    instrument_motion = _six(moved, PortKind.INSTRUMENT, 0, len(targets))
+    instrument_motion = six_components(moved, PortKind.INSTRUMENT, 0, len(targets))
     return State(
         structure=structure,
         targets=targets,
@@ -194,11 +194,14 @@ def _loaded_terms(
 
 def _motions(moved: dict[Port, FloatArray | float], n: int) -> dict[int, FloatArray]:
     bodies = sorted({port.number // 6 for port in moved if port.kind is PortKind.MOTION})
-    found = {body: _six(moved, PortKind.MOTION, 6 * body, n) for body in bodies}
+    found = {body: six_components(moved, PortKind.MOTION, 6 * body, n) for body in bodies}
     return {body: motion for body, motion in found.items() if motion is not None}
 
 
-def _six(moved: dict[Port, FloatArray | float], kind: PortKind, first: int, n: int) -> FloatArray | None:
+def six_components(
+    moved: dict[Port, FloatArray | float], kind: PortKind, first: int, n: int
+) -> FloatArray | None:
+    """Return what six ports in a row are moved by, shape (n, 6); None where none of them is moved."""
     ports = [Port(kind, first + k) for k in range(6)]
     if not any(port in moved for port in ports):
         return None

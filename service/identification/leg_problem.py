@@ -30,13 +30,19 @@ def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArra
     return tuple(distinct), np.array([distinct.index(pair) for pair in pairs])
 
 
+def leg_targets(legs: LegReadings) -> Targets:
+    """Return where lengths were read, with what effects of ballbar and fixture depend on."""
+    return Targets(legs.stops, legs.nest, legs.placement, legs.initialisation, legs.length_mm)
+
+
 def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
     """Return the block of leg readings for a structure with these anchors."""
     scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
     pairs = zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
     index = np.array([anchors.index(pair) for pair in pairs])
-    targets = Targets(legs.stops, legs.nest)
-    return LegBlock(targets, index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs)))
+    return LegBlock(
+        leg_targets(legs), index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs))
+    )
 
 
 def leg_structure(

@@ -13,6 +13,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.identification.derivatives import position_jacobian, rotation_jacobian
 from service.identification.evaluation import State, Targets, evaluate
+from service.identification.leg_lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from service.identification.rows import taken
 from service.identification.structure import Structure
 from service.identification.whitening import Whitener, whitener
@@ -254,34 +255,34 @@ class LegBlock:
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
-        arm = self._arm(state)
+        arm = state.position_mm - moved_feet(state, self._feet(state))
         distance = np.linalg.norm(arm, axis=1)
         direction = arm / distance[:, None]
-        predicted = distance + (
-            values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
-        )
-        residual = (self.length_mm - predicted)[:, None]
+        offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
+        residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
         return BlockResult(residual, self.derivatives(state), state, self._whitening(direction), direction)
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""
-        structure, arm = state.structure, self._arm(state)
+        structure, feet = state.structure, self._feet(state)
+        arm = state.position_mm - moved_feet(state, feet)
         direction = arm / np.linalg.norm(arm, axis=1)[:, None]
-        jacobian = np.einsum("pni,ni->pn", position_jacobian(state), direction)
+        jacobian = length_jacobian(state, feet)
         rows = np.arange(len(self.anchor))
         first = structure.index_of(anchor_name(structure.anchors[0], 0))
         for component in range(3):
-            jacobian[first + 3 * self.anchor + component, rows] = -direction[:, component]
+            own = np.einsum("ni,ni->n", foot_gradient(state, component), direction)
+            jacobian[first + 3 * self.anchor + component, rows] = -own
         if LEG_OFFSET in structure.names:
             jacobian[structure.index_of(LEG_OFFSET)] = 1.0
         return np.asarray(jacobian[:, :, None])
 
-    def _arm(self, state: State) -> FloatArray:
-        """Return the way from each leg's anchor to its nest, shape (n, 3)."""
+    def _feet(self, state: State) -> FloatArray:
+        """Return the anchor of each leg, shape (n, 3)."""
         structure = state.structure
         first = structure.index_of(anchor_name(structure.anchors[0], 0))
         anchors = state.values[first : first + 3 * len(structure.anchors)].reshape(-1, 3)
-        return state.position_mm - anchors[self.anchor]
+        return np.asarray(anchors[self.anchor])
 
     def component_variance(self) -> FloatArray:
         """Variance of each length [mm2], shape (n,)."""
@@ -335,7 +336,13 @@ def anchor_name(anchor: tuple[int, int], component: int) -> str:
 
 def targets_subset(targets: Targets, rows: IntArray) -> Targets:
     """Return some rows of the targets."""
-    return Targets(taken(targets.stops, rows), targets.nest[rows])
+    return Targets(
+        stops=taken(targets.stops, rows),
+        nest=targets.nest[rows],
+        placement=None if targets.placement is None else targets.placement[rows],
+        initialisation=None if targets.initialisation is None else targets.initialisation[rows],
+        length_mm=None if targets.length_mm is None else targets.length_mm[rows],
+    )
 
 
 @dataclass(frozen=True, slots=True)

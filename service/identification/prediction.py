@@ -11,6 +11,8 @@ from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.effects.ports import ParameterSpec
 from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import Targets, evaluate
+from service.identification.leg_lengths import excess_mm, moved_feet
+from service.identification.leg_problem import leg_targets
 from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.problem import NOMINAL_EFFECTS
 from service.identification.structure import Structure
@@ -121,23 +123,27 @@ def _check(model: Model, stops: Stops, nest: IntArray) -> None:
 
 def predict_lengths(model: Model, legs: LegReadings, *, nominal: bool = False) -> FloatArray:
     """Predict leg lengths between the model's anchors and its nests, shape (n,) [mm]."""
-    anchors = model.nominal_anchors if nominal else _identified_anchors(model)
+    _check(model, legs.stops, legs.nest)
+    structure = nominal_structure(model) if nominal else structure_of(model)
+    values = np.zeros(0) if nominal else values_of(model)
     offset = model.nominal_leg_offset_mm if nominal else _identified_offset(model)
-    if nominal:
-        points = predict_nominal(model, legs.stops, legs.nest)
-    else:
-        points, _ = predict(model, legs.stops, legs.nest)
-    places = {(a.placement, a.base_point): np.array(a.centre_mm) for a in anchors}
-    missing = sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)) - set(places))
+    feet = _feet(model.nominal_anchors if nominal else _identified_anchors(model), legs)
+    state = evaluate(structure, values, leg_targets(legs))
+    arm = state.position_mm - moved_feet(state, feet)
+    return np.asarray(np.linalg.norm(arm, axis=1) + offset + excess_mm(state))
+
+
+def _feet(anchors: tuple[Anchor, ...], legs: LegReadings) -> FloatArray:
+    """Return the anchor of each leg, shape (n, 3) [mm]."""
+    places = {(anchor.placement, anchor.base_point): anchor.centre_mm for anchor in anchors}
+    asked = list(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))
+    missing = sorted(set(asked) - set(places))
     if missing:
         raise ConfigurationError(
             f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs "
             "that the model was made from."
         )
-    feet = np.array([
-        places[key] for key in zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
-    ])
-    return np.asarray(np.linalg.norm(points - feet, axis=1) + offset)
+    return np.array([places[key] for key in asked])
 
 
 def _identified_anchors(model: Model) -> tuple[Anchor, ...]:
