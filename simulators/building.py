@@ -40,7 +40,6 @@ def adapted(scenario: Scenario, model: IdentifiedModel, robot: IdentifiedRobot) 
     place = scenario.tracker.position_mm if model.instrument_mm is None else model.instrument_mm
     return replace(
         scenario,
-        robot=model.table.name,
         base=None,
         links=(),
         everyday=None,

@@ -11,6 +11,7 @@ import numpy as np
 from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.physics.effects.ports import NestNumbers
+from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray, move
 from simulators.recording.plan import Stops, Wishes, plan_stops
 from simulators.recording.registration import register
@@ -66,8 +67,8 @@ class Recording:
     references: References
 
 
-def record(scenario: Scenario, seed: int, wishes: Wishes) -> Recording:
-    """Record a campaign of the cell that scenario and seed give.
+def record(scenario: Scenario, seed: int, wishes: Wishes, model: IdentifiedModel | None = None) -> Recording:
+    """Record a campaign of the cell that scenario, seed and perhaps an identified model give.
 
     The same scenario, seed and wishes give the same campaign.
 
@@ -76,7 +77,7 @@ def record(scenario: Scenario, seed: int, wishes: Wishes) -> Recording:
     SimulatorError
         The cell cannot be, or its tracker sees too few configurations.
     """
-    cell = Cell(scenario, seed, CellClock(0))
+    cell = Cell(scenario, seed, CellClock(0), model)
     streams = (np.random.SeedSequence(seed, spawn_key=(key,)) for key in (100, 101))
     plan_rng, noise_rng = (np.random.default_rng(stream) for stream in streams)
     stops = plan_stops(cell, wishes, plan_rng)

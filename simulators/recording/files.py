@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from simulators.cell import Cell
-from simulators.physics.loads import GRAVITY_M_S2
+from simulators.physics.arm import Arm
 from simulators.recording.campaign import Points, Recording, References
-from simulators.recording.nominal_tables import NOMINAL_TABLES
+from simulators.recording.nominal_tables import papers_of_cell
 from simulators.truth_document import plant_document
 
 _FORMAT = 1
@@ -34,32 +34,57 @@ def write_campaign(recording: Recording, folder: Path) -> None:
 
 def campaign_document(cell: Cell, files: dict[str, str]) -> dict[str, Any]:
     """Return what the papers say of the cell; nothing in it comes from the truth."""
-    scenario, arm, table = cell.scenario, cell.plant.arm, NOMINAL_TABLES[cell.plant.arm.name]
+    scenario, arm, table = cell.scenario, cell.plant.arm, papers_of_cell(cell)
     tool = scenario.tool
     keys = ("alpha_deg", "a_mm", "theta_offset_deg", "d_mm")
-    masses = [*table.masses, (arm.n_joints, tool.mass_kg, tool.centre_of_gravity_mm)]
+    # A model's masses contain its tool.
+    carried = [] if cell.model else [(arm.n_joints, tool.mass_kg, tool.centre_of_gravity_mm)]
+    signs = table.signs or (1,) * arm.n_joints
     return {
         "format": _FORMAT,
         "kind": "tracker",
         "robot": table.name,
         "dhm_nominal": [
-            {"joint": joint, **dict(zip(keys, row, strict=True))}
-            for joint, row in enumerate(table.rows, start=1)
+            {"joint": joint, **dict(zip(keys, row, strict=True)), **({} if sign > 0 else {"sign": sign})}
+            for joint, (row, sign) in enumerate(zip(table.rows, signs, strict=True), start=1)
         ],
-        "base_in_world_nominal": dict.fromkeys(("x_mm", "y_mm", "z_mm", "rx_deg", "ry_deg", "rz_deg"), 0.0),
-        "tool_nests_mm": [list(nest) for nest in tool.nests_mm],
+        # Where a model's robot stands was found from data; papers say nothing of it.
+        "base_in_world_nominal": None
+        if cell.model
+        else dict.fromkeys(("x_mm", "y_mm", "z_mm", "rx_deg", "ry_deg", "rz_deg"), 0.0),
+        "tool_nests_mm": _stated_nests(cell),
         "tool_nest_u_mm": tool.nest_u_mm,
         "tool_nest_axis": cell.facing.tolist(),
-        "masses": [{"frame": frame, "kg": kg, "cog_mm": list(centre)} for frame, kg, centre in masses],
-        "gravity_m_s2_world": list(GRAVITY_M_S2),
-        "gear_ratio": list(arm.gear_ratio),
-        "typical_compliance_rad_per_Nmm": list(arm.typical_compliance_rad_per_n_mm),
+        "masses": [
+            {"frame": frame, "kg": kg, "cog_mm": list(centre)}
+            for frame, kg, centre in (*table.masses, *carried)
+        ],
+        "gravity_m_s2_world": list(cell.plant.gravity_m_s2),
+        **_hints(arm),
         "robot_repeatability_mm": scenario.arm.scatter_mm,
         "tracker_position_world_mm": list(scenario.tracker.position_mm),
         "fixed_nests_certified_mm": [list(nest) for nest in scenario.table.fixed_nests_mm],
         "fixed_nest_u_mm": scenario.table.nest_u_mm,
         "files": files,
     }
+
+
+def _stated_nests(cell: Cell) -> list[list[float] | None]:
+    """Return nests as the papers have them; those that a model had to find are unknown."""
+    found = {} if cell.model is None else cell.model.parameters.get("tool", {})
+    return [
+        None if f"nest_{number}_x" in found else list(nest)
+        for number, nest in enumerate(cell.scenario.tool.nests_mm, start=1)
+    ]
+
+
+def _hints(arm: Arm) -> dict[str, list[float]]:
+    """Return gear ratios and orders of compliance where they are stated: no hint is infinite or zero."""
+    hints = {
+        "gear_ratio": arm.gear_ratio,
+        "typical_compliance_rad_per_Nmm": arm.typical_compliance_rad_per_n_mm,
+    }
+    return {key: list(values) for key, values in hints.items() if all(0.0 < v < np.inf for v in values)}
 
 
 def truth_document(recording: Recording) -> dict[str, Any]:

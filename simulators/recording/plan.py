@@ -8,7 +8,7 @@ from simulators.cell import Cell
 from simulators.errors import ScenarioError, SimulatorError
 from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.rigid import FloatArray, apply, move
-from simulators.recording.nominal_tables import NOMINAL_TABLES
+from simulators.recording.nominal_tables import papers_of_cell
 from simulators.robot import nominal_flange
 from simulators.tracker import cosine_to_beam
 
@@ -98,7 +98,7 @@ def plan_stops(cell: Cell, wishes: Wishes, rng: np.random.Generator) -> Stops:
 
 def _visible_configurations(cell: Cell, n: int, rng: np.random.Generator) -> tuple[FloatArray, NestNumbers]:
     """Draw configurations in which a nest faces the tracker, and which one does."""
-    lower, upper = np.array(NOMINAL_TABLES[cell.plant.arm.name].calibration_deg).T
+    lower, upper = np.array(papers_of_cell(cell).calibration_deg).T
     joints, nests = np.zeros((0, len(lower))), np.zeros(0, dtype=int)
     for _ in range(_MOST_DRAWS):
         drawn = np.round(rng.uniform(lower, upper, (_CANDIDATES_PER_STOP * n, len(lower))), 5)
@@ -112,7 +112,8 @@ def _visible_configurations(cell: Cell, n: int, rng: np.random.Generator) -> tup
 def _best_nest(cell: Cell, joints_deg: FloatArray) -> tuple[NestNumbers, NestNumbers]:
     """Nest that faces the tracker best (1-based), and the rows in which it is seen and clear of the table."""
     tool = cell.scenario.tool
-    flange = nominal_flange(cell.plant.arm, np.radians(joints_deg))
+    base = np.eye(4) if cell.model is None else cell.plant.errors[0]
+    flange = base @ nominal_flange(cell.plant.arm, np.radians(joints_deg))
     positions = move(flange[:, np.newaxis], np.array(tool.nests_mm))
     facing = apply(flange[:, np.newaxis, :3, :3], cell.facing)
     stand = np.eye(4)
