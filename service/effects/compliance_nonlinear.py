@@ -17,6 +17,7 @@ from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Set
 NAME = "compliance_nonlinear"
 _T0_N_MM = (500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # where softness may end, for arms of 3 to 20 kg
 _USUAL_T0_N_MM = 2000.0
+_STIFF = 20.0  # times t0, where all teeth bear: the slope is 1e-17 of what it is at zero
 _SHARE_WIDTH = 2.0  # belief: four times the softness, relative to the spring's own, that is often met
 _BENT = 0.5  # of t0: a joint whose torque stays below has no bend in its characteristic that could be seen
 _VISIBLE_RAD = 1e-5  # a joint that never deflects by this much shows nothing of its characteristic
@@ -74,6 +75,18 @@ class ComplianceNonlinear:
                 for name, value, deviation in zip(names, shares, spreads, strict=True)
             ]
         return Shown(subject, share, "1", spread, sentence, tuple(details))
+
+
+def softening(names: tuple[str, ...], values: FloatArray, joint: int, torque_n_mm: FloatArray) -> FloatArray:
+    """Angle per torque that the parameters of a joint (0-based) add at its loads, shape (n,) [rad/(N mm)].
+
+    It is the slope of their characteristic: what a little more torque there does.
+    """
+    added = np.zeros(len(torque_n_mm))
+    for name, value in zip(names, values.tolist(), strict=True):
+        if name.startswith(f"soft_{joint + 1}_"):
+            added += value / np.cosh(np.clip(torque_n_mm / _t0_of(name), -_STIFF, _STIFF)) ** 2
+    return added
 
 
 def _specs(setting: Setting, t0_n_mm: float) -> tuple[ParameterSpec, ...]:

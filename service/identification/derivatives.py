@@ -7,10 +7,10 @@ itself changes with a parameter is left out (a hundredth of the derivative at mo
 import numpy as np
 
 from service.domain.arrays import FloatArray
+from service.effects.compliance_nonlinear import softening
 from service.effects.names import joint_name
 from service.effects.ports import Port, PortKind, motion_port
 from service.identification.evaluation import State, instrument_place
-from service.identification.structure import Structure
 from service.kinematics.chain import (
     alpha_gradient,
     beta_gradient,
@@ -140,17 +140,21 @@ def _motion_gradients(state: State) -> dict[Port, FloatArray]:
 def _torque_gradients(state: State) -> dict[Port, FloatArray]:
     """Return what loads do: each turns its own joint by the softness of its gearbox."""
     return {
-        term.port: softness * theta_gradient_of(state.chain, state.unscaled_mm, term.port.number)
-        for term in state.terms
-        if term.port.kind is PortKind.TORQUE
-        for softness in (softness_of(state.structure, state.values, term.port.number),)
+        Port(PortKind.TORQUE, joint): softness_of(state, joint)[:, None]
+        * theta_gradient_of(state.chain, state.unscaled_mm, joint)
+        for joint in {term.port.number for term in state.terms if term.port.kind is PortKind.TORQUE}
     }
 
 
-def softness_of(structure: Structure, values: FloatArray, joint: int) -> float:
-    """Return the linear compliance of a joint (0-based) in the model, 0 where it has none [rad/(N mm)]."""
+def softness_of(state: State, joint: int) -> FloatArray:
+    """Return how far a joint (0-based) turns per torque at its load, shape (n,) [rad/(N mm)]; 0 if rigid."""
+    structure, values = state.structure, state.values
     name = joint_name("c", joint)
-    return float(values[structure.index_of(name)]) if name in structure.names else 0.0
+    linear = float(values[structure.index_of(name)]) if name in structure.names else 0.0
+    if state.torque_n_mm is None:
+        return np.full(len(state.targets), linear)
+    load = state.torque_n_mm[:, joint] + state.moved.get(Port(PortKind.TORQUE, joint), 0.0)
+    return linear + softening(structure.names, values, joint, np.nan_to_num(load, nan=0.0))
 
 
 def rotation_jacobian(state: State) -> FloatArray:
@@ -184,7 +188,7 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
         case PortKind.TOOL_ROTATION:
             axis = chain.end_rotation @ state.tool_axes[port.number]
         case PortKind.TORQUE:
-            axis = softness_of(state.structure, state.values, port.number) * chain.z[port.number]
+            axis = softness_of(state, port.number)[:, None] * chain.z[port.number]
         case PortKind.MOTION if port.number % 6 >= 3:
             body = port.number // 6
             _, axes = turned_axes(state.motions[body][:, 3:])

@@ -126,6 +126,17 @@ def test_joints_with_signs_and_links_of_any_kind_are_differentiated_alike(cause)
     assert compare(structure, targets, values, cause, EXACT)
 
 
+@pytest.mark.parametrize("cause", ["payload", "link_mass"])
+def test_a_wrong_mass_is_differentiated_through_the_slope_of_a_gear_that_is_softer_unloaded(cause):
+    campaign = telling_campaign()
+    start = (*START, "compliance_nonlinear")
+    problem = extended(build(campaign, start), cause, telling_scene(start, campaign))
+    values = displaced(problem)
+    structure, targets = held(problem, values)
+
+    assert compare(structure, targets, values, cause, EXACT)
+
+
 def test_products_of_springs_and_unknown_moments_are_differentiated_too():
     campaign = telling_campaign(robot=without_masses())
     start = ("base", "geometry")
