@@ -93,7 +93,7 @@ class PlanTask:
 
 
 def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
-    from service.planning.work_space import WorkSpace
+    from service.planning.cell_space import space_of_cell
 
     ranges = cell.limits.calibration or cell.robot.calibration_ranges
     if ranges is None:
@@ -101,15 +101,7 @@ def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
             f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
             "give them under [limits] of the cell file, or give the stops."
         )
-    return WorkSpace(
-        robot=cell.robot,
-        base=cell.base_nominal,
-        nests=cell.nests,
-        ranges=ranges,
-        tracker_position_mm=cell.tracker_position_mm,
-        joint_limits=cell.limits.joints or cell.robot.joint_limits,
-        approach_offset_rad=template.approach_offset_rad,
-    )
+    return space_of_cell(cell, ranges, template.approach_offset_rad)
 
 
 Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask

@@ -19,6 +19,7 @@ from service.exchange.cell_file import read_cell, simulated_cell
 from service.operation.devices import MountedDevice, Rack
 from service.operation.sessions import SessionDesk
 from service.settings import Settings
+from service.storage.added_stops import AddedStopsRepository
 from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
 from service.storage.diagnoses import DiagnosisRepository
@@ -190,7 +191,7 @@ def _context(
         diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
-        session_desk=SessionDesk(sessions, readings, rack),
+        session_desk=SessionDesk(sessions, readings, AddedStopsRepository(database), rack),
         job_desk=JobDesk(jobs, campaigns, results, diagnoses, perform),
         campaign_desk=CampaignDesk(campaigns, sessions, readings),
         stopping=asyncio.Event(),

@@ -7,21 +7,26 @@ found awaiting confirmation: nothing moves until a named person has confirmed.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from service.domain.session import SessionPlan, SessionState
+from service.domain.session import PlannedStop, SessionPlan, SessionState
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
+from service.planning.added_stops import WantedStop, stops_to_add
 from service.sequencing.cell import SessionCell
+from service.sequencing.desk import require_person
+from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import NotNowError
 from service.sequencing.journal import SessionHistory
+from service.sequencing.plans import extended_plan
 from service.sequencing.runner import SessionRunner
 from service.sequencing.states import after_restart, has_ended, words
+from service.storage.added_stops import AddedStopsRepository
 from service.storage.journal import StoredJournal
 from service.storage.readings import ReadingRepository
-from service.storage.records import SessionRecord, SessionSetup
+from service.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 from service.storage.sessions import SessionRepository
 
 _LOG: Final = logging.getLogger(__name__)
@@ -47,11 +52,13 @@ class SessionDesk:
         self,
         sessions: SessionRepository,
         readings: ReadingRepository,
+        additions: AddedStopsRepository,
         rack: Rack,
         make_runner: MakeRunner = SessionRunner,
     ) -> None:
         self._sessions = sessions
         self._readings = readings
+        self._additions = additions
         self._rack = rack
         self._make_runner = make_runner
         self._under_way: _UnderWay | None = None
@@ -103,6 +110,37 @@ class SessionDesk:
                 await self._sessions.change_state(session_id, SessionState.ABORTED, reason, person)
                 return "The session has ended; nothing was in motion."
         return await self._require(record).request_abort(person)
+
+    async def add_stops(
+        self, session_id: int, wanted: Sequence[WantedStop], person: str, key: RequestKey | None = None
+    ) -> tuple[PlannedStop, ...]:
+        """Add configurations to the plan of a session that has not ended, and return them as its stops.
+
+        Before the robot goes there a person is asked, as before every first motion. Raises NotFoundError,
+        NotNowError, PersonMissingError, WorkSpaceError, PlanRefusedError, KeyReusedError.
+        """
+        name = require_person(person)
+        async with self._turn:  # two additions at once must not take the same numbers
+            await self._sessions.get(session_id)
+            earlier = None if key is None else await self._additions.answered(key)
+            if earlier is not None:
+                return earlier.stops
+            plan, setup = await self._sessions.plan(session_id), await self._sessions.setup(session_id)
+            stops = stops_to_add(setup.cell, plan, wanted)
+            added = AddedStops(session_id, name, stops)
+
+            async def keep() -> None:
+                await self._additions.add(added, key)
+
+            runner = self._running(session_id)
+            if runner is None:
+                # Asked only now: the session may have ended since.
+                record = await self._sessions.get(session_id)
+                _refuse_unfit(record, setup, extended_plan(plan, stops))
+                await keep()
+            else:
+                await runner.add_stops(stops, keep)
+            return stops
 
     def question(self, session_id: int) -> str | None:
         """Return what the session asks a person now."""
@@ -189,3 +227,14 @@ class SessionDesk:
         if runner is None:
             raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
         return runner
+
+
+def _refuse_unfit(record: SessionRecord, setup: SessionSetup, plan: SessionPlan) -> None:
+    """Raise NotNowError for a session that has ended, PlanRefusedError for stops outside the limits."""
+    if has_ended(record.state):
+        raise NotNowError(
+            f"Session {record.id} is {words(record.state)}; plan a new one for what is missing."
+        )
+    cell = setup.cell
+    limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
+    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)

@@ -4,7 +4,8 @@ The manner is that of A. Nubiola's thesis (2014), sections 2.2 and 2.4: approach
 from the same side, 4 s of rest, the world frame from fixed nests.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 
 from service.domain.session import PlannedStop, SessionPlan
 from service.sequencing.steps import (
@@ -38,13 +39,31 @@ def session_sections(
     if not registered:
         yield registration(plan, n_fixed_nests)
     yield references(n_fixed_nests)
-    for index, stop in enumerate(plan.stops, start=1):
+    yield from visits(plan, plan.stops, n_fixed_nests, done)
+
+
+def visits(
+    plan: SessionPlan, stops: Sequence[PlannedStop], n_fixed_nests: int, done: Collection[int] = ()
+) -> Iterator[Section]:
+    """Yield the sections that measure `stops`, with looks at the fixed nests among them and at the end."""
+    for index, stop in enumerate(stops, start=1):
         if stop.config in done:
             continue
         yield visit(plan, stop)
-        if index % plan.reference_every == 0 and index < len(plan.stops):
+        if index % plan.reference_every == 0 and index < len(stops):
             yield references(n_fixed_nests)
     yield references(n_fixed_nests)
+
+
+def extended_plan(plan: SessionPlan, stops: tuple[PlannedStop, ...]) -> SessionPlan:
+    """Return the plan with more stops at its end."""
+    return replace(plan, stops=plan.stops + stops)
+
+
+def numbers(stops: Sequence[PlannedStop]) -> str:
+    """Return which configurations these stops are, in words."""
+    first, last = stops[0].config, stops[-1].config
+    return f"configuration {first}" if first == last else f"configurations {first} to {last}"
 
 
 def opening() -> Section:

@@ -6,11 +6,14 @@
 - A lost link, a robot that is not where it was left and a program that was restarted are the same thing
   to a session: nothing moves before a person confirms; then the devices are opened anew, the fixed nests
   are looked at, and the section that was interrupted begins again.
+- Configurations may be added to the plan until the session has ended. They are measured after the others,
+  once a person has confirmed that the cell is clear for them: whoever added them need not stand beside it.
 - A pause or the end that somebody asks for takes effect between two steps, hence at the end of a motion.
 """
 
 import asyncio
 from collections import Counter, deque
+from collections.abc import Awaitable, Callable
 from typing import Final
 
 from drivers.errors import (
@@ -35,7 +38,14 @@ from service.sequencing.errors import (
 from service.sequencing.execution import Execution
 from service.sequencing.journal import SessionHistory, SessionJournal
 from service.sequencing.pace import Pace
-from service.sequencing.plans import opening, references, registration, session_sections
+from service.sequencing.plans import (
+    extended_plan,
+    opening,
+    references,
+    registration,
+    session_sections,
+    visits,
+)
 from service.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition, words
 from service.sequencing.steps import MeasurePoint, Section
 
@@ -67,6 +77,7 @@ class SessionRunner:
         limits = motion_limits(cell.robot, cell.joint_limits, plan)
         check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
         self._plan = plan
+        self._limits = limits
         self._cell = cell
         self._journal = journal
         self._state = after_restart(history.state)
@@ -92,6 +103,7 @@ class SessionRunner:
         self._failures_in_a_row = 0
         self._paused_at: set[int] = set()  # configurations that made the session pause
         self._interrupted_at: Counter[int] = Counter()
+        self._added: set[int] = set()  # configurations that no person has confirmed yet
 
     @property
     def state(self) -> SessionState:
@@ -143,6 +155,23 @@ class SessionRunner:
         """Confirm what `question` asks. Raises NotNowError, PersonMissingError."""
         await self._go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
         return "Confirmed; the session goes on."
+
+    async def add_stops(self, stops: tuple[PlannedStop, ...], keep: Callable[[], Awaitable[None]]) -> None:
+        """Add stops to the plan; they come last, after a person has confirmed.
+
+        `keep` stores them; it is awaited while the session cannot end, and nothing is added where it
+        raises. Raises NotNowError, PlanRefusedError.
+        """
+        async with self._changing:
+            if has_ended(self._state) or self._wish is SessionState.ABORTING:
+                raise NotNowError(f"The session is {words(self._state)}; plan a new one for what is missing.")
+            plan = extended_plan(self._plan, stops)
+            check_plan(plan, self._cell.robot, self._cell.nests, self._cell.fixed_nests, self._limits)
+            await keep()
+            self._plan = plan
+            self._agenda.extend(visits(plan, stops, len(self._cell.fixed_nests)))
+            self._added |= {stop.config for stop in stops}
+            self._pace.planned += len(stops)
 
     async def run(self) -> SessionState:
         """Run to the end and return the state it ended in; first a person has to `confirm`.
@@ -262,6 +291,8 @@ class SessionRunner:
 
     async def _do_steps(self, section: Section) -> None:
         await self._tick()
+        if section.stop is not None and section.stop.config in self._added:
+            await self._confirm_added()
         if section.stop is not None:
             self._pace.begin_stop()
         await self._journal.progressed(self.progress)
@@ -273,6 +304,12 @@ class SessionRunner:
             if isinstance(step, MeasurePoint):  # stored: whatever fails now, it is not measured again
                 self._on_measured(step.stop)
             await self._tick()
+
+    async def _confirm_added(self) -> None:
+        asked = frozenset(self._added)
+        what = "The configurations that were added to the plan come next."
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{what} {CELL_CLEAR}")
+        self._added -= asked  # not those that came while the question was open
 
     def _on_measured(self, stop: PlannedStop) -> None:
         self._done.add(stop.config)

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from service.domain.cell import Cell
 from service.domain.diagnosis import Diagnosis
 from service.domain.results import Identification, Model, Validation
-from service.domain.session import FixedNestTaken, PointTaken, Role, SessionState
+from service.domain.session import FixedNestTaken, PlannedStop, PointTaken, Role, SessionState
 
 ReadingKind = Literal["point", "fixed_nest"]
 
@@ -40,6 +40,15 @@ class SessionRecord:
     planned: int
     measured: int
     skipped: int
+
+
+@dataclass(frozen=True, slots=True)
+class AddedStops:
+    """Stops that a person added to the plan of a session."""
+
+    session_id: int
+    person: str
+    stops: tuple[PlannedStop, ...]
 
 
 @dataclass(frozen=True, slots=True)

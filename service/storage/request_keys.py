@@ -17,12 +17,11 @@ def once(
 
     Raises KeyReusedError where the key came with another request before.
     """
-    if key is None:
-        return create(connection)
-    query = select(request_keys).where(request_keys.c.key == key.key)
-    known = connection.execute(query).one_or_none()
-    if known is None:
-        number = create(connection)
+    known = None if key is None else answered(connection, key, resource)
+    if known is not None:
+        return known
+    number = create(connection)
+    if key is not None:
         add_row(
             connection,
             request_keys,
@@ -31,7 +30,15 @@ def once(
             resource=resource,
             resource_id=number,
         )
-        return number
+    return number
+
+
+def answered(connection: Connection, key: RequestKey, resource: str) -> int | None:
+    """Return the number that a request with this key got, None where it is new; raises KeyReusedError."""
+    query = select(request_keys).where(request_keys.c.key == key.key)
+    known = connection.execute(query).one_or_none()
+    if known is None:
+        return None
     if (known.fingerprint, known.resource) != (key.fingerprint, resource):
         raise KeyReusedError(
             f"The Idempotency-Key '{key.key}' was used for another request; take a new key for a new request."

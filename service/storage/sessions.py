@@ -1,10 +1,12 @@
 """Sessions: their plan and set-up, every state they were in, what was skipped, registered and noted."""
 
+import dataclasses
 from typing import Any
 
 from sqlalchemy import Connection, Row, Select, exists, func, select
 
 from service.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
+from service.storage.added_stops import stops_added_to
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
@@ -13,6 +15,7 @@ from service.storage.records import Page, RequestKey, SessionRecord, SessionSetu
 from service.storage.request_keys import once
 from service.storage.rows import add_row
 from service.storage.tables import (
+    added_stops,
     events,
     notes,
     readings,
@@ -86,8 +89,10 @@ class SessionRepository:
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def plan(self, session_id: int) -> SessionPlan:
-        """Return what the session does; raises NotFoundError."""
-        return from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
+        """Return what the session does, with what was added to it; raises NotFoundError."""
+        plan = from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
+        added = await self._database.read(lambda c: stops_added_to(c, session_id))
+        return dataclasses.replace(plan, stops=plan.stops + added)
 
     async def setup(self, session_id: int) -> SessionSetup:
         """Return what the session is measured with; raises NotFoundError."""
@@ -186,6 +191,11 @@ def _records() -> Select[Any]:
         .scalar_subquery()
     )
     skipped = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
+    added = (
+        select(func.coalesce(func.sum(func.json_array_length(added_stops.c.document)), 0))
+        .where(added_stops.c.session_id == sessions.c.id)
+        .scalar_subquery()
+    )
     return (
         select(
             sessions.c.id,
@@ -196,7 +206,7 @@ def _records() -> Select[Any]:
             session_states.c.reason,
             session_states.c.person,
             session_states.c.recorded_at.label("state_since"),
-            func.json_array_length(sessions.c.plan, "$.stops").label("planned"),
+            (func.json_array_length(sessions.c.plan, "$.stops") + added).label("planned"),
             measured.label("measured"),
             skipped.label("skipped"),
         )

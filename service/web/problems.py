@@ -22,6 +22,7 @@ from service.analysis.errors import (
 from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+from service.planning.errors import WorkSpaceError
 from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
 from service.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
@@ -42,6 +43,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     SessionsDifferError: HTTPStatus.CONFLICT,
     RoleError: HTTPStatus.CONFLICT,
     RobotsMixedError: HTTPStatus.CONFLICT,
+    WorkSpaceError: HTTPStatus.CONFLICT,
     PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,

@@ -7,6 +7,7 @@ from fastapi import APIRouter, Body, Response, status
 from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
 from service.sequencing.dry_run import check_plan, motion_limits
+from service.sequencing.plans import numbers
 from service.storage.records import SessionSetup
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
@@ -14,6 +15,8 @@ from service.web.problems import problems
 from service.web.schemas.jobs import JobReply, job_reply
 from service.web.schemas.sessions import (
     ActionReply,
+    AdditionReply,
+    AdditionRequest,
     GivenStops,
     PersonRequest,
     PlanReply,
@@ -30,6 +33,8 @@ from service.web.schemas.sessions import (
     progress_reply,
     session_reply,
     state_reply,
+    stop_reply,
+    wanted_stops,
 )
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -110,6 +115,24 @@ async def get_progress(here: Here, id: Id) -> ProgressReply:
         return progress_reply(progress)
     return ProgressReply(
         done=0, skipped=0, planned=record.planned, elapsed_s=0.0, remaining_s=None, doing=record.reason
+    )
+
+
+@router.post("/{id}/configurations", status_code=status.HTTP_201_CREATED, responses=_ACT)
+async def add_configurations(
+    here: Here, id: Id, wanted: AdditionRequest, response: Response, key: OptionalKey
+) -> AdditionReply:
+    """Add configurations to a session that has not ended, e.g. those that a diagnosis proposes.
+
+    They are judged as planned ones are, and measured after all others once a person has confirmed that the
+    cell is clear for them.
+    """
+    stops = await here.session_desk.add_stops(id, wanted_stops(wanted), wanted.person, key)
+    response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
+    return AdditionReply(
+        sentence=f"Added {numbers(stops)}; a person confirms before the robot goes there.",
+        stops=[stop_reply(stop) for stop in stops],
+        session=await _shown(here, id),
     )
 
 

@@ -1,16 +1,19 @@
 """Records are appended or superseded, never changed."""
 
+import json
+
 import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import IntegrityError
 
-from service.domain.session import Progress, SessionState, StopSkipped
+from service.domain.session import PlannedStop, Progress, SessionState, StopSkipped
+from service.storage.added_stops import AddedStopsRepository
 from service.storage.errors import ConflictError, KeyReusedError, NotFoundError
 from service.storage.events import EventRepository
 from service.storage.jobs import JobRepository
 from service.storage.journal import StoredJournal
 from service.storage.readings import ReadingRepository
-from service.storage.records import JobKind, JobState, Page, RequestKey
+from service.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
 from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_fixed_nest, make_plan, make_point, make_setup
 
@@ -150,3 +153,35 @@ async def test_pages_follow_each_other(sessions):
     rest = await sessions.page(Page(after=first[-1].id))
 
     assert [record.name for record in (*first, *rest)] == ["a", "b", "c"]
+
+
+async def test_what_a_person_adds_follows_the_plan_which_stays_as_it_was(sessions, database):
+    number = await sessions.add("first", make_setup(), make_plan(2))
+    additions = AddedStopsRepository(database)
+    more = tuple(PlannedStop(config, (0.1 * config, 0.2), 1) for config in (3, 4))
+    again = (PlannedStop(5, (0.1, 0.0), 1, repeat_of=1),)
+
+    await additions.add(AddedStops(number, "Ada", more))
+    await additions.add(AddedStops(number, "Eva", again))
+
+    told = [e for e in await EventRepository(database).after(Page()) if e.kind == "session.stops_added"]
+    assert (await sessions.plan(number)).stops == make_plan(2).stops + more + again
+    assert (await sessions.get(number)).planned == 5
+    assert [event.document["person"] for event in told] == ["Ada", "Eva"]
+    stored = await database.read(lambda c: c.scalar(text("SELECT plan FROM sessions")))
+    assert len(json.loads(stored)["stops"]) == 2
+
+
+async def test_an_addition_sent_twice_is_kept_once(sessions, database):
+    number, key = await sessions.add("first", make_setup(), make_plan(2)), RequestKey("tap", "fingerprint")
+    additions = AddedStopsRepository(database)
+    added = AddedStops(number, "Ada", (PlannedStop(3, (0.3, 0.2), 1),))
+
+    assert await additions.answered(key) is None
+    await additions.add(added, key)
+    await additions.add(added, key)
+
+    assert await additions.answered(key) == added
+    assert (await sessions.get(number)).planned == 3
+    with pytest.raises(KeyReusedError):
+        await additions.answered(RequestKey("tap", "another"))

@@ -1,0 +1,59 @@
+"""Configurations that persons added to plans of sessions; the plans themselves stay as they were stored."""
+
+from typing import Any
+
+from sqlalchemy import Connection, select
+
+from service.domain.session import PlannedStop
+from service.storage.database import Database
+from service.storage.documents import from_document, to_document
+from service.storage.events import add_event
+from service.storage.records import AddedStops, RequestKey
+from service.storage.request_keys import answered, once
+from service.storage.rows import add_row
+from service.storage.tables import added_stops
+
+_RESOURCE = "added stops"
+
+
+class AddedStopsRepository:
+    """All queries about what was added to plans."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(self, added: AddedStops, key: RequestKey | None = None) -> int:
+        """Keep what was added and return its number."""
+        return await self._database.write(lambda c: once(c, key, _RESOURCE, lambda inner: _add(inner, added)))
+
+    async def answered(self, key: RequestKey) -> AddedStops | None:
+        """Return what a request with this key added before; raises KeyReusedError."""
+        return await self._database.read(lambda c: _answered(c, key))
+
+
+def stops_added_to(connection: Connection, session_id: int) -> tuple[PlannedStop, ...]:
+    """Return every stop that was added to a session, in the order of adding."""
+    table = added_stops
+    query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id)
+    return tuple(stop for document in connection.scalars(query) for stop in _stops(document))
+
+
+def _stops(document: list[Any]) -> tuple[PlannedStop, ...]:
+    return tuple(from_document(PlannedStop, entry) for entry in document)
+
+
+def _add(connection: Connection, added: AddedStops) -> int:
+    document = to_document(added.stops)
+    values = {"person": added.person, "document": document}
+    number = add_row(connection, added_stops, session_id=added.session_id, **values)
+    told = {"person": added.person, "stops": document}
+    add_event(connection, "session.stops_added", told, session_id=added.session_id)
+    return number
+
+
+def _answered(connection: Connection, key: RequestKey) -> AddedStops | None:
+    number = answered(connection, key, _RESOURCE)
+    if number is None:
+        return None
+    row = connection.execute(select(added_stops).where(added_stops.c.id == number)).one()
+    return AddedStops(row.session_id, row.person, _stops(row.document))
