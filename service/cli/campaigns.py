@@ -11,7 +11,7 @@ from service.cli.output import print_json, print_tables, remark
 from service.domain.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from service.domain.campaign import Campaign
+    from service.domain.campaign import Campaign, LegReadings, PointReadings
     from service.domain.results import Identification, Model
 
 
@@ -86,7 +86,7 @@ def predict_command(
 
     from service.exchange.model_file import read_model
     from service.exchange.point_files import read_points_to_predict, write_predictions
-    from service.identification import predict
+    from service.identification import predict, unpredictable
     from service.identification.rows import each_nest
 
     require_folders(out)
@@ -96,9 +96,21 @@ def predict_command(
     remark(rows.ignored)
     stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
+    remark(
+        f"{sentence}, and its usual size is in u_mm." for sentence in unpredictable(identified, rows.stops)
+    )
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
+
+
+def _left_out(model: "Model", readings: "PointReadings | LegReadings") -> tuple[str, ...]:
+    from service.domain.campaign import LegReadings
+    from service.identification import unpredictable, unpredictable_lengths
+
+    if isinstance(readings, LegReadings):
+        return unpredictable_lengths(model, readings)
+    return unpredictable(model, readings.stops)
 
 
 def validate_command(
@@ -124,6 +136,7 @@ def validate_command(
     )
     remark(measured.ignored)
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
+    remark(f"{sentence}." for sentence in _left_out(identified, measured.readings))
     if json:
         print_json(validation_document(answer))
     else:

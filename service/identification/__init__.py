@@ -1,6 +1,19 @@
 """Identification: nominal robot plus effects, fitted to observations; everything here is pure."""
 
 from service.identification.identify import identify
-from service.identification.prediction import predict, predict_lengths, predict_nominal
+from service.identification.prediction import (
+    predict,
+    predict_lengths,
+    predict_nominal,
+    unpredictable,
+    unpredictable_lengths,
+)
 
-__all__ = ["identify", "predict", "predict_lengths", "predict_nominal"]
+__all__ = [
+    "identify",
+    "predict",
+    "predict_lengths",
+    "predict_nominal",
+    "unpredictable",
+    "unpredictable_lengths",
+]

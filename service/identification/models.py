@@ -8,6 +8,7 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.domain.robot import FramePlacement
+from service.identification.missing import spanned
 from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.robust import RobustFit
 from service.identification.rows import sites
@@ -102,4 +103,5 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,
+        **spanned(stops, fits.identified.structure.origin_s),
     }

@@ -13,6 +13,7 @@ from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import Targets, evaluate
 from service.identification.leg_lengths import excess_mm, moved_feet
 from service.identification.leg_problem import leg_targets
+from service.identification.missing import left_out, left_out_variance, span_of
 from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.problem import NOMINAL_EFFECTS
 from service.identification.structure import Structure
@@ -68,8 +69,9 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
     position_mm : ndarray, shape (n, 3)
         World frame.
     standard_uncertainty_mm : ndarray, shape (n,)
-        Per axis, root mean square of the three: covariance of the parameters, scatter of the arm and
-        the discrepancy that held-out residuals showed; not the noise of a reading.
+        Per axis, root mean square of the three: covariance of the parameters, scatter of the arm, the
+        discrepancy that held-out residuals showed, and what effects usually do that a row does not tell
+        enough about (`unpredictable`); not the noise of a reading.
 
     Raises
     ------
@@ -77,11 +79,24 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
         Another number of joints, an unknown nest, or measured torques that the model needs are missing.
     """
     _check(model, stops, nest)
-    state = evaluate(structure_of(model), values_of(model), Targets(stops, nest))
+    structure, values, targets = structure_of(model), values_of(model), Targets(stops, nest)
+    state = evaluate(structure, values, targets)
     jacobian = position_jacobian(state)
     variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
-    total = variance + model.repeatability_mm**2 + model.discrepancy_mm**2
+    span = span_of(model.identified_from)
+    missing = left_out_variance(structure, values, targets, state.position_mm, span)
+    total = variance + missing + model.repeatability_mm**2 + model.discrepancy_mm**2
     return state.position_mm, np.sqrt(total)
+
+
+def unpredictable(model: Model, stops: Stops) -> tuple[str, ...]:
+    """Return one sentence for every effect whose part in the positions some rows do not tell enough about."""
+    return left_out(structure_of(model), Targets(stops, np.ones(len(stops), dtype=np.int64)))
+
+
+def unpredictable_lengths(model: Model, legs: LegReadings) -> tuple[str, ...]:
+    """Return one sentence for every effect whose part in the lengths some rows do not tell enough about."""
+    return left_out(structure_of(model), leg_targets(legs))
 
 
 def predict_nominal(model: Model, stops: Stops, nest: IntArray) -> FloatArray:
