@@ -54,6 +54,7 @@ def scene_of(problem, values=None, campaign=None, **changes):
     structure = problem.structure
     values = problem.start if values is None else values
     state = evaluate(structure, values, problem.blocks[0].targets)
+    rows = rows_of(state)
     joints = range(1, structure.robot.n_joints + 1)
     by_name = dict(zip(structure.names, values, strict=True))
     reference = None if campaign is None else campaign.reference
@@ -62,8 +63,8 @@ def scene_of(problem, values=None, campaign=None, **changes):
         stops=state.targets.stops,
         nest=state.targets.nest,
         chain=state.chain,
-        torque_n_mm=state.torque_n_mm,
-        turn_rad=rows_of(state).turn_rad,
+        torque_n_mm=rows.torque_n_mm,
+        turn_rad=rows.turn_rad,
         softness_rad_per_n_mm=np.array([by_name.get(f"c_{joint}", 0.0) for joint in joints]),
         present=frozenset(structure.names),
         effects=structure.effects,

@@ -172,8 +172,13 @@ def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, cha
 
 
 def rows_of(state: State) -> Rows:
-    """Return the rows that effects see at a state."""
-    return _rows(state.structure, state.targets, state.torque_n_mm, state.chain)
+    """Return the rows that effects see at a state, with the loads in force.
+
+    Gravity's are there also where the model has no spring that they could wind up: one may be tried.
+    """
+    torque = _gravity(state.structure, state.chain) if state.torque_n_mm is None else state.torque_n_mm
+    rows = _rows(state.structure, state.targets, torque, state.chain)
+    return rows if torque is None else rows._replace(torque_n_mm=_with_added_loads(torque, state.moved))
 
 
 def _loaded_terms(
@@ -182,14 +187,19 @@ def _loaded_terms(
     """Terms and moved ports, gearboxes loaded by what effects add to the torque too."""
     terms = collect_terms(structure, rows)
     moved = _moved_ports(terms, values)
-    added = {port.number: load for port, load in moved.items() if port.kind is PortKind.TORQUE}
-    if rows.torque_n_mm is None or not any(np.any(load) for load in added.values()):
+    loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
+    if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
         return terms, moved
-    torque = rows.torque_n_mm.copy()
-    for joint, load in added.items():
-        torque[:, joint] += load
-    terms = collect_terms(structure, rows._replace(torque_n_mm=torque))
+    terms = collect_terms(structure, rows._replace(torque_n_mm=_with_added_loads(rows.torque_n_mm, moved)))
     return terms, _moved_ports(terms, values)
+
+
+def _with_added_loads(torque: FloatArray, moved: dict[Port, FloatArray | float]) -> FloatArray:
+    loaded = torque.copy()
+    for port, load in moved.items():
+        if port.kind is PortKind.TORQUE:
+            loaded[:, port.number] += load
+    return loaded
 
 
 def _motions(moved: dict[Port, FloatArray | float], n: int) -> dict[int, FloatArray]:
