@@ -293,8 +293,8 @@ def test_bending_is_told_as_the_sag_of_the_stretched_arm():
     )
 
     # Straight from the elbow the wrist is 310 mm away and the flange 72 mm further. On the forearm 5 kg sit
-    # 193.6 mm before the wrist, 121 mm from the elbow; the tool's 2.7 kg are 100 mm beyond the flange; 4.2 kg sit
-    # on the upper arm itself, at 140 of 270 mm.
+    # 193.6 mm before the wrist, 121 mm from the elbow; the tool's 2.7 kg are 100 mm beyond the flange; 4.2 kg
+    # sit on the upper arm itself, at 140 of 270 mm.
     force, beyond = 9.81 * np.array([5.0, 2.7]), np.array([121.0, 482.0])
     turn = (force * 270.0**2 / 2.0 + force * beyond * 270.0).sum() + 4.2 * 9.81 * 140.0**2 / 2.0
     shift = (force * 270.0**3 / 3.0 + force * beyond * 270.0**2 / 2.0).sum()
