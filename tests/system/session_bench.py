@@ -69,10 +69,10 @@ class Bench:
 
 
 @asynccontextmanager
-async def bench(scenario: str, seed: int) -> AsyncIterator[Bench]:
-    """Start the simulators at pace 0 and end them again."""
+async def bench(scenario: str, seed: int, *arguments: str) -> AsyncIterator[Bench]:
+    """Start the simulators at pace 0, with further arguments, and end them again."""
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "simulators", scenario, "--seed", str(seed), "--pace", "0"),
+        *(sys.executable, "-m", "simulators", scenario, "--seed", str(seed), "--pace", "0", *arguments),
         stdout=asyncio.subprocess.PIPE,
     )
     assert process.stdout is not None

@@ -1,0 +1,107 @@
+"""Identified models in the simulated cell, against the predictions of the program that identified them.
+
+The two are written by different routes (screws and rigid motions here, DH-Modified ports there) and share a
+file. What may differ is what either leaves to its iterations: the service stops when torques agree to 1e-5
+of the largest (1e-6 rad per spring at most, hence 0.1 um at half a metre beyond its joint), and takes small
+turns about x, y and z as additive where several move one body (1e-4 rad squared, 0.01 um at a metre).
+Positions written to files are rounded to 0.01 um. A twentieth of this limit would already be a wrong sign.
+"""
+
+import csv
+import json
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from service.domain.results import Unit
+from service.exchange.model_file import write_model
+from service.identification import predict
+from simulators.model_file import load_model
+from simulators.physics.effects.registry import REALISED
+from simulators.recording.__main__ import main
+from tests.identified_models import EXTENSIONS, ROBOTS, extended, model_of, parameters_of, stops_and_nests
+from tests.robots import IRB_120
+
+LIMIT_MM = 1e-3
+# Effects that are no part of the arm's equation of motion: they place it.
+PLACING = {"axis_parallelism"}
+
+
+@pytest.fixture
+def quiet(tmp_path):
+    scenario = tmp_path / "quiet.toml"
+    scenario.write_text('extends = "irb120-tilted"\nnoise = false\n')
+    return str(scenario)
+
+
+def write_stops(folder, stops, nest):
+    """A campaign folder whose readings are nothing but places to write into."""
+    folder.mkdir()
+    (folder / "campaign.json").write_text(json.dumps({"format": 1, "files": {"calibration": "rows.csv"}}))
+    joints = range(stops.joints_rad.shape[1])
+    with (folder / "rows.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        columns = [f"q{j + 1}_deg" for j in joints] + [f"dir{j + 1}" for j in joints]
+        circumstances = ["time_s", "temperature_C", "attachment", "nest", "x_mm", "y_mm", "z_mm", "u_mm"]
+        writer.writerow(["config", *columns, *circumstances])
+        for k in range(len(stops)):
+            angles = [f"{angle:.5f}" for angle in np.degrees(stops.joints_rad[k])]
+            here = [stops.time_s[k], stops.temperature_c[k], stops.attachment[k], nest[k], 0, 0, 0, 0.01]
+            writer.writerow([stops.config[k], *angles, *stops.direction[k], *here])
+    return folder
+
+
+def replayed_mm(folder):
+    with (folder / "rows.csv").open(encoding="utf-8") as file:
+        return np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in csv.DictReader(file)])
+
+
+def off_mm(model, scenario, tmp_path, n=60):
+    """How far the simulated readings are from the predicted ones, and the predictions, (n,) and (n, 3)."""
+    stops, nest = stops_and_nests(model.robot, n)
+    measured = write_stops(tmp_path / "measured", stops, nest)
+    write_model(model, tmp_path / "model.json")
+    asked = ["--model", str(tmp_path / "model.json"), "--replay", str(measured)]
+    assert main([scenario, *asked, "--out", str(tmp_path / "out")]) == 0
+    predicted, _ = predict(model, stops, nest)
+    return np.linalg.norm(replayed_mm(tmp_path / "out") - predicted, axis=1), predicted
+
+
+def test_every_effect_that_the_cell_realises_is_tried_here():
+    assert {*EXTENSIONS, "compliance"} == {*REALISED, *PLACING}
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("effect", EXTENSIONS)
+def test_an_identified_effect_moves_the_simulated_robot_as_predicted(tmp_path, quiet, effect, robot):
+    model, without = extended(ROBOTS[robot], effect), extended(ROBOTS[robot])
+
+    off, predicted = off_mm(model, quiet, tmp_path)
+
+    assert off.max() < LIMIT_MM
+    stops, nest = stops_and_nests(model.robot)
+    moved = np.linalg.norm(predicted - predict(without, stops, nest)[0], axis=1).max()
+    assert moved > 20 * LIMIT_MM  # so that a missing or reversed effect could not pass
+
+
+def test_springs_of_unknown_masses_act_through_their_products(tmp_path, quiet):
+    products = [
+        (f"c_{joint}*m{axis}_{frame}", 1e-4 * (-1) ** (joint + frame), "rad*s2/m")
+        for joint, frame in ((2, 3), (2, 6), (3, 4), (5, 5))
+        for axis in "xy"
+    ]
+    model = model_of(replace(IRB_120, masses=()), *parameters_of("compliance", products))
+
+    off, _ = off_mm(model, quiet, tmp_path)
+
+    assert off.max() < LIMIT_MM
+
+
+def test_the_cell_reads_every_unit_that_the_service_writes(tmp_path):
+    units = [("base_x", 2.0, unit) for unit in get_args(Unit)]
+    write_model(model_of(IRB_120, *parameters_of("base", units)), tmp_path / "model.json")
+
+    # The last of the same name counts; that none is refused is what matters.
+    assert load_model(tmp_path / "model.json").parameters["base"].keys() == {"base_x"}
