@@ -19,6 +19,7 @@ def upgrade() -> None:
         number(),
         recorded(),
         reference("session_id", "sessions"),
+        reference("diagnosis_id", "diagnoses", nullable=True),
         sa.Column("person", sa.Text, nullable=False),
         sa.Column("document", sa.JSON, nullable=False),
         sqlite_autoincrement=True,

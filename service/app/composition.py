@@ -17,6 +17,7 @@ from service.app.simulation import Simulation, running_simulation
 from service.domain.cell import Cell, DeviceEntry
 from service.exchange.cell_file import read_cell, simulated_cell
 from service.operation.devices import MountedDevice, Rack
+from service.operation.repeated_diagnosis import RepeatedDiagnosis
 from service.operation.sessions import SessionDesk
 from service.settings import Settings
 from service.storage.added_stops import AddedStopsRepository
@@ -178,6 +179,10 @@ def _context(
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
+    additions = AddedStopsRepository(database)
+    job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
+    campaign_desk = CampaignDesk(campaigns, sessions, readings)
+    again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),
         cell=cell,
@@ -191,9 +196,9 @@ def _context(
         diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
-        session_desk=SessionDesk(sessions, readings, AddedStopsRepository(database), rack),
-        job_desk=JobDesk(jobs, campaigns, results, diagnoses, perform),
-        campaign_desk=CampaignDesk(campaigns, sessions, readings),
+        session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session),
+        job_desk=job_desk,
+        campaign_desk=campaign_desk,
         stopping=asyncio.Event(),
         fault=lambda: None if simulation is None else simulation.fault,
     )

@@ -7,7 +7,7 @@ found awaiting confirmation: nothing moves until a named person has confirmed.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -35,6 +35,7 @@ _MOVABLE: Final = tuple(
 )
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
+WhenFinished = Callable[[int], Awaitable[None]]
 MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
 
 
@@ -54,14 +55,17 @@ class SessionDesk:
         readings: ReadingRepository,
         additions: AddedStopsRepository,
         rack: Rack,
+        when_finished: WhenFinished,
         make_runner: MakeRunner = SessionRunner,
     ) -> None:
         self._sessions = sessions
         self._readings = readings
         self._additions = additions
         self._rack = rack
+        self._when_finished = when_finished
         self._make_runner = make_runner
         self._under_way: _UnderWay | None = None
+        self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
         self._turn = asyncio.Lock()  # two clients that start at once must not start two sessions
 
     async def recover(self) -> None:
@@ -112,12 +116,18 @@ class SessionDesk:
         return await self._require(record).request_abort(person)
 
     async def add_stops(
-        self, session_id: int, wanted: Sequence[WantedStop], person: str, key: RequestKey | None = None
+        self,
+        session_id: int,
+        wanted: Sequence[WantedStop],
+        person: str,
+        diagnosis_id: int | None = None,
+        key: RequestKey | None = None,
     ) -> tuple[PlannedStop, ...]:
         """Add configurations to the plan of a session that has not ended, and return them as its stops.
 
-        Before the robot goes there a person is asked, as before every first motion. Raises NotFoundError,
-        NotNowError, PersonMissingError, WorkSpaceError, PlanRefusedError, KeyReusedError.
+        Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
+        named is run again once the session has finished. Raises NotFoundError, NotNowError,
+        PersonMissingError, WorkSpaceError, PlanRefusedError, KeyReusedError.
         """
         name = require_person(person)
         async with self._turn:  # two additions at once must not take the same numbers
@@ -127,7 +137,7 @@ class SessionDesk:
                 return earlier.stops
             plan, setup = await self._sessions.plan(session_id), await self._sessions.setup(session_id)
             stops = stops_to_add(setup.cell, plan, wanted)
-            added = AddedStops(session_id, name, stops)
+            added = AddedStops(session_id, name, stops, diagnosis_id)
 
             async def keep() -> None:
                 await self._additions.add(added, key)
@@ -153,6 +163,7 @@ class SessionDesk:
             self._under_way.task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await self._under_way.task
+        await asyncio.gather(*self._tasks)
         await self._leave(_STOPPED)
 
     async def _leave(self, reason: str) -> None:
@@ -175,6 +186,8 @@ class SessionDesk:
         runner = self._make_runner(plan, cell, journal, await self._history(record))
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
         self._under_way = _UnderWay(record.id, runner, task)
         # The question comes first, the state that it puts the session in once the journal has it.
         while not task.done() and (runner.question is None or runner.state is SessionState.PLANNED):
@@ -183,13 +196,23 @@ class SessionDesk:
 
     async def _run(self, session_id: int, runner: SessionRunner) -> None:
         try:
-            await runner.run()
+            state = await runner.run()
         except Exception:
             # The runner has recorded the failure where the disk let it; the log keeps the traceback.
             _LOG.exception("session %d failed", session_id)
+            return
         finally:
             self._rack.take_back()
             self._under_way = None
+        if state is SessionState.FINISHED:
+            await self._follow(session_id)
+
+    async def _follow(self, session_id: int) -> None:
+        try:
+            await self._when_finished(session_id)
+        except Exception:
+            # The session has finished well; what should have followed is in the log.
+            _LOG.exception("what should have followed session %d failed", session_id)
 
     def _cell(self, setup: SessionSetup) -> SessionCell:
         cell = setup.cell

@@ -30,6 +30,13 @@ class AddedStopsRepository:
         """Return what a request with this key added before; raises KeyReusedError."""
         return await self._database.read(lambda c: _answered(c, key))
 
+    async def diagnosis_to_repeat(self, session_id: int) -> int | None:
+        """Return the diagnosis that somebody last wanted to be run again after a session."""
+        table = added_stops
+        query = select(table.c.diagnosis_id).where(table.c.session_id == session_id)
+        asked = query.where(table.c.diagnosis_id.is_not(None)).order_by(table.c.id.desc()).limit(1)
+        return await self._database.read(lambda c: c.scalar(asked))
+
 
 def stops_added_to(connection: Connection, session_id: int) -> tuple[PlannedStop, ...]:
     """Return every stop that was added to a session, in the order of adding."""
@@ -44,9 +51,15 @@ def _stops(document: list[Any]) -> tuple[PlannedStop, ...]:
 
 def _add(connection: Connection, added: AddedStops) -> int:
     document = to_document(added.stops)
-    values = {"person": added.person, "document": document}
-    number = add_row(connection, added_stops, session_id=added.session_id, **values)
-    told = {"person": added.person, "stops": document}
+    number = add_row(
+        connection,
+        added_stops,
+        session_id=added.session_id,
+        person=added.person,
+        diagnosis_id=added.diagnosis_id,
+        document=document,
+    )
+    told = {"person": added.person, "stops": document, "diagnosis_id": added.diagnosis_id}
     add_event(connection, "session.stops_added", told, session_id=added.session_id)
     return number
 
@@ -56,4 +69,4 @@ def _answered(connection: Connection, key: RequestKey) -> AddedStops | None:
     if number is None:
         return None
     row = connection.execute(select(added_stops).where(added_stops.c.id == number)).one()
-    return AddedStops(row.session_id, row.person, _stops(row.document))
+    return AddedStops(row.session_id, row.person, _stops(row.document), row.diagnosis_id)

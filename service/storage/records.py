@@ -49,6 +49,7 @@ class AddedStops:
     session_id: int
     person: str
     stops: tuple[PlannedStop, ...]
+    diagnosis_id: int | None = None  # which is run again once they are measured
 
 
 @dataclass(frozen=True, slots=True)

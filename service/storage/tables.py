@@ -102,6 +102,7 @@ added_stops = sa.Table(
     _number(),
     _recorded(),
     _reference("session_id", "sessions"),
+    _reference("diagnosis_id", "diagnoses", nullable=True),  # which is to be run again after them
     sa.Column("person", sa.Text, nullable=False),
     sa.Column("document", sa.JSON, nullable=False),
     sa.Index("ix_added_stops_session_id", "session_id", "id"),

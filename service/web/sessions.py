@@ -8,6 +8,7 @@ from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.plans import numbers
+from service.storage.errors import ConflictError
 from service.storage.records import SessionSetup
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
@@ -127,7 +128,10 @@ async def add_configurations(
     They are judged as planned ones are, and measured after all others once a person has confirmed that the
     cell is clear for them.
     """
-    stops = await here.session_desk.add_stops(id, wanted_stops(wanted), wanted.person, key)
+    await _check_proposed(here, id, wanted.diagnosis_id)
+    stops = await here.session_desk.add_stops(
+        id, wanted_stops(wanted), wanted.person, wanted.diagnosis_id, key
+    )
     response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
     return AdditionReply(
         sentence=f"Added {numbers(stops)}; a person confirms before the robot goes there.",
@@ -164,6 +168,14 @@ async def resume_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
 async def abort_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
     """Ask for the end; the readings taken so far stay. The sentence says when it takes effect."""
     return await _decided(here, id, await here.session_desk.abort(id, by.person if by else None))
+
+
+async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:
+    """Raise NotFoundError for a diagnosis that is not there, ConflictError for one of other readings."""
+    if diagnosis_id is not None and (await here.diagnoses.get(diagnosis_id)).session_id != session_id:
+        raise ConflictError(
+            f"Diagnosis {diagnosis_id} is not of the readings of session {session_id}; name one that is."
+        )
 
 
 def _refuse_unfit(here: Context, plan: SessionPlan) -> None:

@@ -93,6 +93,11 @@ class AdditionRequest(Request):
 
     person: PersonName
     configurations: list[ConfigurationRequest] = Field(min_length=1, max_length=1000)
+    diagnosis_id: Number | None = Field(
+        None,
+        description="The diagnosis of this session that proposed them: it is run again, from the same start, "
+        "once the session has finished.",
+    )
 
 
 class PersonRequest(Request):

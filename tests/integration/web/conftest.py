@@ -45,7 +45,7 @@ def asking(client):
 
     async def ask(path, key, *values):
         async with asyncio.timeout(10):
-            while (found := (await client.get(path)).json())[key] not in values:
+            while (found := (await client.get(path)).json()).get(key) not in values:
                 await asyncio.sleep(0.005)
         return found
 

@@ -2,15 +2,28 @@
 
 import pytest
 
+from service.exchange.campaign_zip import read_campaign_zip
+from tests.diagnoses import make_diagnosis
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
-from tests.integration.web.test_diagnoses import served
+from tests.integration.web.diagnosing import Diagnostician, served
 
 SESSIONS = "/api/v1/sessions"
 MORE = {
     "person": "Ada",
     "configurations": [{"joints_deg": [float(k), 42.0, -25.0, 0.0, 30.0, 0.0], "nest": 1} for k in (1, 2)],
 }
+
+
+@pytest.fixture
+def worker():
+    return Diagnostician()
+
+
+@pytest.fixture
+async def client(settings, bench, worker):
+    async with served(settings, bench, worker) as (opened, _):
+        yield opened
 
 
 async def planned(client, n=3):
@@ -131,3 +144,56 @@ async def test_what_cannot_be_added_is_refused_with_the_reason(client, change, s
 
 async def test_nothing_is_added_to_what_is_not_there(client):
     assert (await client.post(f"{SESSIONS}/7/configurations", json=MORE)).status_code == 404
+
+
+async def diagnosed_so_far(client, until, bench, effects=("base", "tool", "geometry")):
+    """A session held in a motion, with a diagnosis of what it has measured so far."""
+    path = await planned(client, 60)
+    await client.post(f"{path}/start")
+    await confirmed(client, path, "Is the cell clear")
+    await until(path, "measured", *range(1, 60))
+    bench.robot.gate.clear()
+    asked = await client.post(f"{path}/diagnosis", json={"effects": list(effects)})
+    await until(asked.headers["Location"], "state", "succeeded")
+    return path
+
+
+async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has_it(
+    client, until, bench, worker
+):
+    worker.found = [make_diagnosis(start_effects=("base", "tool", "geometry"))]
+    path = await diagnosed_so_far(client, until, bench)
+
+    await client.post(f"{path}/configurations", json={**MORE, "diagnosis_id": 1})
+    bench.robot.gate.set()
+    await confirmed(client, path, "added to the plan")
+    await until(path, "state", "finished")
+    job = await until("/api/v1/jobs/2", "state", "succeeded", "failed")
+    again = (await client.get(job["result_url"])).json()
+
+    first, second = (read_campaign_zip(task.archive).calibration for task in worker.tasks)
+    assert again["session_id"] == 1
+    assert worker.tasks[1].effects == ("base", "tool", "geometry")
+    assert (len(first) < 60, len(second)) == (True, 62)
+
+
+async def test_a_session_to_which_nothing_was_added_is_not_diagnosed_by_itself(client, until, worker):
+    path = await planned(client)
+    await client.post(f"{path}/start")
+    await confirmed(client, path, "Is the cell clear")
+    await until(path, "state", "finished")
+
+    assert (await client.get("/api/v1/jobs")).json() == []
+
+
+async def test_only_a_diagnosis_of_the_same_session_is_run_again(client, until, bench, worker):
+    await diagnosed_so_far(client, until, bench)
+    other = await planned(client)
+
+    refused = await client.post(f"{other}/configurations", json={**MORE, "diagnosis_id": 1})
+    missing = await client.post(f"{other}/configurations", json={**MORE, "diagnosis_id": 9})
+    bench.robot.gate.set()
+
+    assert (refused.status_code, missing.status_code) == (409, 404)
+    assert "is not of the readings of session 2" in refused.json()["detail"]
+    assert (await client.get(other)).json()["planned"] == 3

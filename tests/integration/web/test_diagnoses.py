@@ -1,9 +1,5 @@
 """Diagnoses over REST: asked for, stored with their model, compared over time."""
 
-import contextlib
-from dataclasses import replace
-
-import httpx
 import pytest
 
 from service.app import create_app
@@ -12,24 +8,10 @@ from service.exchange.diagnosis_document import diagnosis_document
 from tests.builders import make_campaign, make_robot
 from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
 from tests.integration.web.bench import CELL, Bench, session_request
-from tests.integration.web.conftest import asking
+from tests.integration.web.diagnosing import Diagnostician, served
 
 DIAGNOSES = "/api/v1/diagnoses"
 ZIP = {"Content-Type": "application/zip"}
-
-
-class Diagnostician:
-    """Answers with the next of its diagnoses, for the robot that it was given."""
-
-    def __init__(self):
-        self.found = []
-        self.tasks = []
-
-    async def __call__(self, task, told):
-        self.tasks.append(task)
-        await told(0.5, "screening 21 causes")
-        robot = read_campaign_zip(task.archive).robot.name
-        return replace(self.found.pop(0) if self.found else make_diagnosis(), robot=robot)
 
 
 @pytest.fixture
@@ -274,14 +256,3 @@ async def test_robots_with_two_serial_numbers_are_not_compared_with_each_other(s
     assert mixed.status_code == 409
     assert "serial numbers 120-1, 120-2; name one of them" in mixed.json()["detail"]
     assert [entry["robot_serial_number"] for entry in one.json()["diagnoses"]] == ["120-2"]
-
-
-@contextlib.asynccontextmanager
-async def served(settings, bench, worker):
-    application = create_app(settings, bench.registry(), worker)
-    transport = httpx.ASGITransport(application)
-    async with (
-        application.router.lifespan_context(application),
-        httpx.AsyncClient(transport=transport, base_url="http://service") as client,
-    ):
-        yield client, asking(client)
