@@ -2,10 +2,12 @@
 
 import asyncio
 import dataclasses
+from dataclasses import dataclass
 from http import HTTPStatus
+from pathlib import Path
 from typing import Final
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 from fastapi.responses import HTMLResponse
 
 from service.reports import (
@@ -17,13 +19,25 @@ from service.reports import (
     verdict_shape,
     verdict_words,
 )
+from service.sequencing.states import has_ended
 from service.storage.errors import NotFoundError
-from service.storage.records import DiagnosisRecord
+from service.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from service.web.context import Context, Here
 from service.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
 _SHOWN: Final = 50
+_SCRIPT: Final = Path(__file__).parent / "static" / "measure-next.js"
+
+
+@dataclass(frozen=True, slots=True)
+class Actions:
+    """What a person can ask for below a diagnosis of a session."""
+
+    session: SessionRecord
+    ended: bool
+    configurations_deg: tuple[tuple[float, ...], ...]  # of all proposals
+    again: dict[str, object]  # body of the request that repeats this diagnosis on all readings by now
 
 
 @router.get("/diagnoses", response_class=HTMLResponse)
@@ -42,12 +56,26 @@ async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
     record = await _record(here, id)
     if record is None:
         return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here, styles=page_styles())
-    report = await _report(here, record)
+    campaign = await here.campaigns.get(record.campaign_id)
+    report = await _report(here, record, campaign)
+    actions = await _actions(here, record, campaign)
     # Drawing takes a second or two; a session under way must not wait for it.
     content = await asyncio.to_thread(diagnosis_content, report)
     return page(
-        "diagnosis.html", here=here, record=record, report=report, content=content, styles=page_styles()
+        "diagnosis.html",
+        here=here,
+        record=record,
+        report=report,
+        actions=actions,
+        content=content,
+        styles=page_styles(),
     )
+
+
+@router.get("/static/measure-next.js", response_class=Response)
+async def measure_next_script() -> Response:
+    """Send the script behind the buttons of a diagnosis."""
+    return Response(_SCRIPT.read_text(encoding="utf-8"), media_type="text/javascript")
 
 
 def _verdict(record: DiagnosisRecord) -> VerdictWords:
@@ -64,8 +92,23 @@ async def _record(here: Context, id: str) -> DiagnosisRecord | None:
         return None
 
 
-async def _report(here: Context, record: DiagnosisRecord) -> DiagnosisInput:
-    campaign = await here.campaigns.get(record.campaign_id)
+async def _actions(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> Actions | None:
+    """Return what can be asked of the session that the readings come from; None for an uploaded campaign."""
+    if record.session_id is None:
+        return None
+    session = await here.sessions.get(record.session_id)
+    asked = (await here.jobs.get(record.job_id)).request
+    validation = campaign.session_ids[1] if len(campaign.session_ids) > 1 else None
+    proposed = record.diagnosis.next_measurements
+    return Actions(
+        session=session,
+        ended=has_ended(session.state),
+        configurations_deg=tuple(joints for entry in proposed for joints in entry.configurations_deg),
+        again={"effects": asked.get("effects"), "validation_session_id": validation},
+    )
+
+
+async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> DiagnosisInput:
     diagnosis = record.diagnosis
     if record.model_id is not None:
         model = (await here.results.model(record.model_id)).model

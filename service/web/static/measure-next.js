@@ -1,0 +1,70 @@
+// The two buttons below a diagnosis of a session: measure what it proposes, and diagnose again.
+// What they ask is the API's own; whatever it answers is said in its own sentence.
+
+const bar = document.querySelector("[data-session]");
+const form = bar.querySelector("form");
+const again = bar.querySelector("[data-again]");
+const said = bar.querySelector("output");
+const session = `/api/v1/sessions/${bar.dataset.session}`;
+const POLL_MS = 500;
+
+async function answered(path, request) {
+  let reply;
+  try {
+    reply = await fetch(path, request);
+  } catch {
+    throw new Error("The service does not answer; look whether it runs, then try again.");
+  }
+  const answer = await reply.json();
+  if (!reply.ok) throw new Error(answer.detail);
+  return answer;
+}
+
+function post(path, body, key) {
+  const headers = { "Content-Type": "application/json" };
+  if (key) headers["Idempotency-Key"] = key;
+  return answered(path, { method: "POST", headers, body: JSON.stringify(body) });
+}
+
+function say(sentence, bad = false) {
+  said.textContent = sentence;
+  said.classList.toggle("bad", bad);
+}
+
+async function busy(work) {
+  const buttons = bar.querySelectorAll("button");
+  buttons.forEach((button) => (button.disabled = true));
+  try {
+    await work();
+  } catch (error) {
+    say(error.message, true);
+  } finally {
+    buttons.forEach((button) => (button.disabled = false));
+  }
+}
+
+async function measure() {
+  const configurations = JSON.parse(form.dataset.configurations).map((joints) => ({ joints_deg: joints }));
+  const body = { person: form.elements.person.value.trim(), configurations };
+  // One key a diagnosis: two taps must not send the robot there twice.
+  const added = await post(`${session}/configurations`, body, form.dataset.key);
+  say([added.sentence, added.session.question].filter(Boolean).join(" "));
+}
+
+async function diagnose() {
+  say("Asked for; readings measured since are part of it.");
+  let job = await post(`${session}/diagnosis`, JSON.parse(again.dataset.again));
+  while (["queued", "running"].includes(job.state)) {
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    job = await answered(`/api/v1/jobs/${job.id}`);
+    say(`Diagnosing, ${Math.round(100 * job.fraction)} %: ${job.message}`);
+  }
+  if (job.state !== "succeeded") throw new Error(job.message);
+  location.assign(`/diagnoses/${job.result_url.split("/").pop()}`);
+}
+
+form?.addEventListener("submit", (event) => {
+  event.preventDefault();
+  busy(measure);
+});
+again.addEventListener("click", () => busy(diagnose));

@@ -1,0 +1,129 @@
+"""A service on fake devices behind a real socket, and a Chromium of the system that looks at it."""
+
+import contextlib
+import shutil
+import time
+
+import httpx
+import pytest
+from playwright.sync_api import sync_playwright
+
+from service.app import create_app
+from service.settings import Settings
+from tests.integration.web.bench import CELL, Bench, session_request
+from tests.integration.web.listening import listening
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome")
+_PATIENCE_S = 20.0
+
+
+class Diagnostician:
+    """Answers every request with the diagnosis that it was told to give."""
+
+    def __init__(self):
+        self.answer = None
+
+    async def __call__(self, task, told):
+        return self.answer
+
+
+class Service:
+    """What tests ask of the running service beside looking at its pages."""
+
+    def __init__(self, client, worker):
+        self.url = str(client.base_url).rstrip("/")
+        self._worker = worker
+        self._client = client
+
+    def get(self, path):
+        return self._client.get(path).json()
+
+    def post(self, path, body=None):
+        reply = self._client.post(path, json=body)
+        assert reply.is_success, reply.text
+        return reply
+
+    def until(self, path, key, *values):
+        end = time.monotonic() + _PATIENCE_S
+        while (found := self.get(path))[key] not in values:
+            assert time.monotonic() < end, found
+            time.sleep(0.02)
+        return found
+
+    def measured_session(self, name, n=3):
+        """Measure a whole session and return its path."""
+        path = self._started(name, n)
+        self.until(path, "state", "finished")
+        return path
+
+    def paused_session(self, name):
+        """Return a session that a person has paused after its first readings."""
+        path = self._started(name, n=60)
+        while self.get(path)["measured"] < 2:
+            time.sleep(0.005)
+        self.post(f"{path}/pause")
+        assert self.until(path, "state", "paused", "finished")["state"] == "paused"
+        return path
+
+    def _started(self, name, n):
+        for device in ("tracker", "robot"):
+            self.post(f"/api/v1/devices/{device}/connect")
+        path = self.post("/api/v1/sessions", session_request(n, name=name)).headers["Location"]
+        self.post(f"{path}/start")
+        self.until(path, "state", "awaiting_confirmation")
+        self.post(f"{path}/confirm", {"person": "Ada Byron"})
+        return path
+
+    def diagnosed(self, session, answer):
+        """Diagnose a session and return the path of the page."""
+        self._worker.answer = answer
+        job = self.post(f"{session}/diagnosis", {}).headers["Location"]
+        return self.until(job, "state", "succeeded")["result_url"].removeprefix("/api/v1")
+
+
+@pytest.fixture
+def service(tmp_path):
+    (tmp_path / "cell.toml").write_text(CELL)
+    where = Settings(database_url=f"sqlite:///{tmp_path}/t.sqlite3", cell_file=tmp_path / "cell.toml")
+    worker = Diagnostician()
+    application = create_app(where, Bench().registry(), worker)
+    with listening(application) as url, httpx.Client(base_url=url, timeout=_PATIENCE_S) as client:
+        yield Service(client, worker)
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    path = next(filter(None, map(shutil.which, _NAMES)), None)
+    if path is None:
+        pytest.skip("no Chromium is installed here")
+    with sync_playwright() as playwright:
+        # The sandbox needs rights that a container's root user does not have; the pages are our own.
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@contextlib.contextmanager
+def looking(chromium, origin):
+    """Open a page of a tablet's size; whatever it complains of or fetches from elsewhere fails the test."""
+    page = chromium.new_page(viewport={"width": 800, "height": 1280}, base_url=origin)
+    complaints = []
+    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("request", lambda r: None if r.url.startswith((origin, "data:")) else complaints.append(r.url))
+    yield page
+    page.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def tablet(chromium, service):
+    with looking(chromium, service.url) as page:
+        yield page
+
+
+@pytest.fixture
+def reader(chromium, tmp_path):
+    """A page that opens reports as files, as whoever gets one by mail does."""
+    with looking(chromium, tmp_path.as_uri()) as page:
+        yield page
