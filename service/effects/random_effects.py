@@ -6,8 +6,9 @@ which leaves the information A = C^-1 - W^-1, b = C^-1 m. The evidence for the d
 
     log p(s) = (b^T (A + S^-1)^-1 b - log det(I + S A)) / 2,   S = diag(s_g^2) + (a wide common mean)
 
-evaluated on a grid of deviations; mean and deviation over it, equal weight per relative step, are the
-estimate and its standard uncertainty. Few occasions leave a wide one, as they should.
+Its maximum is the estimate, the root mean square distance from there under exp(log p) is its standard
+uncertainty: few occasions leave a wide one, as they should. A coarse grid finds where the evidence is, a fine
+one weighs it there.
 
 Source: D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
 """
@@ -18,8 +19,9 @@ import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
 
-_GRID = 33
-_FINEST, _WIDEST = 1e-2, 10.0  # of the prior's width: what the grid of deviations spans
+_COARSE, _FINE = 13, 15  # steps of the two grids
+_FINEST, _WIDEST = 1e-2, 10.0  # of the prior's width: what the coarse grid spans
+_NEGLIGIBLE = 6.0  # below the largest log evidence: 1/400 of it
 
 
 def deviations(
@@ -47,19 +49,29 @@ def deviations(
     precision = np.linalg.inv(covariance / np.outer(scale, scale))
     vector = precision @ (mean.ravel() / scale)
     information = _positive(precision - np.eye(len(scale)))
-    steps = np.geomspace(_FINEST, _WIDEST, _GRID)
     common = np.kron(np.full((occasions, occasions), _WIDEST**2), np.eye(components))
-    candidates = np.array(list(product(steps, repeat=int(groups.max()) + 1)))
-    evidence = np.array([
-        _evidence(np.tile(candidate[groups] ** 2, occasions), common, information, vector)
-        for candidate in candidates
-    ])
-    share = np.exp(evidence - evidence.max())
-    share /= share.sum()
-    unit = np.array([widths[groups == group][0] for group in range(int(groups.max()) + 1)])
-    middle = share @ candidates
-    spread = np.sqrt(share @ (candidates - middle) ** 2)
-    return middle * unit, spread * unit
+
+    def evidence(deviation: FloatArray) -> float:
+        return _evidence(np.tile(deviation[groups] ** 2, occasions), common, information, vector)
+
+    n_groups = int(groups.max()) + 1
+    coarse = np.array(list(product(np.geomspace(_FINEST, _WIDEST, _COARSE), repeat=n_groups)))
+    level = np.array([evidence(deviation) for deviation in coarse])
+    fine = _around(coarse[level > level.max() - _NEGLIGIBLE])
+    level = np.array([evidence(deviation) for deviation in fine])
+    best, share = fine[level.argmax()], np.exp(level - level.max())
+    spread = np.sqrt(share @ (fine - best) ** 2 / share.sum())
+    unit = np.array([widths[groups == group][0] for group in range(n_groups)])
+    return best * unit, spread * unit
+
+
+def _around(chosen: FloatArray) -> FloatArray:
+    """Return an even grid over the box of the chosen deviations and one coarse step beyond, shape (m, G)."""
+    step = (_WIDEST / _FINEST) ** (1.0 / (_COARSE - 1))
+    low, high = chosen.min(axis=0) / step, chosen.max(axis=0) * step
+    low = np.where(low < _FINEST, 0.0, low)
+    axes = [np.linspace(a, b, _FINE) for a, b in zip(low, high, strict=True)]
+    return np.array(list(product(*axes)))
 
 
 def _positive(matrix: FloatArray) -> FloatArray:

@@ -1,0 +1,234 @@
+"""Causes in the tool and in single readings: nests, seats, labels, bad readings, the instrument's scale."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.domain.robot import Nest
+from service.effects.causes import Fitted
+from service.effects.label_swap import pair_subject
+from service.effects.ports import PortKind
+from service.effects.random_effects import deviations
+from service.effects.registry import CAUSES
+from service.identification.evaluation import evaluate, rows_of
+from service.identification.problem import build
+from tests.scenes import START, telling_campaign, telling_scene
+
+SHIFT_MM, TURN_RAD = 0.15, 1.5e-3  # widths of the seats' priors
+WIDTHS = np.repeat([SHIFT_MM, TURN_RAD], 3)
+GROUPS = np.repeat([0, 1], 3)
+
+
+def one_known_nest():
+    campaign = telling_campaign()
+    known, *others = campaign.nests
+    return replace(campaign, nests=(known, *(Nest(None) for _ in others)))
+
+
+def mounted(attachment):
+    campaign = telling_campaign()
+    readings = campaign.calibration
+    stops = replace(readings.stops, attachment=attachment)
+    return replace(campaign, calibration=replace(readings, stops=stops))
+
+
+def rows(campaign):
+    problem = build(campaign, START)
+    return rows_of(evaluate(problem.structure, problem.start, problem.blocks[0].targets))
+
+
+def share(value, uncertainty):
+    return Fitted((), np.array([value]), np.array([[uncertainty**2]]))
+
+
+def test_each_certified_nest_may_be_off_as_long_as_another_is_not():
+    scene = telling_scene()
+
+    subjects = [candidate.subject for candidate in CAUSES["nest_offset"].candidates(scene)]
+    left = CAUSES["nest_offset"].candidates(replace(scene, present=scene.present | {"offset_2_x"}))
+    none_left = CAUSES["nest_offset"].candidates(
+        replace(scene, present=scene.present | {"offset_2_x", "offset_3_x"})
+    )
+
+    assert subjects == ["nest 1", "nest 2", "nest 3"]
+    assert [candidate.subject for candidate in left] == ["nest 1", "nest 3"]
+    assert none_left == ()
+
+
+def test_a_single_certified_nest_tells_nothing_of_its_own_offset():
+    scene = telling_scene(("base", "tool", "geometry", "compliance"), one_known_nest())
+
+    assert "read another nest" in CAUSES["nest_offset"].unseen(scene)
+    assert CAUSES["nest_offset"].candidates(scene) == ()
+    assert CAUSES["nest_offset"].specs(scene.setting) == ()
+
+
+def test_offsets_by_name_count_from_the_first_nest():
+    names = [spec.name for spec in CAUSES["nest_offset"].specs(telling_scene().setting)]
+
+    assert names == [f"offset_{nest}_{axis}" for nest in (2, 3) for axis in "xyz"]
+
+
+def test_an_offset_nest_is_where_its_certificate_and_the_offset_put_it():
+    campaign = telling_campaign()
+    problem = build(campaign, (*START, "nest_offset"))
+    values = problem.start.copy()
+    values[problem.structure.index_of("offset_2_y")] = 0.5
+    state = evaluate(problem.structure, values, problem.blocks[0].targets)
+    x, y, z = campaign.nests[1].centre_mm
+
+    there = replace(campaign, nests=(campaign.nests[0], Nest((x, y + 0.5, z), 0.002), campaign.nests[2]))
+
+    expected = build(there, START)
+    moved = evaluate(expected.structure, expected.start, expected.blocks[0].targets)
+    assert state.position_mm == pytest.approx(moved.position_mm, abs=1e-9)
+
+
+def test_an_offset_is_shown_as_its_length():
+    names = ("offset_2_x", "offset_2_y", "offset_2_z")
+    fitted = Fitted(names, np.array([0.02, -0.04, 0.04]), 1e-12 * np.eye(3))
+
+    shown = CAUSES["nest_offset"].shown("nest 2", fitted, telling_scene())
+
+    assert (shown.amplitude, shown.unit) == (pytest.approx(0.06), "mm")
+    assert [detail.value for detail in shown.details] == pytest.approx([0.02, -0.04, 0.04])
+    assert shown.sentence.startswith("Nest 2 of the tool is 0.060 mm away")
+
+
+@pytest.mark.parametrize("attachment", [None, np.ones(24, dtype=np.int64)])
+def test_one_mounting_tells_nothing_of_the_next(attachment):
+    scene = telling_scene(campaign=mounted(attachment))
+
+    assert "mount it again" in CAUSES["tool_reseating"].unseen(scene)
+    assert CAUSES["tool_reseating"].candidates(scene) == ()
+
+
+def test_all_mountings_together_are_one_candidate():
+    scene = telling_scene()
+
+    (candidate,) = CAUSES["tool_reseating"].candidates(scene)
+
+    assert len(candidate.specs) == 4 * 6
+    assert CAUSES["tool_reseating"].candidates(replace(scene, present=frozenset(candidate.names))) == ()
+
+
+def test_a_seat_acts_in_its_own_mounting_alone():
+    here, elsewhere = CAUSES["tool_reseating"].terms(("seat_3_x", "seat_9_rz"), rows(telling_campaign()))
+
+    assert here.weight.tolist() == [0.0] * 12 + [1.0] * 6 + [0.0] * 6
+    assert not elsewhere.weight.any()
+    assert here.port.kind is PortKind.MOTION
+    assert (here.port.number, elsewhere.port.number) == (36, 41)  # body 6 carries the tool
+
+
+def test_seats_are_shown_as_a_standard_deviation_whatever_the_order_of_their_names():
+    rng = np.random.default_rng(2)
+    (candidate,) = CAUSES["tool_reseating"].candidates(telling_scene())
+    names, values = np.array(candidate.names), WIDTHS[np.tile(np.arange(6), 4)] * rng.standard_normal(24) / 5
+    shuffled = rng.permutation(24)
+
+    straight = CAUSES["tool_reseating"].shown(
+        "tool", Fitted(tuple(names), values, 1e-12 * np.eye(24)), telling_scene()
+    )
+    mixed = CAUSES["tool_reseating"].shown(
+        "tool", Fitted(tuple(names[shuffled]), values[shuffled], 1e-12 * np.eye(24)), telling_scene()
+    )
+
+    assert mixed.amplitude == pytest.approx(straight.amplitude)
+    assert straight.unit == "mm"
+    assert "4 mountings" in straight.sentence
+
+
+def posterior(draws, noise, rng):
+    """What a fit with the prior leaves of draws that were measured with some noise."""
+    variance = np.tile(WIDTHS**2, len(draws))
+    seen = draws.ravel() + noise * rng.standard_normal(draws.size) * np.sqrt(variance)
+    precision = 1.0 / (noise**2 * variance) + 1.0 / variance
+    return (seen / (noise**2 * variance) / precision).reshape(draws.shape), np.diag(1.0 / precision)
+
+
+@pytest.mark.parametrize(("mountings", "noise"), [(4, 0.02), (4, 0.15), (8, 0.15)])
+def test_the_deviation_of_seats_lies_within_its_stated_interval_as_often_as_it_says(mountings, noise):
+    rng = np.random.default_rng(8)
+    truth = np.array([0.03, 3e-4])  # a fifth of the priors' widths, for shifts and turns
+    within = []
+    for _ in range(40):
+        draws = np.repeat(truth, 3) * rng.standard_normal((mountings, 6)) + WIDTHS * rng.standard_normal(6)
+        mean, covariance = posterior(draws, noise, rng)
+
+        found, uncertainty = deviations(mean, covariance, WIDTHS, GROUPS)
+
+        within += (np.abs(found - truth) < 1.96 * uncertainty).tolist()
+    # 95 % stated; 80 deviations of that scatter by 2.4 %
+    assert np.mean(within) > 0.87
+
+
+def test_seats_that_differ_by_noise_alone_have_a_deviation_that_zero_is_near():
+    rng = np.random.default_rng(3)
+    mean, covariance = posterior(np.zeros((4, 6)), 0.2, rng)
+
+    (shift, turn), (shift_u, turn_u) = deviations(mean, covariance, WIDTHS, GROUPS)
+
+    assert shift < 0.2 * SHIFT_MM + 2.0 * shift_u  # the noise itself is the most that could hide
+    assert turn < 0.2 * TURN_RAD + 2.0 * turn_u
+
+
+def test_swapped_labels_need_two_nests():
+    campaign = telling_campaign()
+    one = replace(telling_scene(), nest=np.ones(len(campaign.calibration), dtype=np.int64))
+
+    assert "nothing can be confused" in CAUSES["label_swap"].unseen(one)
+    assert CAUSES["label_swap"].unseen(telling_scene()) is None
+
+
+def test_swapped_labels_are_counted_among_the_readings_of_their_two_nests():
+    shown = CAUSES["label_swap"].shown(pair_subject(3, 1), share(0.25, 0.1), telling_scene())
+
+    assert shown.subject == "nest 1, nest 3"
+    assert "Nests 1 and 3 were confused in 4 of their 16 readings" in shown.sentence
+
+
+@pytest.mark.parametrize(
+    ("value", "words"), [(1 / 24, "1 of 24 reading belongs"), (0.125, "3 of 24 readings belong")]
+)
+def test_bad_readings_are_counted_among_all(value, words):
+    shown = CAUSES["outliers"].shown("readings", share(value, 0.02), telling_scene())
+
+    assert (shown.amplitude, shown.standard_uncertainty) == (value, pytest.approx(0.02))
+    assert words in shown.sentence
+
+
+@pytest.mark.parametrize("cause", ["label_swap", "outliers"])
+def test_what_is_wrong_with_single_readings_is_no_parameter(cause):
+    scene = telling_scene()
+
+    assert CAUSES[cause].specs(scene.setting) == ()
+    assert CAUSES[cause].candidates(scene) == ()
+    assert CAUSES[cause].terms((), rows(telling_campaign())) == []
+
+
+def test_a_scale_is_seen_on_fixed_nests_or_on_a_second_certified_nest():
+    start = ("base", "tool", "geometry", "compliance")
+    alone = replace(telling_scene(start, one_known_nest()), reference_s=np.zeros(0))
+
+    assert "fixed nests" in CAUSES["instrument_scale"].unseen(alone)
+    assert CAUSES["instrument_scale"].candidates(alone) == ()
+    assert CAUSES["instrument_scale"].unseen(replace(alone, reference_s=np.array([1.0]))) is None
+    assert CAUSES["instrument_scale"].unseen(telling_scene()) is None
+
+
+def test_an_arm_whose_lengths_are_given_shows_the_scale_by_itself():
+    scene = telling_scene(("base", "tool", "joint_offset"), one_known_nest())
+
+    assert CAUSES["instrument_scale"].unseen(replace(scene, reference_s=np.zeros(0))) is None
+
+
+@pytest.mark.parametrize(("scale", "word"), [(2e-5, "long"), (-2e-5, "short")])
+def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
+    fitted = Fitted(("scale",), np.array([scale]), np.array([[1e-12]]))
+
+    shown = CAUSES["instrument_scale"].shown("tracker", fitted, telling_scene())
+
+    assert (shown.amplitude, shown.standard_uncertainty) == (scale, pytest.approx(1e-6))
+    assert f"too {word}, by 20.0 um per metre" in shown.sentence
