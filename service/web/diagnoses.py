@@ -10,13 +10,12 @@ from service.storage.records import RequestKey
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
 from service.web.problems import problems
+from service.web.schemas.comparisons import ComparisonReply, comparison_reply
 from service.web.schemas.diagnoses import (
-    ComparisonReply,
     DiagnosisReply,
     DiagnosisRequest,
     DiagnosisSummaryReply,
     SessionDiagnosisRequest,
-    comparison_reply,
     diagnosis_reply,
     diagnosis_summary_reply,
 )
