@@ -38,8 +38,10 @@ def test_one_tap_adds_what_is_proposed_to_the_plan(service, tablet):
     tablet.goto(service.diagnosed(session, with_proposals(*PROPOSED)))
 
     tablet.get_by_label("Your name").fill("Ada Byron")
-    tablet.get_by_role("button", name="Measure these next: 2 configurations").click()
+    with tablet.expect_request("**/configurations") as asked:
+        tablet.get_by_role("button", name="Measure these next: 2 configurations").click()
 
+    assert asked.value.post_data_json["diagnosis_id"] == 1  # which the service then runs again
     expect(tablet.get_by_role("status")).to_contain_text("Added configurations")
     stops = service.get(f"{session}/plan")["stops"]
     assert [stop["joints_deg"] for stop in stops[-2:]] == [pytest.approx(joints) for joints in PROPOSED]

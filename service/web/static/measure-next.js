@@ -45,7 +45,9 @@ async function busy(work) {
 
 async function measure() {
   const configurations = JSON.parse(form.dataset.configurations).map((joints) => ({ joints_deg: joints }));
-  const body = { person: form.elements.person.value.trim(), configurations };
+  // Named, the diagnosis is run again by itself once the session has finished.
+  const diagnosis_id = Number(bar.dataset.diagnosis);
+  const body = { person: form.elements.person.value.trim(), configurations, diagnosis_id };
   // One key a diagnosis: two taps must not send the robot there twice.
   const added = await post(`${session}/configurations`, body, form.dataset.key);
   say([added.sentence, added.session.question].filter(Boolean).join(" "));
