@@ -1,0 +1,34 @@
+"""Lengths whose rows tell everything that an effect may depend on, and what a diagnosis sees of them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from service.identification.problem import build
+from tests.scenes import scene_of
+from tests.synthetic import leg_campaign
+
+N = 60
+PER_PLACEMENT, PER_INITIALISATION = 30, 6
+CADENCE_S = 40.0
+LEG_START = ("tool", "geometry")
+
+
+def telling_legs(**changes):
+    """Lengths from two placements of one base nest, initialised before every six of them."""
+    campaign = leg_campaign(N)
+    legs = campaign.legs
+    told = {
+        "stops": replace(legs.stops, time_s=CADENCE_S * np.arange(N)),
+        "placement": 1 + np.arange(N) // PER_PLACEMENT,
+        "initialisation": 1 + np.arange(N) // PER_INITIALISATION,
+    }
+    return replace(campaign, legs=replace(legs, **(told | changes)), ballbar_nominal_mm=300.0)
+
+
+def leg_scene(campaign=None, **changes):
+    """The scene of a campaign of legs that was fitted with the geometry."""
+    campaign = telling_legs() if campaign is None else campaign
+    legs = campaign.legs
+    own = {"legs": True, "initialisation": legs.initialisation, "placement": legs.placement}
+    return scene_of(build(campaign, LEG_START), **(own | changes))

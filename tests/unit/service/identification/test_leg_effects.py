@@ -1,0 +1,114 @@
+"""Lengths under effects of ballbar, fixture and base: predicted as geometry says, differentiated exactly."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.effects.registry import CAUSES
+from service.identification import identify, predict_lengths
+from service.identification.observations import linearise_blocks, targets_subset
+from service.identification.problem import build
+from service.kinematics.frames import rotation_xyz
+from tests.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
+
+ON_LENGTHS = ("ballbar_zero", "fixture_shift", "base_drift", "base_shift")
+
+
+def extended(campaign, causes=ON_LENGTHS):
+    """The problem of the campaign with two candidates of each cause."""
+    problem = build(campaign, (*LEG_START, "instrument_scale"))
+    structure, start = problem.structure, problem.start
+    for cause in causes:
+        for candidate in CAUSES[cause].candidates(leg_scene(campaign))[:2]:
+            structure = structure.extended(cause, candidate.specs)
+            start = np.concatenate([start, np.zeros(len(candidate.specs))])
+    return replace(problem, structure=structure, start=start)
+
+
+def at(problem, **values):
+    full = problem.start.copy()
+    for name, value in values.items():
+        full[problem.structure.index_of(name)] = value
+    return full
+
+
+def predicted(problem, values):
+    (block,) = problem.blocks
+    return block.length_mm - block.result(problem.structure, values, None).residual[:, 0]
+
+
+def test_every_effect_on_lengths_is_differentiated_exactly():
+    problem = extended(telling_legs())
+    structure = problem.structure
+    rng = np.random.default_rng(3)
+    anchors = np.char.startswith(np.array(structure.names), "anchor")
+    steps = np.where(anchors, 0.03, 0.3) * structure.prior_widths
+    values = problem.start + steps * rng.standard_normal(len(problem.start))
+
+    analytic = linearise_blocks(structure, problem.blocks, values, None).jacobian
+
+    for k, spec in enumerate(structure.specs):
+        step = 1e-4 * spec.prior_width * np.eye(len(values))[k]
+        ahead, behind = (
+            linearise_blocks(structure, problem.blocks, values + sign * step, None).residual
+            for sign in (1.0, -1.0)
+        )
+        slope = (behind - ahead) / (2e-4 * spec.prior_width)
+        # smooth functions at steps of 1e-4 widths
+        assert analytic[k] == pytest.approx(slope, abs=1e-6 * np.abs(slope).max()), spec.name
+
+
+def test_a_fixture_that_moved_takes_its_base_nests_along():
+    problem = extended(telling_legs())
+    name = next(name for name in problem.structure.names if name.startswith("fixture_1_"))
+    prefix = name.rsplit("_", 1)[0]
+    moved = at(problem, **{f"{prefix}_x": 0.7, f"{prefix}_rz": 2e-3, f"{prefix}_ry": -1e-3})
+    anchor = np.array([problem.start[problem.structure.index_of(f"anchor_1_1_{axis}")] for axis in "xyz"])
+    there = rotation_xyz(0.0, -1e-3, 2e-3) @ anchor + [0.7, 0.0, 0.0]
+    elsewhere = at(problem, **{f"anchor_1_1_{axis}": x for axis, x in zip("xyz", there, strict=True)})
+
+    lengths = predicted(problem, moved)
+
+    first = int(np.searchsorted(problem.blocks[0].targets.stops.time_s, float(prefix.rsplit("_", 1)[1])))
+    assert 0 < first < PER_PLACEMENT
+    after = slice(first, PER_PLACEMENT)
+    assert lengths[after] == pytest.approx(predicted(problem, elsewhere)[after], abs=1e-9)
+    still = np.delete(np.arange(len(lengths)), after)
+    assert lengths[still] == pytest.approx(predicted(problem, problem.start)[still], abs=1e-12)
+
+
+def test_what_a_ballbar_reads_too_much_is_part_of_the_predicted_length():
+    problem = extended(telling_legs())
+
+    more = predicted(problem, at(problem, zero_2=0.05, ballbar_scale=1e-4))
+
+    here = problem.blocks[0].targets.initialisation == 2
+    excess = 0.05 * here + 1e-4 * problem.blocks[0].length_mm
+    assert more - predicted(problem, problem.start) == pytest.approx(excess, abs=1e-9)
+
+
+def test_a_part_of_the_lengths_keeps_what_their_effects_depend_on():
+    targets = extended(telling_legs()).blocks[0].targets
+    rows = np.array([3, 40])
+
+    some = targets_subset(targets, rows)
+
+    assert some.placement.tolist() == [1, 2]
+    assert some.initialisation.tolist() == [1, 7]
+    assert some.length_mm.tolist() == targets.length_mm[rows].tolist()
+
+
+def test_a_model_with_zeros_predicts_the_lengths_that_it_was_made_from():
+    campaign = telling_legs()
+    legs = campaign.legs
+    zeros = 0.2 * np.random.default_rng(1).standard_normal(11)
+    off = replace(campaign, legs=replace(legs, length_mm=legs.length_mm + zeros[legs.initialisation]))
+
+    model = identify(off, (*LEG_START, "ballbar_zero")).model
+
+    residual = off.legs.length_mm - predict_lengths(model, off.legs)
+    unnumbered = off.legs.length_mm - predict_lengths(model, replace(off.legs, initialisation=None))
+    # noise 0.005 mm; the zeros are 0.2 mm
+    assert np.sqrt(np.mean(residual**2)) < 0.01
+    assert np.sqrt(np.mean(unnumbered**2)) > 0.05
