@@ -3,6 +3,7 @@
 import asyncio
 import dataclasses
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from http import HTTPStatus
 from pathlib import Path
 from typing import Final
@@ -46,7 +47,13 @@ async def diagnoses_page(here: Here) -> HTMLResponse:
     records = await here.diagnoses.newest(_SHOWN)
     rows = [(record, _verdict(record)) for record in records]
     return page(
-        "diagnoses.html", here=here, rows=rows, shape=verdict_shape, shown=_SHOWN, styles=page_styles()
+        "diagnoses.html",
+        here=here,
+        rows=rows,
+        shape=verdict_shape,
+        moment=_moment,
+        shown=_SHOWN,
+        styles=page_styles(),
     )
 
 
@@ -82,6 +89,13 @@ def _verdict(record: DiagnosisRecord) -> VerdictWords:
     return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None)
 
 
+def _moment(said: str) -> str:
+    """Return a day as it is, and a time to the minute: nobody reads milliseconds."""
+    if "T" not in said:
+        return said
+    return datetime.fromisoformat(said).astimezone(UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
 async def _record(here: Context, id: str) -> DiagnosisRecord | None:
     """Return the diagnosis of that number; None where an address names none."""
     if not (id.isascii() and id.isdecimal()) or len(id) > len(str(2**31)):
@@ -115,7 +129,7 @@ async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignReco
         diagnosis = dataclasses.replace(diagnosis, model=model)
     conditions = ReportConditions(
         robot_serial_number=record.robot_serial_number,
-        written_at=record.recorded_at,
+        written_at=_moment(record.recorded_at),
         notes=campaign.summary.notes,
     )
-    return DiagnosisInput(diagnosis, f"{campaign.name}, measured {record.measured_at}", conditions)
+    return DiagnosisInput(diagnosis, f"{campaign.name}, measured {_moment(record.measured_at)}", conditions)

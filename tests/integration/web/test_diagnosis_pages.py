@@ -1,5 +1,6 @@
 """Diagnoses as pages: what a person at the cell reads."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -38,12 +39,14 @@ async def app(settings, bench, worker):
 def diagnosed(client, until, worker):
     """Diagnose an uploaded campaign and return the number of the diagnosis."""
 
-    async def ask(answer, **campaign):
+    async def ask(answer, measured_on=None, **campaign):
         worker.answer = answer
         archive = write_campaign_zip(make_campaign(**campaign))
         headers = {"Content-Type": "application/zip"}
         number = (await client.post("/api/v1/campaigns", content=archive, headers=headers)).json()["id"]
-        asked = await client.post("/api/v1/diagnoses", json={"campaign_id": number})
+        asked = await client.post(
+            "/api/v1/diagnoses", json={"campaign_id": number, "measured_on": measured_on}
+        )
         job = await until(asked.headers["Location"], "state", "succeeded", "failed")
         return int(job["result_url"].rsplit("/", 1)[1])
 
@@ -122,3 +125,21 @@ async def test_pages_are_no_part_of_the_api(client):
     paths = (await client.get("/openapi.json")).json()["paths"]
 
     assert not any(path.startswith("/diagnoses") for path in paths)
+
+
+async def test_a_day_is_shown_as_a_day_and_a_time_to_the_minute(client, diagnosed):
+    dated, timed = await diagnosed(consistent(), "2026-03-03"), await diagnosed(consistent())
+
+    assert "measured 2026-03-03 \N{MIDDLE DOT}" in (await client.get(f"/diagnoses/{dated}")).text
+    assert re.search(
+        r"measured \d{4}-\d\d-\d\d \d\d:\d\d UTC", (await client.get(f"/diagnoses/{timed}")).text
+    )
+
+
+async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, diagnosed):
+    number = await diagnosed(two_findings())
+
+    text = (await client.get(f"/diagnoses/{number}")).text
+
+    assert "Measure these next" not in text
+    assert "<script" not in text
