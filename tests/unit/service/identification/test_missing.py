@@ -1,0 +1,193 @@
+"""Rows that do not tell what an effect needs: said so, left out, and as uncertain as the effect is large."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from service.domain.results import Parameter
+from service.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
+from service.identification.missing import Span, span_of
+from tests.leg_scenes import telling_legs
+from tests.scenes import telling_campaign
+
+ARM = ("base", "geometry")
+COLUMNS = {
+    "base_drift": {"time_s": None},
+    "instrument_drift": {"time_s": None},
+    "thermal_growth": {"temperature_c": None},
+    "backlash": {"direction": None},
+    "tool_reseating": {"attachment": None},
+}
+N = 60
+
+
+@cache
+def arm():
+    return identify(telling_campaign(N), ARM).model
+
+
+def model_with(effect, **values):
+    """The arm's model with parameters of one effect, known exactly."""
+    model = arm()
+    added = tuple(Parameter(name, effect, value, "mm", 0.0, 1.0) for name, value in values.items())
+    covariance = np.zeros((len(model.parameters) + len(added),) * 2)
+    covariance[: len(model.parameters), : len(model.parameters)] = model.covariance
+    return replace(
+        model,
+        effects=(*model.effects, effect),
+        parameters=(*model.parameters, *added),
+        covariance=covariance,
+    )
+
+
+EXAMPLES = {
+    "base_drift": {"drift_linear_x": 0.3},
+    "instrument_drift": {"tracker_linear_y": 0.3},
+    "thermal_growth": {"growth": 18e-6},
+    "backlash": {"gap_2": 1e-3, "gap_5": 2e-3},
+    "tool_reseating": {"seat_1_x": 0.1, "seat_2_x": -0.2, "seat_3_x": 0.05},
+}
+
+
+def rows(**columns):
+    readings = telling_campaign(N).calibration
+    return replace(readings.stops, **columns), readings.nest
+
+
+@pytest.mark.parametrize("effect", EXAMPLES)
+def test_rows_that_tell_everything_leave_nothing_out(effect):
+    stops, _ = rows(**({"attachment": 1 + np.arange(N) % 3} if effect == "tool_reseating" else {}))
+
+    assert unpredictable(model_with(effect, **EXAMPLES[effect]), stops) == ()
+
+
+@pytest.mark.parametrize("effect", EXAMPLES)
+def test_rows_without_the_column_leave_the_effect_out_and_are_less_certain(effect):
+    model = model_with(effect, **EXAMPLES[effect])
+    stops, nest = rows(**COLUMNS[effect])
+
+    (sentence,) = unpredictable(model, stops)
+    position, uncertainty = predict(model, stops, nest)
+
+    plain, known = predict(arm(), stops, nest)
+    assert sentence.startswith(f"{effect} needs ")
+    assert f"which {N} of {N} rows lack: it is left out there" in sentence
+    assert position == pytest.approx(plain, abs=1e-9)
+    assert np.all(uncertainty > known)
+
+
+def test_only_the_rows_that_lack_it_are_less_certain():
+    model = model_with("base_drift", drift_linear_x=0.3)
+    stops, nest = rows()
+    some = stops.time_s.copy()
+    some[10:13] = np.nan
+
+    told, before = predict(model, stops, nest)
+    position, after = predict(model, replace(stops, time_s=some), nest)
+
+    lacking = np.isin(np.arange(N), [10, 11, 12])
+    assert "3 of 60 rows" in unpredictable(model, replace(stops, time_s=some))[0]
+    assert np.all(after[lacking] > before[lacking])
+    assert after[~lacking] == pytest.approx(before[~lacking])
+    assert position[~lacking] == pytest.approx(told[~lacking])
+
+
+def test_a_drift_adds_its_root_mean_square_over_the_campaign():
+    model = model_with("base_drift", drift_linear_x=0.3)
+    stops, nest = rows(time_s=None)
+    hours = model.identified_from["duration_s"] / 3600.0
+
+    _, before = predict(arm(), stops, nest)
+    _, after = predict(model, stops, nest)
+
+    # 0.3 mm/h * t along one axis of three, t even over the campaign: rate * hours / sqrt(3) / sqrt(3);
+    # the middles of eight steps have a root mean square 0.2 % below it
+    assert np.sqrt(after**2 - before**2) == pytest.approx(0.3 * hours / 3.0, rel=5e-3)
+
+
+def test_a_gap_adds_half_of_itself_times_the_lever_whatever_the_other_joints_do():
+    one, two, both = (
+        model_with("backlash", **gaps)
+        for gaps in ({"gap_2": 1e-3}, {"gap_5": 2e-3}, {"gap_2": 1e-3, "gap_5": 2e-3})
+    )
+    stops, nest = rows(direction=None)
+
+    def added(model):
+        return predict(model, stops, nest)[1] ** 2 - predict(arm(), stops, nest)[1] ** 2
+
+    # Directions of two joints agree as often as not: squares add, but for products of two angles of a
+    # milliradian with each other, and levers of a metre are seen.
+    assert added(both) == pytest.approx(added(one) + added(two), rel=1e-2)
+    assert np.sqrt(3.0 * added(one).max()) == pytest.approx(0.5e-3 * 600.0, rel=0.5)
+
+
+def test_joints_that_have_no_gap_may_come_from_anywhere():
+    stops, _ = rows()
+    unknown = stops.direction.copy()
+    unknown[:, 0] = 0
+    joint_2 = replace(stops, direction=unknown)
+    unknown_2 = replace(stops, direction=np.where(np.arange(6) == 1, 0, stops.direction))
+
+    assert unpredictable(model_with("backlash", gap_2=1e-3), joint_2) == ()
+    assert len(unpredictable(model_with("backlash", gap_2=1e-3), unknown_2)) == 1
+
+
+def test_a_mounting_that_the_model_was_not_made_with_is_unpredictable():
+    model = model_with("tool_reseating", **EXAMPLES["tool_reseating"])
+    stops, nest = rows(attachment=np.where(np.arange(N) < 20, 1, 9))
+
+    (sentence,) = unpredictable(model, stops)
+    _, uncertainty = predict(model, stops, nest)
+
+    assert "needs an attachment that the model was made with, which 40 of 60 rows lack" in sentence
+    _, known = predict(arm(), stops, nest)
+    added = uncertainty**2 - known**2
+    # A seat of 0.1 mm in 300 mm changes the levers of the parameters, and so their share, by 3e-4 at most.
+    slack = 1e-3 * float((known**2).max())
+    assert added[:20] == pytest.approx(0.0, abs=slack)
+    seats = np.array([0.1, -0.2, 0.05])
+    assert added[20:] == pytest.approx(np.mean(seats**2) / 3.0, abs=slack)
+
+
+def test_two_effects_that_need_the_same_are_both_named():
+    model = model_with("base_drift", drift_linear_x=0.3)
+    model = replace(
+        model,
+        effects=(*model.effects, "base_shift"),
+        parameters=(*model.parameters, Parameter("jump_1500_y", "base_shift", 0.1, "mm", 0.0, 1.0)),
+        covariance=np.pad(model.covariance, (0, 1)),
+    )
+
+    sentences = unpredictable(model, rows(time_s=None)[0])
+
+    assert [sentence.split()[0] for sentence in sentences] == ["base_drift", "base_shift"]
+
+
+def test_a_model_says_how_long_and_at_which_temperatures_it_was_measured():
+    model = arm()
+    stops, _ = rows()
+
+    span = span_of(model.identified_from)
+
+    assert span.duration_s == pytest.approx(stops.time_s[-1] - model.origin_s)
+    assert (span.lowest_c, span.highest_c) == (stops.temperature_c.min(), stops.temperature_c.max())
+
+
+@pytest.mark.parametrize("said", [{}, {"duration_s": "long"}])
+def test_a_model_that_does_not_say_so_was_measured_in_a_workshop_in_an_hour(said):
+    assert span_of(said) == Span(3600.0, 15.0, 30.0)
+
+
+def test_positions_know_nothing_of_a_ballbar_but_lengths_do():
+    campaign = telling_legs()
+    model = identify(campaign, ("tool", "geometry", "ballbar_zero")).model
+    unseen = replace(campaign.legs, initialisation=np.full(len(campaign.legs), 99))
+
+    (sentence,) = unpredictable_lengths(model, unseen)
+
+    assert "ballbar_zero needs an init that the model was made with, which 60 of 60 rows lack" in sentence
+    assert unpredictable(model, unseen.stops) == ()
+    assert unpredictable_lengths(model, campaign.legs) == ()
+    assert np.isfinite(predict_lengths(model, unseen)).all()
