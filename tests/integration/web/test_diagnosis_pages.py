@@ -143,3 +143,12 @@ async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, di
 
     assert "Measure these next" not in text
     assert "<script" not in text
+
+
+async def test_the_page_leads_to_its_document_and_to_the_robot_over_time(client, diagnosed):
+    number = await diagnosed(two_findings())
+
+    links = re.findall(r'href="(/api/v1/diagnoses[^"]*)"', (await client.get(f"/diagnoses/{number}")).text)
+
+    assert len(links) == 2
+    assert [(await client.get(link.replace("&amp;", "&"))).status_code for link in links] == [200, 200]
