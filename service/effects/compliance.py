@@ -53,12 +53,18 @@ class Compliance:
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Propose the spring of each loaded joint, or all its products where the masses are unknown."""
+        """Propose the spring of each loaded joint; as products, those of the heavy links alone, and all."""
         by_joint: dict[int, list[ParameterSpec]] = {}
         for spec in self.specs(scene.setting):
             if spec.name not in scene.present:
                 by_joint.setdefault(_sprung_joint(spec.name), []).append(spec)
-        return tuple(Candidate(NAME, joint_subject(joint), tuple(specs)) for joint, specs in by_joint.items())
+        found = []
+        for joint, specs in by_joint.items():
+            heavy = [spec for spec in specs if _is_heavy(spec.name)]
+            if 0 < len(heavy) < len(specs):
+                found.append(Candidate(NAME, joint_subject(joint), tuple(heavy), float(len(heavy))))
+            found.append(Candidate(NAME, joint_subject(joint), tuple(specs)))
+        return tuple(found)
 
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how soft the gearbox is; of products, by how much it winds up (standard deviation)."""
@@ -101,6 +107,11 @@ def _product_name(joint: int, axis: str, frame: int) -> str:
 
 def _sprung_joint(name: str) -> int:
     return joint_of(name.partition("*")[0])
+
+
+def _is_heavy(name: str) -> bool:
+    _, product, moment = name.partition("*")
+    return not product or joint_of(moment) < _FIRST_WRIST_FRAME
 
 
 def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Shown:

@@ -226,6 +226,20 @@ def test_springs_are_looked_for_in_every_joint_that_gravity_loads():
     assert subjects == [f"joint {k}" for k in range(2, 7)]  # the axis of joint 1 is along gravity
 
 
+def test_without_masses_the_moments_of_the_heavy_links_are_tried_before_all_of_them():
+    """Joint 2 has ten products; four of them carry nearly all of its load."""
+    scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
+    candidates = CAUSES["compliance"].candidates(scene)
+
+    by_subject = [(candidate.subject, len(candidate.names)) for candidate in candidates]
+
+    assert by_subject == [
+        ("joint 2", 4), ("joint 2", 10), ("joint 3", 2), ("joint 3", 8),
+        ("joint 4", 6), ("joint 5", 4), ("joint 6", 2),
+    ]  # fmt: skip
+    assert candidates[2].names == ("c_3*mx_3", "c_3*my_3")
+
+
 def test_without_masses_a_spring_is_all_its_products_and_its_size_is_the_deflection_that_they_make():
     campaign = telling_campaign(robot=without_masses())
     scene = telling_scene(("base", "geometry"), campaign)
