@@ -11,10 +11,10 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from service.domain.session import PlannedStop, SessionPlan, SessionState
+from service.domain.session import SessionPlan, SessionState
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
-from service.planning.added_stops import WantedStop, stops_to_add
+from service.planning.added_stops import Addition, WantedStop, addition
 from service.sequencing.cell import SessionCell
 from service.sequencing.desk import require_person
 from service.sequencing.dry_run import check_plan, motion_limits
@@ -37,6 +37,15 @@ _RESTARTED: Final = "The service was restarted during the session; look at the c
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 WhenFinished = Callable[[int], Awaitable[None]]
 MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
+
+
+@dataclass(frozen=True, slots=True)
+class WantedStops:
+    """Configurations that a person wants to add to a session."""
+
+    configurations: Sequence[WantedStop]
+    leave_out_unfit: bool = False
+    diagnosis_id: int | None = None  # which proposed them, to be run again
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,14 +125,9 @@ class SessionDesk:
         return await self._require(record).request_abort(person)
 
     async def add_stops(
-        self,
-        session_id: int,
-        wanted: Sequence[WantedStop],
-        person: str,
-        diagnosis_id: int | None = None,
-        key: RequestKey | None = None,
-    ) -> tuple[PlannedStop, ...]:
-        """Add configurations to the plan of a session that has not ended, and return them as its stops.
+        self, session_id: int, wanted: WantedStops, person: str, key: RequestKey | None = None
+    ) -> Addition:
+        """Add configurations to the plan of a session that has not ended; return them as its stops.
 
         Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
         named is run again once the session has finished. Raises NotFoundError, NotNowError,
@@ -134,23 +138,27 @@ class SessionDesk:
             await self._sessions.get(session_id)
             earlier = None if key is None else await self._additions.answered(key)
             if earlier is not None:
-                return earlier.stops
+                return Addition(earlier.stops, ())
             plan, setup = await self._sessions.plan(session_id), await self._sessions.setup(session_id)
-            stops = stops_to_add(setup.cell, plan, wanted)
-            added = AddedStops(session_id, name, stops, diagnosis_id)
+            found = addition(setup.cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
+            added = AddedStops(session_id, name, found.stops, wanted.diagnosis_id)
+            await self._take_up(added, setup, plan, key)
+            return found
 
-            async def keep() -> None:
-                await self._additions.add(added, key)
+    async def _take_up(
+        self, added: AddedStops, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None
+    ) -> None:
+        async def keep() -> None:
+            await self._additions.add(added, key)
 
-            runner = self._running(session_id)
-            if runner is None:
-                # Asked only now: the session may have ended since.
-                record = await self._sessions.get(session_id)
-                _refuse_unfit(record, setup, extended_plan(plan, stops))
-                await keep()
-            else:
-                await runner.add_stops(stops, keep)
-            return stops
+        runner = self._running(added.session_id)
+        if runner is not None:
+            await runner.add_stops(added.stops, keep)
+            return
+        # Asked only now: the session may have ended since.
+        record = await self._sessions.get(added.session_id)
+        _refuse_unfit(record, setup, extended_plan(plan, added.stops))
+        await keep()
 
     def question(self, session_id: int) -> str | None:
         """Return what the session asks a person now."""

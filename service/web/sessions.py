@@ -7,17 +7,15 @@ from fastapi import APIRouter, Body, Response, status
 from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
 from service.sequencing.dry_run import check_plan, motion_limits
-from service.sequencing.plans import numbers
 from service.storage.errors import ConflictError
 from service.storage.records import SessionSetup
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
 from service.web.problems import problems
+from service.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
 from service.web.schemas.jobs import JobReply, job_reply
 from service.web.schemas.sessions import (
     ActionReply,
-    AdditionReply,
-    AdditionRequest,
     GivenStops,
     PersonRequest,
     PlanReply,
@@ -34,8 +32,6 @@ from service.web.schemas.sessions import (
     progress_reply,
     session_reply,
     state_reply,
-    stop_reply,
-    wanted_stops,
 )
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -129,15 +125,9 @@ async def add_configurations(
     cell is clear for them.
     """
     await _check_proposed(here, id, wanted.diagnosis_id)
-    stops = await here.session_desk.add_stops(
-        id, wanted_stops(wanted), wanted.person, wanted.diagnosis_id, key
-    )
+    found = await here.session_desk.add_stops(id, wanted_stops(wanted), wanted.person, key)
     response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
-    return AdditionReply(
-        sentence=f"Added {numbers(stops)}; a person confirms before the robot goes there.",
-        stops=[stop_reply(stop) for stop in stops],
-        session=await _shown(here, id),
-    )
+    return addition_reply(found, await _shown(here, id))
 
 
 @router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)

@@ -8,7 +8,6 @@ from pydantic import Field
 
 from service.domain.cell import Cell
 from service.domain.session import PlannedStop, Progress, Role, SessionPlan, SessionState
-from service.planning.added_stops import WantedStop
 from service.storage.records import SessionRecord, StateChange
 from service.web.schemas.base import (
     NUMBER_LIMIT,
@@ -72,32 +71,6 @@ class SessionRequest(Request):
     reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
     registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
     two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
-
-
-class ConfigurationRequest(Request):
-    """A configuration to add to a plan."""
-
-    joints_deg: list[AngleDeg] = Field(
-        min_length=1, max_length=32, description="Nominal joint angles.", examples=[[0, 45, -30, 0, 30, 0]]
-    )
-    nest: Number | None = Field(None, description="Tool nest; null: the one that faces the tracker best.")
-
-
-class AdditionRequest(Request):
-    """Configurations to add to the plan of a session, as a diagnosis proposes them or of one's own."""
-
-    model_config = example({
-        "person": "Ada Byron",
-        "configurations": [{"joints_deg": [0, 45, -30, 0, 30, 0]}, {"joints_deg": [10, 40, -20, 0, 45, 90]}],
-    })
-
-    person: PersonName
-    configurations: list[ConfigurationRequest] = Field(min_length=1, max_length=1000)
-    diagnosis_id: Number | None = Field(
-        None,
-        description="The diagnosis of this session that proposed them: it is run again, from the same start, "
-        "once the session has finished.",
-    )
 
 
 class PersonRequest(Request):
@@ -184,14 +157,6 @@ class StopReply(Reply):
     joints_deg: list[float]
     nest: int
     repeat_of: int | None
-
-
-class AdditionReply(Reply):
-    """What was added to the plan, and when it is measured."""
-
-    sentence: str = Field(examples=["Added configurations 56 to 59; before the robot goes there ..."])
-    stops: list[StopReply]
-    session: SessionReply
 
 
 class PlanReply(Reply):
@@ -281,14 +246,6 @@ def stop_reply(stop: PlannedStop) -> StopReply:
         nest=stop.nest,
         repeat_of=stop.repeat_of,
     )
-
-
-def wanted_stops(wanted: AdditionRequest) -> list[WantedStop]:
-    """Return what a request wants to add."""
-    return [
-        WantedStop(tuple(math.radians(angle) for angle in entry.joints_deg), entry.nest)
-        for entry in wanted.configurations
-    ]
 
 
 def session_reply(record: SessionRecord, question: str | None) -> SessionReply:

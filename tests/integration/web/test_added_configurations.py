@@ -98,6 +98,18 @@ async def test_one_tap_sent_twice_adds_once(client):
     assert other.status_code == 409
 
 
+async def test_what_this_cell_cannot_measure_is_left_out_where_that_is_wanted(client):
+    path = await planned(client)
+    low = {"joints_deg": [0, 90, 40, 0, 30, 0], "nest": 1}
+    wanted = {"person": "Ada", "configurations": [low, *MORE["configurations"]], "leave_out_unfit": True}
+
+    added = (await client.post(f"{path}/configurations", json=wanted)).json()
+
+    assert [stop["config"] for stop in added["stops"]] == [4, 5]
+    assert [entry["configuration"] for entry in added["left_out"]] == [1]
+    assert "table" in added["left_out"][0]["reason"]
+
+
 async def test_two_additions_take_different_numbers(client):
     path = await planned(client)
 

@@ -8,7 +8,7 @@ import pytest
 from service.domain.cell import Cell, CellLimits
 from service.domain.robot import FramePlacement, Nest
 from service.domain.session import PlannedStop, SessionPlan
-from service.planning.added_stops import WantedStop, stops_to_add
+from service.planning.added_stops import WantedStop, addition
 from service.planning.errors import WorkSpaceError
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, IRB120, TRACKER_AT
 
@@ -16,6 +16,10 @@ REACHING_OUT = tuple(math.radians(q) for q in (0.0, 30.0, -10.0, 0.0, 20.0, 0.0)
 TURNED = (math.radians(20.0), *REACHING_OUT[1:])
 INTO_THE_TABLE = tuple(math.radians(q) for q in (0.0, 90.0, 40.0, 0.0, 30.0, 0.0))
 PLAN = SessionPlan("calibration", (PlannedStop(4, REACHING_OUT, 1),))
+
+
+def stops_to_add(cell, plan, wanted):
+    return addition(cell, plan, wanted).stops
 
 
 def make_cell(**changes):
@@ -59,7 +63,7 @@ def test_the_nest_that_faces_the_tracker_is_measured_where_none_is_named():
 
     assert stop.nest == 2
     with pytest.raises(
-        WorkSpaceError, match="In configuration 1 of those to add the tracker sees tool nest 1 not"
+        WorkSpaceError, match="Configuration 1 of those to add: the tracker does not see nest 1"
     ):
         stops_to_add(make_cell(nests=nests), PLAN, [WantedStop(ahead, 1)])
 
@@ -69,8 +73,12 @@ def test_the_nest_that_faces_the_tracker_is_measured_where_none_is_named():
     [
         ([WantedStop(TURNED), WantedStop((0.0,) * 5)], "Configuration 2 of those to add needs 6 finite"),
         ([WantedStop((math.nan,) * 6)], "Configuration 1 of those to add needs 6 finite"),
-        ([WantedStop(TURNED), WantedStop(INTO_THE_TABLE)], "configuration 2 of those to add comes too near"),
+        (
+            [WantedStop(TURNED), WantedStop(INTO_THE_TABLE)],
+            "Configuration 2 of those to add: the stop comes too near",
+        ),
         ([WantedStop(TURNED, 7)], "The tool has 1 nests; 7 is none"),
+        ([WantedStop((2.0, *TURNED[1:]))], r"outside the limits, joint 1 at 114\.59 deg, limits -95\.00"),
     ],
 )
 def test_what_cannot_be_measured_is_refused_with_the_reason(wanted, words):
@@ -82,7 +90,7 @@ def test_the_approach_is_judged_like_the_stop():
     # 40 deg further down on all joints the forearm is in the table; the stop itself is clear of it.
     steep = replace(PLAN, approach_offset_rad=math.radians(40.0))
 
-    with pytest.raises(WorkSpaceError, match="The approach of configuration 1"):
+    with pytest.raises(WorkSpaceError, match="Configuration 1 of those to add: the approach"):
         stops_to_add(make_cell(), steep, [WantedStop(TURNED)])
 
 
@@ -98,3 +106,27 @@ def test_the_limits_of_the_cell_serve_where_no_ranges_are_stated():
     cell = make_cell(robot=robot, limits=CellLimits(joints=IRB120.calibration_ranges))
 
     assert len(stops_to_add(cell, PLAN, [WantedStop(TURNED)])) == 1
+
+
+def test_what_cannot_be_measured_is_left_out_where_that_is_wanted_and_said():
+    wanted = [WantedStop(INTO_THE_TABLE), WantedStop(TURNED), WantedStop((2.0, *TURNED[1:]))]
+
+    found = addition(make_cell(), PLAN, wanted, leave_out_unfit=True)
+
+    assert [(stop.config, stop.joints_rad) for stop in found.stops] == [(5, TURNED)]
+    assert [entry.number for entry in found.left_out] == [1, 3]
+    assert "table" in found.left_out[0].reason
+    assert "joint 1" in found.left_out[1].reason
+
+
+def test_where_none_can_be_measured_none_is_added():
+    with pytest.raises(WorkSpaceError, match="Configuration 1 of those to add: the stop comes too near"):
+        addition(make_cell(), PLAN, [WantedStop(INTO_THE_TABLE)] * 2, leave_out_unfit=True)
+
+
+def test_degrees_with_nine_decimals_still_are_the_same_configuration():
+    rounded = tuple(math.radians(round(math.degrees(q + 1e-12), 9)) for q in REACHING_OUT)
+
+    (stop,) = stops_to_add(make_cell(), PLAN, [WantedStop(rounded, 1)])
+
+    assert (stop.repeat_of, stop.joints_rad) == (4, REACHING_OUT)
