@@ -18,6 +18,7 @@ from simulators.errors import ReplayError
 from simulators.physics.effects import Conditions
 from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray, motion, move, small_motion
+from simulators.recording.fixed_nests import places_of_fixed_nests
 from simulators.recording.measured_campaign import (
     POINTS,
     certified_nests_mm,
@@ -66,7 +67,7 @@ def replay(cell: Cell, model: IdentifiedModel, folder: Path) -> Replay:
         true_mm[role] = (
             _true_points(cell, model, table, tracker)
             if role in POINTS
-            else _fixed_nests(table, certified_nests_mm(document))
+            else places_of_fixed_nests(table, certified_nests_mm(document), model)
         )
         tables[role] = table.with_positions(tracker.read(table, true_mm[role], role), _ORIENTATION)
     return Replay(cell, _noted(document, model, files), tables, true_mm, tuple(remarks))
@@ -148,19 +149,6 @@ def _nests(table: MeasuredTable, count: int) -> Any:
             f"{table.name}, line {row + 2}: the model has nests 1 to {count}, not {nest[row]:g}"
         )
     return nest.astype(int)
-
-
-def _fixed_nests(table: MeasuredTable, certified_mm: FloatArray) -> FloatArray:
-    """Place of the fixed nest in every row: as certified, else where it was read on average."""
-    nest = table.known("fixed_nest")
-    read = np.stack([table.known(f"{axis}_mm") for axis in "xyz"], axis=1)
-    places = np.empty_like(read)
-    for number in np.unique(nest):
-        here = nest == number
-        places[here] = read[here].mean(axis=0)
-        if 1 <= number <= len(certified_mm):
-            places[here] = certified_mm[int(number) - 1]
-    return places
 
 
 def _remarks(table: MeasuredTable, model: IdentifiedModel) -> list[str]:

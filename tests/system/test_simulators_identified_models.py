@@ -86,6 +86,23 @@ def test_an_identified_effect_moves_the_simulated_robot_as_predicted(tmp_path, q
     assert moved > 20 * LIMIT_MM  # so that a missing or reversed effect could not pass
 
 
+@pytest.mark.parametrize(
+    "left_out",
+    [
+        pytest.param({"payload", "link_mass"}, id="all but wrong masses"),
+        # The service bends links and base by the stated weights; here they bend by the identified ones.
+        pytest.param({"base_compliance", "link_bending"}, id="all but what wrong masses bend"),
+    ],
+)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_effects_act_together_as_predicted(tmp_path, quiet, robot, left_out):
+    model = extended(ROBOTS[robot], *(effect for effect in EXTENSIONS if effect not in left_out))
+
+    off, _ = off_mm(model, quiet, tmp_path)
+
+    assert off.max() < LIMIT_MM
+
+
 def test_springs_of_unknown_masses_act_through_their_products(tmp_path, quiet):
     products = [
         (f"c_{joint}*m{axis}_{frame}", 1e-4 * (-1) ** (joint + frame), "rad*s2/m")

@@ -112,6 +112,19 @@ def test_fixed_nests_are_read_through_the_same_drifting_tracker(campaign):
     assert campaign.positions()[0] == pytest.approx(np.add(AT_ZERO_MM, [0.5, 0, 0]), abs=1e-5)
 
 
+def test_fixed_nests_stand_where_the_model_found_them(campaign):
+    fixed = {"time_s": 0.0, "fixed_nest": 1, "x_mm": 1, "y_mm": 2, "z_mm": 3, "u_mm": 0.01}
+    campaign.write("calibration", [ROW])
+    campaign.write("reference", [fixed], fixed_nests_certified_mm=[[1000.0, 0.0, 0.0]])
+
+    found = [("reference", "fixed_1_x", 0.2, "mm"), ("reference", "frame_z", 0.1, "mm")]
+    campaign.replay(*found, ("reference", "frame_rz", 1e-3, "rad"))
+
+    expected = [1000.2 * np.cos(1e-3), 1000.2 * np.sin(1e-3), 0.1]
+    assert campaign.positions("reference")[0] == pytest.approx(expected, abs=1e-5)
+    assert campaign.positions()[0] == pytest.approx(AT_ZERO_MM, abs=1e-5)  # the arm's base took it already
+
+
 def test_fixed_nests_without_certificate_are_where_they_were_read_on_average(campaign):
     fixed = {"time_s": 0.0, "fixed_nest": 1, "y_mm": 2, "z_mm": 3, "u_mm": 0.01}
     campaign.write("calibration", [ROW])
