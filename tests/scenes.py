@@ -1,6 +1,7 @@
 """Campaigns whose rows tell everything that an effect may depend on, and what a diagnosis sees of them."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -77,5 +78,12 @@ def scene_of(problem, values=None, campaign=None, **changes):
 
 def telling_scene(effects=START, campaign=None, **changes):
     """The scene of a telling campaign that was fitted with some effects."""
-    campaign = telling_campaign() if campaign is None else campaign
+    if campaign is None:
+        return replace(_usual_scene(effects), **changes)
     return scene_of(build(campaign, effects), campaign=campaign, **changes)
+
+
+@cache
+def _usual_scene(effects):
+    campaign = telling_campaign()
+    return scene_of(build(campaign, effects), campaign=campaign)

@@ -9,7 +9,6 @@ import pytest
 from service.domain.campaign import Stops
 from service.domain.errors import UnknownEffectError
 from service.domain.results import Unit
-from service.domain.results import Unit
 from service.effects.compliance import compliance_prior
 from service.effects.geometry import is_parallel_to_previous
 from service.effects.names import joint_name, joint_of, nest_name, nest_port_index
