@@ -12,6 +12,8 @@ from service.identification.setting import known_placement
 from service.identification.structure import Structure
 from service.kinematics.frames import angles_xyz
 
+# What these are like only a search in the data tells: a time, a pair of nests, single readings.
+_FOUND_BY_SEARCH = frozenset({"base_shift", "fixture_shift", "label_swap", "outliers"})
 _GIMBAL_RAD = np.deg2rad(80.0)  # beyond it the angles RotX RotY RotZ about the start lose their meaning
 
 
@@ -42,7 +44,7 @@ def started_structure(
     Raises
     ------
     UnknownEffectError, ConfigurationError
-        An effect is not registered, or two have the same parameter.
+        An effect is not registered, two have the same parameter, or one is only found by a search.
     """
     base_start, base_values = _placed_start(campaign, placement)
     tool_start, tool_values = _angles_about(np.eye(3), tool_rotation)
@@ -111,6 +113,11 @@ def _specs(effects: tuple[str, ...], setting: Setting) -> tuple[tuple[ParameterS
     specs: list[ParameterSpec] = []
     owners: list[str] = []
     for name in effects:
+        if name in _FOUND_BY_SEARCH:
+            raise ConfigurationError(
+                f"Effect {name!r} has no parameters until it is found in the data: "
+                "leave it out of the effects, `diagnose` looks for it."
+            )
         for spec in effect_named(name).specs(setting):
             if spec.name in {earlier.name for earlier in specs}:
                 raise ConfigurationError(
