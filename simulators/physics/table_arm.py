@@ -17,6 +17,7 @@ from simulators.physics.rigid import FloatArray, inverse, move, placed, to_six
 
 _FASTEST_RAD_S = math.radians(250.0)  # a small arm's; no model states speeds
 _FULL_TURN_RAD = 2.0 * math.pi
+_LONGEST_NAME = 30  # a RAPID string holds 80 characters, with serial number and version before it
 _COUNTS_BACKWARDS = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
@@ -95,7 +96,7 @@ def draw_arm(table: ArmTable) -> Arm:
     last = frames[-1]
     return Arm(
         name=table.name,
-        model=table.name,
+        model=_type_plate(table.name),
         joints=joints,
         masses=tuple(masses),
         flange_mm=_vector(last[:3, 3]),
@@ -126,6 +127,12 @@ def _along_z(d_mm: float) -> FloatArray:
 
 def _sense(row: TableRow) -> FloatArray:
     return np.eye(4) if row.sign > 0 else _COUNTS_BACKWARDS
+
+
+def _type_plate(name: str) -> str:
+    """Return a name as a controller says it: short, printable, without the stars that part its answer."""
+    plain = "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in name)
+    return plain.replace("*", "?")[:_LONGEST_NAME]
 
 
 def _array(mass: FrameMass) -> FloatArray:

@@ -16,6 +16,7 @@ import numpy as np
 from simulators.cell import Cell
 from simulators.errors import ReplayError
 from simulators.physics.effects import Conditions
+from simulators.physics.effects.thermal_growth import LENGTHS_HOLD_C
 from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray, motion, move, small_motion
 from simulators.recording.fixed_nests import places_of_fixed_nests
@@ -41,7 +42,6 @@ _ACTS_BY = {
     "thermal_growth": "temperature_C",
     "tool_reseating": "attachment",
 }
-_LENGTHS_HOLD_C = 20.0  # where nothing grows
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,7 @@ def _conditions(model: IdentifiedModel, table: MeasuredTable, time_s: FloatArray
         joints_rad=np.radians(table.per_joint("q{}_deg", n_joints)),
         direction=np.stack(directions, axis=1),
         time_s=time_s,
-        temperature_c=table.or_else("temperature_C", _LENGTHS_HOLD_C),
+        temperature_c=table.or_else("temperature_C", LENGTHS_HOLD_C),
         attachment=table.or_else("attachment", 0.0),
         measured_torque_n_mm=_sensed_torques_n_mm(model, table, n_joints),
     )

@@ -18,7 +18,7 @@ from simulators.physics.effects.subject import check_only
 from simulators.physics.rigid import FloatArray, apply
 
 # Temperature at which lengths in drawings are meant (ISO 1), and those of an identified model.
-_LENGTHS_HOLD_C = 20.0
+LENGTHS_HOLD_C = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +80,6 @@ def realise(stated: Stated, site: ModelArm) -> tuple[ThermalGrowth, ...]:
     """Build the identified expansion, `growth` [1/K] of all lengths from 20 degC on, in the cell's air."""
     links_mm, still = _links_mm(site.arm), WarmUpDetails(warm_up_k=0.0)
     return tuple(
-        ThermalGrowth(links_mm, per_k, still, _LENGTHS_HOLD_C, ALWAYS_S)
+        ThermalGrowth(links_mm, per_k, still, LENGTHS_HOLD_C, ALWAYS_S)
         for _, per_k in stated.matching("growth", "growth")
     )

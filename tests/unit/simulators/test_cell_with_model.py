@@ -9,6 +9,7 @@ from simulators.__main__ import main
 from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.errors import ScenarioError
+from simulators.instruments.open_abb import MotionProgram
 from simulators.model_file import load_model
 from simulators.physics.effects import PlantedChange
 from simulators.scenario_file import load_scenario
@@ -123,3 +124,12 @@ def test_a_model_that_cannot_be_driven_is_refused_before_anything_listens(write,
     said = capsys.readouterr()
     assert sentence in said.err
     assert (said.out, said.err.count("\n")) == ("", 1)
+
+
+async def test_a_controller_says_any_name_in_its_own_letters(make_cell):
+    cell = make_cell(robot=robot_document(name="KUKA * Größe \n" + 80 * "x"))
+
+    reply = await MotionProgram(cell).answer(b"98 #")
+
+    assert reply is not None
+    assert reply.endswith(b"*KUKA ? Gr??e ?" + 16 * b"x")
