@@ -74,7 +74,8 @@ class DiagnosisRepository:
 
     async def of_robot(self, robot: str, serial_number: str | None = None) -> list[DiagnosisRecord]:
         """Return the diagnoses of robots of that name without their drawings, in the order of storing."""
-        query = _records(diagnoses.c.summary).where(campaigns.c.robot == robot).order_by(diagnoses.c.id)
+        named = diagnoses.c.summary["robot"].as_string() == robot
+        query = _records(diagnoses.c.summary).where(named).order_by(diagnoses.c.id)
         if serial_number is not None:
             query = query.where(diagnoses.c.robot_serial_number == serial_number)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])

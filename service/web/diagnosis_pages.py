@@ -1,4 +1,8 @@
-"""Diagnoses for people: a list, and each as its report, at the size of a tablet."""
+"""Diagnoses for people: a list, and each as its report, at the size of a tablet.
+
+The reports are imported where a page is made: their drawing library takes most of a second, and the service
+must not wait for it when it starts.
+"""
 
 import asyncio
 import dataclasses
@@ -6,25 +10,19 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from http import HTTPStatus
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter, Response
 from fastapi.responses import HTMLResponse
 
-from service.reports import (
-    DiagnosisInput,
-    ReportConditions,
-    VerdictWords,
-    diagnosis_content,
-    page_styles,
-    verdict_shape,
-    verdict_words,
-)
 from service.sequencing.states import has_ended
 from service.storage.errors import NotFoundError
 from service.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from service.web.context import Context, Here
 from service.web.rendering import page
+
+if TYPE_CHECKING:
+    from service.reports import DiagnosisInput, VerdictWords
 
 router = APIRouter(include_in_schema=False)
 _SHOWN: Final = 50
@@ -44,6 +42,8 @@ class Actions:
 @router.get("/diagnoses", response_class=HTMLResponse)
 async def diagnoses_page(here: Here) -> HTMLResponse:
     """List the latest diagnoses with their first lines."""
+    from service.reports import page_styles, verdict_shape
+
     records = await here.diagnoses.newest(_SHOWN)
     rows = [(record, _verdict(record)) for record in records]
     return page(
@@ -60,6 +60,8 @@ async def diagnoses_page(here: Here) -> HTMLResponse:
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
 async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
     """Show a diagnosis as its report."""
+    from service.reports import diagnosis_content, page_styles
+
     record = await _record(here, id)
     if record is None:
         return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here, styles=page_styles())
@@ -85,7 +87,9 @@ async def measure_next_script() -> Response:
     return Response(_SCRIPT.read_text(encoding="utf-8"), media_type="text/javascript")
 
 
-def _verdict(record: DiagnosisRecord) -> VerdictWords:
+def _verdict(record: DiagnosisRecord) -> "VerdictWords":
+    from service.reports import verdict_words
+
     return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None)
 
 
@@ -122,7 +126,9 @@ async def _actions(here: Context, record: DiagnosisRecord, campaign: CampaignRec
     )
 
 
-async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> DiagnosisInput:
+async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> "DiagnosisInput":
+    from service.reports import DiagnosisInput, ReportConditions
+
     diagnosis = record.diagnosis
     if record.model_id is not None:
         model = (await here.results.model(record.model_id)).model

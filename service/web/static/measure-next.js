@@ -47,10 +47,13 @@ async function measure() {
   const configurations = JSON.parse(form.dataset.configurations).map((joints) => ({ joints_deg: joints }));
   // Named, the diagnosis is run again by itself once the session has finished.
   const diagnosis_id = Number(bar.dataset.diagnosis);
-  const body = { person: form.elements.person.value.trim(), configurations, diagnosis_id };
+  // A diagnosis knows the robot, not the table: what this cell cannot measure is left out, and said.
+  const person = form.elements.person.value.trim();
+  const body = { person, configurations, diagnosis_id, leave_out_unfit: true };
   // One key a diagnosis: two taps must not send the robot there twice.
   const added = await post(`${session}/configurations`, body, form.dataset.key);
-  say([added.sentence, added.session.question].filter(Boolean).join(" "));
+  const left = added.left_out.map((entry) => `Left out: configuration ${entry.configuration}, ${entry.reason}.`);
+  say([added.sentence, ...left, added.session.question].filter(Boolean).join(" "));
 }
 
 async function diagnose() {
