@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from service.domain.results import Unit
+from service.effects.registry import EFFECTS
 from service.exchange.model_file import write_model
 from service.identification import predict
 from simulators.model_file import load_model
@@ -27,6 +28,8 @@ from tests.robots import IRB_120
 LIMIT_MM = 1e-3
 # Effects that are no part of the arm's equation of motion: they place it.
 PLACING = {"axis_parallelism"}
+# Of single readings, of a ballbar, of fixed nests: nothing that a tracker would see an arm do.
+NOT_OF_A_ROBOT = {"label_swap", "outliers", "ballbar_zero", "fixture_shift", "reference"}
 
 
 @pytest.fixture
@@ -71,6 +74,12 @@ def off_mm(model, scenario, tmp_path, n=60):
 
 def test_every_effect_that_the_cell_realises_is_tried_here():
     assert {*EXTENSIONS, "compliance"} == {*REALISED, *PLACING}
+
+
+def test_every_effect_that_the_service_knows_is_realised_or_known_to_be_no_robots():
+    placing = {"base", "tool", "geometry", "geometry_dhm", "joint_offset", *PLACING}
+
+    assert set(EFFECTS) == {*REALISED, *placing, *NOT_OF_A_ROBOT}
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
