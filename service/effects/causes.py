@@ -96,7 +96,8 @@ class Cause(Effect, Protocol):
 def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[float, float]:
     """Length of a vector that is known with a covariance, less what noise adds to it, and its uncertainty.
 
-    The expected squared length of the estimate exceeds the true one by the trace of the covariance.
+    The expected squared length of the estimate exceeds the true one by the trace of the covariance; what is
+    taken off makes the amplitude a steeper function of the length, and so less certain than that.
     """
     length = float(np.linalg.norm(vector))
     if length == 0.0:
@@ -104,7 +105,8 @@ def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[f
     along = vector / length
     spread = float(np.sqrt(along @ covariance @ along))
     across = float(np.trace(covariance)) - spread**2
-    return float(np.sqrt(max(length**2 - across, spread**2))), spread
+    amplitude = float(np.sqrt(max(length**2 - across, spread**2)))
+    return amplitude, spread * max(1.0, length / amplitude)
 
 
 def varied(column: FloatArray | IntArray | None) -> bool:

@@ -1,0 +1,33 @@
+"""Lengths of vectors that are known with a covariance."""
+
+import numpy as np
+import pytest
+
+from service.effects.causes import norm_with_uncertainty
+
+DRAWS = 1500
+
+
+@pytest.mark.parametrize("true", [0.5, 1.0, 2.0, 3.0, 5.0, 10.0])
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_length_lies_within_its_stated_interval_as_often_as_it_says(true, dimensions):
+    rng = np.random.default_rng(5)
+    estimates = rng.standard_normal((DRAWS, dimensions)) + true * np.eye(dimensions)[0]
+
+    found = np.array([norm_with_uncertainty(vector, np.eye(dimensions)) for vector in estimates])
+
+    within = np.mean(np.abs(found[:, 0] - true) < 1.96 * found[:, 1])
+    # 95 % stated, 97 % where the length is hardly known; 1500 draws of that scatter by 0.6 %
+    assert 0.93 < within < 0.99
+
+
+def test_a_length_that_is_well_known_is_that_of_the_vector_with_the_spread_along_it():
+    covariance = np.diag([4e-6, 1e-6])
+
+    amplitude, uncertainty = norm_with_uncertainty(np.array([3.0, 0.0]), covariance)
+
+    assert (amplitude, uncertainty) == (pytest.approx(3.0), pytest.approx(2e-3))
+
+
+def test_a_vector_that_is_nothing_is_as_uncertain_as_all_its_components():
+    assert norm_with_uncertainty(np.zeros(2), np.diag([9.0, 16.0])) == (0.0, 5.0)
