@@ -4,7 +4,8 @@ The two are written by different routes (screws and rigid motions here, DH-Modif
 file. What may differ is what either leaves to its iterations: the service stops when torques agree to 1e-5
 of the largest (1e-6 rad per spring at most, hence 0.1 um at half a metre beyond its joint), and takes small
 turns about x, y and z as additive where several move one body (1e-4 rad squared, 0.01 um at a metre).
-Positions written to files are rounded to 0.01 um. A twentieth of this limit would already be a wrong sign.
+Positions written to files are rounded to 0.01 um. Each effect moves the tool by twenty times the limit or more,
+so that a missing, halved or reversed one could not pass.
 """
 
 import csv
@@ -92,7 +93,7 @@ def test_an_identified_effect_moves_the_simulated_robot_as_predicted(tmp_path, q
     assert off.max() < LIMIT_MM
     stops, nest = stops_and_nests(model.robot)
     moved = np.linalg.norm(predicted - predict(without, stops, nest)[0], axis=1).max()
-    assert moved > 20 * LIMIT_MM  # so that a missing or reversed effect could not pass
+    assert moved > 20 * LIMIT_MM
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import asyncio
 import csv
 import json
+import socket
 import subprocess
 import sys
 
@@ -163,3 +164,31 @@ async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared):
     errors = np.array([point.position_world_mm for point in points]) - predicted
     # Tracker 0.0155 mm per axis, scatter 0.0035, registration 0.003, as in test_session_on_simulated_cell.
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.016, rel=0.3)
+
+
+def test_the_command_announces_the_models_cell_and_it_stands_where_predicted(geared):
+    command = [sys.executable, "-m", "service", "simulate", "--pace", "0", "--model", geared / "model.json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        endpoints = {
+            entry["device"]: entry for entry in (json.loads(process.stdout.readline()) for _ in "12345")
+        }
+        joints = [0.3, 0.5, -0.4, 1.0, -0.7, 2.0]
+        with socket.create_connection((endpoints["truth"]["host"], endpoints["truth"]["port"])) as truth:
+            truth.sendall(
+                json.dumps({"op": "positions", "joints_rad": [joints], "nests": [2]}).encode() + b"\n"
+            )
+            answer = json.loads(truth.makefile("rb").readline())
+        process.terminate()
+
+    assert process.returncode == 0
+    assert list(endpoints) == ["tracker", "robot", "robot-log", "clock", "truth"]
+    stops = Stops(config=np.array([1]), joints_rad=np.array([joints]))
+    predicted, _ = predict(read_model(geared / "model.json"), stops, np.array([2]))
+    assert answer["positions_mm"] == pytest.approx(predicted, abs=1e-3)
+
+
+def test_the_command_refuses_a_file_that_is_no_model(geared):
+    done = truepose("simulate", "--model", geared / "measured" / "campaign.json")
+
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == 'campaign.json is no model file: one begins with "format": "truepose-model"\n'
