@@ -2,10 +2,10 @@
 
 The two are written by different routes (screws and rigid motions here, DH-Modified ports there) and share a
 file. What may differ is what either leaves to its iterations: the service stops when torques agree to 1e-5
-of the largest (1e-6 rad per spring at most, hence 0.1 um at half a metre beyond its joint), and takes small
-turns about x, y and z as additive where several move one body (1e-4 rad squared, 0.01 um at a metre).
-Positions written to files are rounded to 0.01 um. Each effect moves the tool by twenty times the limit or more,
-so that a missing, halved or reversed one could not pass.
+of the largest, 1 N mm of 1e5, which turns the softest spring here (5e-7 rad/(N mm)) by 5e-7 rad and moves a
+nest half a metre away by 0.25 um. It takes small turns about x, y and z as additive where several move one
+body (1e-4 rad squared, 0.01 um at a metre), and files round positions to 0.01 um. Each effect moves the tool
+by twenty times the limit or more, so that a missing, halved or reversed one could not pass.
 """
 
 import csv
