@@ -17,13 +17,13 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import Final
 
-from service.domain.diagnosis import Confidence, Diagnosis, Finding
+from service.diagnosis.amplitudes import SHARED, Amplitude, Key, Variant, amplitudes_of
+from service.domain.diagnosis import Confidence, Diagnosis
 
 LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
 # They happened once, in one campaign: two of them are not the same thing at two times.
 _EVENTS: Final = frozenset({"base_shift", "fixture_shift", "label_swap"})
-_SHARED: Final = {"joint": "joints", "link": "links"}  # subjects when more than two share a cause
 _DAY: Final = len("2026-03-03")
 _MINUTE: Final = len("2026-03-03T10:15")
 
@@ -82,31 +82,11 @@ class CauseOverTime:
 
     effect: str
     subject: str
-    order: float | None  # of a wave; None for other causes
+    variant: Variant | None
     unit: str
     signs: tuple[Sign, ...]
     changes: tuple[Change, ...]  # between consecutive diagnoses that found it
     overall: Change | None  # between the first and the last, where there are more than two
-
-
-@dataclass(frozen=True, slots=True)
-class _Key:
-    effect: str
-    subject: str
-    order: float | None
-    unit: str
-
-    def words(self) -> str:
-        name = self.effect.replace("_", " ")
-        wave = "" if self.order is None else f" of order {self.order:g}"
-        return f"{name}{wave} of {self.subject}"
-
-
-@dataclass(frozen=True, slots=True)
-class _Amplitude:
-    value: float
-    standard_uncertainty: float
-    confidence: Confidence
 
 
 def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
@@ -118,51 +98,23 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
         Of one robot, each of other readings; in any order.
     """
     dated = sorted(diagnoses, key=lambda entry: (entry.measured_at, entry.id))
-    seen = [_amplitudes(entry.diagnosis) for entry in dated]
+    seen = [amplitudes_of(entry.diagnosis) for entry in dated]
     keys = dict.fromkeys(key for amplitudes in seen for key in amplitudes)
     causes = [_over_time(key, dated, [amplitudes.get(key) for amplitudes in seen]) for key in keys]
     return _corrected(causes)
 
 
-def _amplitudes(diagnosis: Diagnosis) -> dict[_Key, _Amplitude]:
-    amplitudes: dict[_Key, _Amplitude] = {}
-    for finding in diagnosis.findings:
-        for key, amplitude in _waves(finding) or [(_key(finding, None), _amplitude(finding))]:
-            amplitudes.setdefault(key, amplitude)  # of two of one name, the more important one
-    return amplitudes
-
-
-def _waves(finding: Finding) -> list[tuple[_Key, _Amplitude]]:
-    """Return a finding of waves wave by wave: each `order` begins one, an `amplitude` after it is its own."""
-    waves: list[tuple[_Key, _Amplitude]] = []
-    for detail in finding.details:
-        if detail.name == "order":
-            waves.append((_key(finding, detail.value), _amplitude(finding)))
-        elif detail.name == "amplitude" and waves:
-            own = _Amplitude(detail.value, detail.standard_uncertainty, finding.confidence)
-            waves[-1] = (waves[-1][0], own)
-    return waves
-
-
-def _key(finding: Finding, order: float | None) -> _Key:
-    return _Key(finding.effect, finding.subject, order, finding.unit)
-
-
-def _amplitude(finding: Finding) -> _Amplitude:
-    return _Amplitude(finding.amplitude, finding.amplitude_standard_uncertainty, finding.confidence)
-
-
 def _over_time(
-    key: _Key, dated: Sequence[DatedDiagnosis], amplitudes: Sequence[_Amplitude | None]
+    key: Key, dated: Sequence[DatedDiagnosis], amplitudes: Sequence[Amplitude | None]
 ) -> CauseOverTime:
     signs = tuple(_sign(key, entry, found) for entry, found in zip(dated, amplitudes, strict=True))
     found = [] if key.effect in _EVENTS else [sign for sign in signs if sign.sighting is Sighting.FOUND]
     changes = tuple(_change(earlier, later) for earlier, later in pairwise(found))
     overall = _change(found[0], found[-1]) if len(found) > 2 else None
-    return CauseOverTime(key.effect, key.subject, key.order, key.unit, signs, changes, overall)
+    return CauseOverTime(key.effect, key.subject, key.variant, key.unit, signs, changes, overall)
 
 
-def _sign(key: _Key, entry: DatedDiagnosis, found: _Amplitude | None) -> Sign:
+def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> Sign:
     if found is None:
         return Sign(entry.id, entry.measured_at, _why_absent(key, entry.diagnosis))
     return Sign(
@@ -175,10 +127,10 @@ def _sign(key: _Key, entry: DatedDiagnosis, found: _Amplitude | None) -> Sign:
     )
 
 
-def _why_absent(key: _Key, diagnosis: Diagnosis) -> Sighting:
+def _why_absent(key: Key, diagnosis: Diagnosis) -> Sighting:
     if key.effect in diagnosis.start_effects:
         return Sighting.PART_OF_START
-    shared = _SHARED.get(key.subject.split(" ")[0])
+    shared = SHARED.get(key.subject.split(" ")[0])
     if any(f.effect == key.effect and f.subject == shared for f in diagnosis.findings):
         return Sighting.WITH_OTHERS
     said = [r for r in diagnosis.ruled_out if r.effect == key.effect and r.subject in {"", key.subject}]
@@ -236,13 +188,23 @@ def _judged(cause: CauseOverTime, change: Change, p_value: float | None) -> Chan
 def _sentence(cause: CauseOverTime, change: Change) -> str:
     earlier = next(sign for sign in cause.signs if sign.diagnosis_id == change.from_id)
     later = next(sign for sign in cause.signs if sign.diagnosis_id == change.to_id)
-    what = _Key(cause.effect, cause.subject, cause.order, cause.unit).words()
+    what = _words(cause)
     unit = "" if cause.unit == "1" else f" {cause.unit}"
     size = f"{_number(abs(change.difference), change.standard_uncertainty)}{unit}"
     return (
         f"{what[0].upper()}{what[1:]} {_verb(earlier, later)} by {size} between "
         f"{' and '.join(_moments(earlier, later))}: {_verdict(change)}."
     )
+
+
+def _words(cause: CauseOverTime) -> str:
+    name = cause.effect.replace("_", " ")
+    match cause.variant:
+        case Variant("order", order):
+            name += f" of order {order:g}"
+        case Variant("source joint", joint):
+            name += f" from joint {joint:g}"
+    return f"{name} of {cause.subject}"
 
 
 def _verb(earlier: Sign, later: Sign) -> str:

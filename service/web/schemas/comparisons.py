@@ -36,12 +36,19 @@ class ChangeReply(Reply):
     sentence: str
 
 
+class VariantReply(Reply):
+    """Which of several ways a cause acts in."""
+
+    name: str = Field(description="`order` of a wave, `source joint` of a coupling.", examples=["order"])
+    value: float = Field(examples=[2.0])
+
+
 class CauseReply(Reply):
     """A cause in all diagnoses, oldest readings first."""
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
-    order: float | None = Field(description="Waves per turn; null where the cause is no wave.")
+    variant: VariantReply | None = Field(description="Null where there is but one way.")
     unit: str = Field(examples=["deg"])
     signs: list[SignReply]
     changes: list[ChangeReply] = Field(description="Between consecutive diagnoses that found it.")
@@ -70,10 +77,11 @@ def comparison_reply(
 
 
 def _cause(cause: CauseOverTime) -> CauseReply:
+    variant = cause.variant
     return CauseReply(
         effect=cause.effect,
         subject=cause.subject,
-        order=cause.order,
+        variant=None if variant is None else VariantReply(name=variant.name, value=variant.value),
         unit=cause.unit,
         signs=[_sign(sign) for sign in cause.signs],
         changes=[_change(change) for change in cause.changes],

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from service.diagnosis.amplitudes import Variant
 from service.diagnosis.comparison import DatedDiagnosis, Sighting, compare
 from service.domain.diagnosis import Confidence, Detail, RuledOut
 from tests.diagnoses import make_diagnosis, make_finding, make_wave
@@ -136,9 +137,59 @@ def test_waves_are_compared_order_by_order():
     causes = compare([dated(1, SPRING, make_wave(order=2.0)), dated(2, AUTUMN, two_waves)])
 
     second, high = causes
-    assert (second.order, high.order) == (2.0, 101.0)
+    assert (second.variant, high.variant) == (Variant("order", 2.0), Variant("order", 101.0))
     assert second.changes[0].difference == pytest.approx(0.010 - 0.029)
     assert high.changes == ()
+
+
+def test_couplings_are_compared_by_the_joint_that_drags():
+    from_5 = make_finding(
+        effect="joint_coupling",
+        subject="joint 6",
+        unit="rad/rad",
+        details=(Detail("source joint", 5.0, "1", 0.0),),
+    )
+    from_both = replace(
+        from_5,
+        details=(
+            Detail("source joint", 4.0, "1", 0.0),
+            Detail("coupling", 0.001, "rad/rad", 0.0001),
+            Detail("source joint", 5.0, "1", 0.0),
+            Detail("coupling", 0.071, "rad/rad", 0.004),
+        ),
+    )
+
+    causes = compare([dated(1, SPRING, from_5), dated(2, AUTUMN, from_both)])
+
+    assert [cause.variant for cause in causes] == [Variant("source joint", 5.0), Variant("source joint", 4.0)]
+    assert causes[0].changes[0].difference == pytest.approx(0.05)
+    assert causes[0].changes[0].sentence.startswith("Joint coupling from joint 5 of joint 6 grew by 0.0500")
+
+
+def test_a_joint_is_found_again_among_several_that_share_a_cause():
+    shared = backlash(
+        0.050,
+        subject="joints",
+        details=tuple(Detail(f"gap of joint {k}", 0.01 * k, "deg", 0.002) for k in (3, 4, 5)),
+    )
+
+    causes = compare([dated(1, SPRING, backlash(0.021)), dated(2, AUTUMN, shared)])
+
+    assert [cause.subject for cause in causes] == ["joint 3", "joint 4", "joint 5"]
+    assert causes[0].changes[0].difference == pytest.approx(0.009)
+
+
+def test_details_in_another_unit_are_no_amplitudes_of_their_own():
+    sag = make_finding(
+        effect="link_bending",
+        subject="links",
+        unit="mm",
+        details=(Detail("1/EI of link 2", 1e-9, "1/(N*mm2)", 1e-10),),
+    )
+
+    (cause,) = compare([dated(1, SPRING, sag), dated(2, AUTUMN, sag)])
+
+    assert (cause.subject, cause.changes[0].difference) == ("links", 0.0)
 
 
 def test_amplitudes_in_different_units_are_not_subtracted():
