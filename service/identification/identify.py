@@ -137,7 +137,7 @@ def _answer(
         status=status,
         message=message,
         effects=problem.structure.effects,
-        counts=_counts(problem, identified),
+        counts=_counts(problem, identified, len(gross)),
         parameters=model.parameters,
         not_identifiable=named,
         outliers=gross,
@@ -152,13 +152,13 @@ def _answer(
     )
 
 
-def _counts(problem: Problem, identified: RobustFit) -> Counts:
+def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Counts:
     sizes = [result.residual.size for result in identified.results]
     return Counts(
         configurations=len(np.unique(sites(problem.blocks[0].targets.stops))),
         observations=int(sum(sizes)),
         parameters=len(problem.structure.specs),
-        outliers=int(sum(flags.sum() for flags in identified.gross)),
+        outliers=outliers_found,
     )
 
 

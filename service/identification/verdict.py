@@ -15,6 +15,7 @@ from service.identification.conventions import (
     reach_mm,
 )
 from service.identification.problem import Problem
+from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 from service.identification.setting import known_placement, setting_of
 from service.kinematics.chain import nominal_chain
@@ -184,6 +185,9 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
     parts = [f"Converged with {len(problem.structure.specs)} parameters"]
     if gross:
         parts.append(f"{gross} reading{'s' if gross > 1 else ''} without weight")
+    fixed = _bad_looks(identified)
+    if fixed:
+        parts.append(f"{fixed} reading{'s' if fixed > 1 else ''} of fixed nests without weight")
     elsewhere = _base_elsewhere(problem, identified)
     if elsewhere:
         parts.append(elsewhere)
@@ -203,6 +207,15 @@ def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> s
             "which the uncertainties include"
         )
     return "; ".join(parts) + "."
+
+
+def _bad_looks(identified: RobustFit) -> int:
+    """Count the readings of fixed nests that fit nothing; they stand in no table of the arm."""
+    return sum(
+        int(flags.sum())
+        for block, flags in zip(identified.blocks, identified.gross, strict=True)
+        if isinstance(block, ReferenceBlock)
+    )
 
 
 def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
