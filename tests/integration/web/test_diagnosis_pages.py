@@ -146,7 +146,7 @@ async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, di
 
 
 async def test_the_page_leads_to_its_document_and_to_the_robot_over_time(client, diagnosed):
-    number = await diagnosed(two_findings())
+    number = await diagnosed(replace(two_findings(), robot=make_campaign().robot.name))
 
     links = re.findall(r'href="(/api/v1/diagnoses[^"]*)"', (await client.get(f"/diagnoses/{number}")).text)
 
