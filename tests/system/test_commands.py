@@ -184,6 +184,32 @@ def test_predict_answers_in_the_order_of_the_input(good, tmp_path):
     assert all(0.0 < float(row["u_mm"]) < 0.1 for row in answers)
 
 
+def test_what_cannot_be_predicted_of_a_row_is_said_beside_the_predictions(campaign, tmp_path):
+    n = len(campaign.calibration)
+    stops = replace(campaign.calibration.stops, time_s=60.0 * np.arange(n))
+    timed = replace(campaign, calibration=replace(campaign.calibration, stops=stops), validation=None)
+    write_campaign(timed, tmp_path / "campaign")
+    truepose(
+        "identify", tmp_path / "campaign", "--effects", "base,geometry,compliance,base_drift",
+        "--model-out", tmp_path / "model.json",
+    )  # fmt: skip
+    rows = rows_of(calibration_file(tmp_path / "campaign"))[:5]
+    for row in rows:
+        del row["time_s"]
+    write_rows(tmp_path / "points.csv", rows)
+
+    predicted = truepose(
+        "predict", tmp_path / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv"
+    )
+    validated = truepose("validate", tmp_path / "model.json", tmp_path / "points.csv", "--json")
+
+    sentence = "base_drift needs time_s, which 5 of 5 rows lack: it is left out there"
+    assert sentence in predicted.stderr
+    assert len(rows_of(tmp_path / "out.csv")) == 5
+    assert sentence in validated.stderr
+    assert set(json.loads(validated.stdout)["position"]) == {"nominal", "identified"}
+
+
 def test_predict_without_nests_gives_every_nest_of_every_row(good, tmp_path):
     write_rows(tmp_path / "points.csv", [{"config": 1, **{f"q{j}_deg": 5 for j in range(1, 7)}}])
 
