@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from service.domain.robot import FixedNest
+from service.effects.registry import CAUSES
 from service.identification import identify
 from service.identification.considered import considered
 from service.identification.observations import linearise_blocks
@@ -13,7 +14,7 @@ from service.identification.problem import build
 from service.identification.reference import ReferenceBlock, reference_block
 from service.identification.robust import robust_fit
 from tests.leg_scenes import telling_legs
-from tests.scenes import FIXED_MM, ORIGIN_S, TRACKER_MM, telling_campaign
+from tests.scenes import FIXED_MM, ORIGIN_S, TRACKER_MM, telling_campaign, telling_scene
 
 ARM = ("base", "geometry")
 FRAME = [f"frame_{component}" for component in ("x", "y", "z", "rx", "ry", "rz")]
@@ -273,3 +274,29 @@ def test_readings_of_nests_without_a_certificate_are_passed_over():
 
     assert set(block.fixed_nest) == {1, 2}
     assert len(block.targets) == len(block.measured_mm) == 12
+
+
+@pytest.mark.parametrize("cause", [name for name in CAUSES if name not in {"ballbar_zero", "fixture_shift"}])
+def test_of_all_causes_only_those_of_the_instrument_move_fixed_nests(cause):
+    campaign = telling_campaign()
+    problem = build(campaign, ARM, with_reference=True)
+    block = problem.blocks[1]
+    candidates = CAUSES[cause].candidates(telling_scene(ARM, campaign))[:3]
+    structure = problem.structure
+    for candidate in candidates:
+        new = tuple(spec for spec in candidate.specs if spec.name not in structure.names)
+        structure = structure.extended(cause, new)
+    own = [k for k, owner in enumerate(structure.owners) if owner == cause]
+    values = np.concatenate([problem.start, structure.prior_widths[own]])
+
+    result = block.result(structure, values, None)
+
+    moved = block.measured_mm - result.residual
+    assert np.isfinite(result.residual).all()
+    assert np.isfinite(result.jacobian).all()
+    if cause in {"instrument_drift", "instrument_scale"}:
+        assert np.abs(result.jacobian[own]).max() > 0.0
+        assert np.abs(moved - block.certified_mm).max() > 1e-3
+    else:
+        assert not result.jacobian[own].any()
+        assert moved == pytest.approx(block.certified_mm, abs=1e-12)
