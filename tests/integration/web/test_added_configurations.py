@@ -158,14 +158,14 @@ async def test_nothing_is_added_to_what_is_not_there(client):
     assert (await client.post(f"{SESSIONS}/7/configurations", json=MORE)).status_code == 404
 
 
-async def diagnosed_so_far(client, until, bench, effects=("base", "tool", "geometry")):
+async def diagnosed_so_far(client, until, bench, **asked_for):
     """A session held in a motion, with a diagnosis of what it has measured so far."""
     path = await planned(client, 60)
     await client.post(f"{path}/start")
     await confirmed(client, path, "Is the cell clear")
     await until(path, "measured", *range(1, 60))
     bench.robot.gate.clear()
-    asked = await client.post(f"{path}/diagnosis", json={"effects": list(effects)})
+    asked = await client.post(f"{path}/diagnosis", json=asked_for)
     await until(asked.headers["Location"], "state", "succeeded")
     return path
 
@@ -174,7 +174,7 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
     client, until, bench, worker
 ):
     worker.found = [make_diagnosis(start_effects=("base", "tool", "geometry"))]
-    path = await diagnosed_so_far(client, until, bench)
+    path = await diagnosed_so_far(client, until, bench, effects=["base", "tool", "geometry"])
 
     await client.post(f"{path}/configurations", json={**MORE, "diagnosis_id": 1})
     bench.robot.gate.set()
@@ -187,6 +187,23 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
     assert again["session_id"] == 1
     assert worker.tasks[1].effects == ("base", "tool", "geometry")
     assert (len(first) < 60, len(second)) == (True, 62)
+
+
+async def test_it_is_judged_by_the_same_validation_session_again(client, until, bench):
+    kept = (await client.post(SESSIONS, json=session_request(role="validation"))).headers["Location"]
+    await client.post(f"{kept}/start")
+    await confirmed(client, kept, "Is the cell clear")
+    await until(kept, "state", "finished")
+    path = await diagnosed_so_far(client, until, bench, validation_session_id=1)
+
+    await client.post(f"{path}/configurations", json={**MORE, "diagnosis_id": 1})
+    bench.robot.gate.set()
+    await confirmed(client, path, "added to the plan")
+    await until("/api/v1/jobs/2", "state", "succeeded", "failed")
+
+    campaigns = (await client.get("/api/v1/campaigns")).json()
+    assert [campaign["session_ids"] for campaign in campaigns] == [[2, 1], [2, 1]]
+    assert [campaign["calibration_points"] for campaign in campaigns][1] == 62
 
 
 async def test_a_session_to_which_nothing_was_added_is_not_diagnosed_by_itself(client, until, worker):
