@@ -26,10 +26,16 @@ def to_document(value: object) -> Any:
     if isinstance(value, Mapping):
         return {str(key): to_document(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray):
-        return to_document(value.tolist())
+        return _array(value)
     if isinstance(value, (tuple, list)):
         return [to_document(entry) for entry in value]
     return _scalar(value)
+
+
+def _array(values: np.ndarray[Any, Any]) -> Any:
+    # Long columns of ordinary numbers need no look at each; a session under way waits meanwhile.
+    plain = values.dtype.kind in "if" and bool(np.all(np.isfinite(values)))
+    return values.tolist() if plain else to_document(values.tolist())
 
 
 def _scalar(value: object) -> Any:

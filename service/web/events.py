@@ -61,7 +61,7 @@ async def follow_events(
     last_event_id: EventNumber = None,
     stop_after_s: Seconds = None,
 ) -> StreamingResponse:
-    """Follow what happens: `session.state`, `session.reading`, `session.progress`, `job.state` and so on.
+    """Follow what happens: `session.state`, `session.reading`, `session.stops_added`, `job.state` and so on.
 
     Of one session or job the stream begins with its first event, of everything with the next one, unless
     `Last-Event-ID` says where to resume. It stays open; a comment every 15 s shows that the service lives.
