@@ -80,7 +80,7 @@ def identify(
         return _unfitted(campaign, chosen, Status.WRONG_NOMINAL_MODEL, collapsed)
     tell(0.2, "identifying")
     identified = robust_fit(problem.structure, problem.blocks, problem.start)
-    nominal = _nominal_fit(problem, identified)
+    nominal = nominal_fit(problem, identified)
     tell(0.5, "judging the model on configurations it has not seen")
     return _answer(campaign, problem, identified, nominal, tell)
 
@@ -89,7 +89,7 @@ def _silent(_fraction: float, _doing: str) -> None:
     return None
 
 
-def _nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
+def nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
     """Nominal robot with only base and unknown nests fitted, without the readings found gross."""
     left = tuple(name for name in problem.structure.effects if name not in NOMINAL_EFFECTS)
     structure = problem.structure.without(left)

@@ -1,0 +1,222 @@
+"""The answer: findings with their words, rivals and gain, what is left, and the verdict."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from service import __version__
+from service.diagnosis.curves import finding_curve, remaining_curve
+from service.diagnosis.groups import grouped
+from service.diagnosis.held_out import Chosen, Judged, gain_of, judge
+from service.diagnosis.left import Depends, Left, left_by
+from service.diagnosis.next_measurements import next_measurements
+from service.diagnosis.readings_found import readings_found
+from service.diagnosis.rivals import Weighed, weighed
+from service.diagnosis.ruled_out import ruled_out
+from service.diagnosis.selection import Selected, reselected
+from service.diagnosis.start import Start
+from service.diagnosis.wording import first_line, noise_of, remaining_sentence
+from service.domain.campaign import Campaign
+from service.domain.diagnosis import (
+    Cause,
+    Confidence,
+    Dependence,
+    Diagnosis,
+    Finding,
+    Gain,
+    Noise,
+    Remaining,
+    Verdict,
+)
+from service.domain.results import Model
+from service.effects.causes import Candidate, Fitted, Shown
+from service.effects.reference import NAME as REFERENCE
+from service.effects.registry import CAUSES
+from service.identification.considered import considered
+from service.identification.identify import nominal_fit
+from service.identification.models import Fits, model_of
+from service.identification.robust import RobustFit
+from service.identification.statistics import statistics
+
+Group = tuple[str, tuple[Candidate, ...]]
+Tell = Callable[[float, str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """What the parts of an answer are made from."""
+
+    start: Start
+    selected: Selected
+    groups: tuple[Group, ...]
+    judged: Judged
+    left: Left
+
+
+def answered(
+    start: Start, selected: Selected, choose: Chosen, without: tuple[str, ...], tell: Tell
+) -> Diagnosis:
+    """Put everything that a diagnosis found together."""
+    groups = grouped(selected.picks)
+    judged = judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), choose)
+    useless = _useless(groups, judged)
+    withdrawn = tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
+    if useless:
+        kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
+        selected = reselected(start.fit, selected, kept)
+        groups = grouped(kept)
+        judged = judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), choose)
+    tell(0.85, "testing what is left")
+    return _told(
+        _Answer(start, selected, groups, judged, left_by(start, selected, without)), withdrawn, without
+    )
+
+
+def _useless(groups: tuple[Group, ...], judged: Judged) -> tuple[int, ...]:
+    """Findings that make held-out errors larger beyond noise."""
+    return tuple(index for index in range(len(groups)) if judged.gain(index).interval_95_mm[1] < 0.0)
+
+
+def _withdrawal(group: Group, gain: Gain) -> str:
+    subject, picks = group
+    return (
+        f"{picks[0].effect} of {subject} was found and is withdrawn: on unseen points it makes the errors "
+        f"larger (RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
+    )
+
+
+def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
+    judged, left, start, selected = answer.judged, answer.left, answer.start, answer.selected
+    findings = (*_findings(answer), *readings_found(start, selected, left, judged))
+    remaining = Remaining(
+        structure=left.structure,
+        depends_on=tuple(
+            Dependence(one.variable, one.p_value, remaining_curve(selected, start.scene, one))
+            for one in left.depends
+        ),
+        sentence=remaining_sentence(left, full=selected.full),
+    )
+    verdict = _verdict(bool(findings), left.structure)
+    before = statistics(judged.errors.before_mm, judged.noise_mm)
+    after = statistics(judged.errors.after_mm, judged.noise_mm)
+    found = frozenset(Cause(one.effect, one.subject) for one in findings)
+    return Diagnosis(
+        robot=start.campaign.robot.name,
+        verdict=verdict,
+        message=first_line(verdict, findings, before, after, remaining),
+        start_effects=start.effects,
+        findings=findings,
+        quantity=start.problem.quantity,
+        before=before,
+        after=after,
+        held_out="validation" if judged.source == "validation" else "cross_validation",
+        remaining=remaining,
+        next_measurements=next_measurements(start, selected, answer.groups, findings, left),
+        ruled_out=ruled_out(start.scene, selected, found, without),
+        withdrawn=withdrawn,
+        noise=noise_of(left),
+        errors=judged.errors,
+        model=_model(answer),
+    )
+
+
+def _verdict(found: bool, structure: bool) -> Verdict:
+    if found:
+        return Verdict.PARTLY_EXPLAINED if structure else Verdict.EXPLAINED
+    return Verdict.UNEXPLAINED if structure else Verdict.CONSISTENT
+
+
+def _findings(answer: _Answer) -> tuple[Finding, ...]:
+    scales = [weighed(answer.selected, group) for _, group in answer.groups]
+    total = sum(scale.explained for scale in scales) or 1.0
+    found = [_finding(answer, index, scale, scale.explained / total) for index, scale in enumerate(scales)]
+    return tuple(sorted(found, key=lambda finding: -finding.share))
+
+
+def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
+    subject, group = answer.groups[index]
+    gain = answer.judged.gain(index)
+    shown = _shown(answer, subject, group)
+    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not _doubted(group[0], answer.left.depends)
+    return Finding(
+        effect=group[0].effect,
+        subject=shown.subject,
+        amplitude=shown.amplitude,
+        unit=shown.unit,
+        amplitude_standard_uncertainty=shown.standard_uncertainty,
+        p_value=scale.p_value,
+        confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
+        details=shown.details,
+        sentence=shown.sentence,
+        confusable_with=scale.rivals,
+        gain=gain,
+        parameters=tuple(name for pick in group for name in pick.names),
+        share=share,
+        curve=finding_curve(answer.selected, answer.start.scene, group),
+    )
+
+
+def _doubted(pick: Candidate, depends: tuple[Depends, ...]) -> bool:
+    """Whether what is left depends on the very joint that the pick is about, or on time as it does."""
+    joint = int(pick.subject.split()[1]) - 1 if pick.subject.startswith("joint ") else None
+    timed = pick.effect in {"base_drift", "base_shift", "instrument_drift", "thermal_growth"}
+    return any(
+        (one.joint is not None and one.joint == joint) or (timed and one.kind in ("time", "temperature"))
+        for one in depends
+    )
+
+
+def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown:
+    fit = answer.selected.fit
+    names = tuple(name for pick in group for name in pick.names)
+    rows = [fit.structure.index_of(name) for name in names]
+    fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
+    return CAUSES[group[0].effect].shown(subject, fitted, answer.start.scene)
+
+
+def _model(answer: _Answer) -> Model:
+    """Return the extended model, without what only the fixed nests needed."""
+    start, fit = answer.start, answer.selected.fit
+    fits = Fits(
+        start.campaign, fit, nominal_fit(start.problem, start.fit), considered(start.campaign, fit).total
+    )
+    drawn = model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
+    kept = [k for k, parameter in enumerate(drawn.parameters) if parameter.effect != REFERENCE]
+    return replace(
+        drawn,
+        effects=tuple(name for name in drawn.effects if name != REFERENCE),
+        parameters=tuple(drawn.parameters[k] for k in kept),
+        covariance=drawn.covariance[np.ix_(kept, kept)],
+    )
+
+
+def _discrepancy_mm(answer: _Answer) -> float:
+    """Return what the usual held-out residuals show per axis beyond the readings' noise [mm]."""
+    squared = (answer.judged.errors.after_mm**2).mean(axis=1)
+    usual = squared <= 25.0 * float(np.median(squared))
+    noise = answer.start.problem.blocks[0].stated_sigma()
+    return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))
+
+
+def unanswerable(campaign: Campaign, effects: tuple[str, ...], sentence: str) -> Diagnosis:
+    """Return what is said where the present model cannot even be fitted."""
+    position = campaign.calibration is not None
+    return Diagnosis(
+        robot=campaign.robot.name,
+        verdict=Verdict.UNEXPLAINED,
+        message=sentence,
+        start_effects=effects,
+        findings=(),
+        quantity="position" if position else "length",
+        before=None,
+        after=None,
+        held_out="validation",
+        remaining=Remaining(True, (), sentence),
+        next_measurements=(),
+        ruled_out=(),
+        withdrawn=(),
+        noise=None,
+        errors=None,
+        model=None,
+    )

@@ -1,0 +1,73 @@
+"""The diagnosis of a campaign, from its readings to the answer: the one function that others call."""
+
+from collections.abc import Callable
+
+
+from service.diagnosis.answer import answered, unanswerable
+from service.diagnosis.selection import select
+from service.diagnosis.start import started
+from service.domain.campaign import Campaign
+from service.domain.diagnosis import Diagnosis
+from service.effects.causes import Candidate, Scene
+from service.effects.registry import CAUSES
+
+Progress = Callable[[float, str], None]
+
+
+def diagnose(
+    campaign: Campaign,
+    effects: tuple[str, ...] | None = None,
+    progress: Progress | None = None,
+    *,
+    without: tuple[str, ...] = (),
+) -> Diagnosis:
+    """Show what a model gets wrong, name the cause, extend the model and measure the gain.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str, optional
+        The model that it starts from; None takes base, tool as far as unknown, geometry, and compliance
+        where masses or torques are known.
+    progress : callable, optional
+        Told the fraction done and what is being done.
+    without : tuple of str
+        Causes that are left out of the library, to see what is said when the true one is unknown.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    UnknownEffectError, ConfigurationError
+        The request cannot be understood.
+    """
+    tell = progress or _silent
+    tell(0.02, "fitting the present model")
+    start = started(campaign, effects)
+    if isinstance(start, str):
+        return unanswerable(campaign, effects or (), start)
+    candidates = proposed(start.scene, without)
+    tell(0.1, f"screening {len(candidates)} ways in which the model may be wrong")
+    selected = select(start.fit, candidates, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
+    tell(0.6, "judging on points that were not seen")
+    return answered(start, selected, lambda part: select(part, candidates, _ignored), without, tell)
+
+
+def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
+    """Return every way in which every known cause may be present in these data."""
+    return tuple(
+        candidate
+        for name, cause in CAUSES.items()
+        if name not in without and cause.unseen(scene) is None
+        for candidate in cause.candidates(scene)
+    )
+
+
+def _silent(_fraction: float, _doing: str) -> None:
+    return None
+
+
+def _ignored(_share: float) -> None:
+    return None

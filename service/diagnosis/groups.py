@@ -1,0 +1,38 @@
+"""Groups: picks of one cause on one subject make one finding; many joints that share a cause make one too."""
+
+from collections.abc import Sequence
+
+from service.effects.causes import Candidate
+
+_PLURAL = {
+    "backlash": "joints",
+    "compliance_nonlinear": "joints",
+    "link_mass": "links",
+    "link_bending": "links",
+}
+_MANY = 3  # joints that share a cause from this number on
+_ORDERS_APART = 2  # waves of one joint that are told one by one; more are told together
+
+
+def grouped(picks: Sequence[Candidate]) -> tuple[tuple[str, tuple[Candidate, ...]], ...]:
+    """Return subjects and their picks, in the order in which they were found."""
+    groups: dict[tuple[str, str, float], list[Candidate]] = {}
+    for pick in picks:
+        groups.setdefault((pick.effect, _subject(pick, picks), _apart(pick, picks)), []).append(pick)
+    return tuple((key[1], tuple(group)) for key, group in groups.items())
+
+
+def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:
+    plural = _PLURAL.get(pick.effect)
+    if plural is None:
+        return pick.subject
+    subjects = {other.subject for other in picks if other.effect == pick.effect}
+    return plural if plural in subjects or len(subjects) >= _MANY else pick.subject
+
+
+def _apart(pick: Candidate, picks: Sequence[Candidate]) -> float:
+    """Tell waves of one joint apart by their order while they are few."""
+    if pick.effect != "joint_harmonics":
+        return 0.0
+    same = [other for other in picks if (other.effect, other.subject) == (pick.effect, pick.subject)]
+    return pick.variant if len(same) <= _ORDERS_APART else 0.0

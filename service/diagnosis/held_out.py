@@ -1,0 +1,164 @@
+"""The gain: errors on points that neither the choice of the model nor its parameters saw."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.diagnosis.selection import Selected, refitted
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.campaign import Campaign
+from service.domain.diagnosis import Gain, HeldOutErrors
+from service.effects.causes import Candidate
+from service.identification.leg_problem import leg_block
+from service.identification.observations import Block
+from service.identification.problem import position_block
+from service.identification.robust import RobustFit, fit
+from service.identification.rows import sites
+from service.identification.statistics import expected_noise_mm
+from service.identification.structure import Structure
+
+_RESAMPLED = 1000
+_FOLDS = 5
+
+Chosen = Callable[[RobustFit], Selected]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """Held-out errors of the start model, of the extended one, and of that without each cause in turn."""
+
+    errors: HeldOutErrors
+    without: tuple[FloatArray, ...]  # (n, d) per group of picks
+    site: IntArray  # (n,)
+    noise_mm: float
+    source: str  # "validation" or "cross_validation"
+
+    def gain(self, group: int) -> Gain:
+        """Return what one cause gains."""
+        return gain_of(self.without[group], self.errors.after_mm, self.site)
+
+
+def judge(
+    campaign: Campaign,
+    start: RobustFit,
+    selected: Selected,
+    groups: tuple[tuple[Candidate, ...], ...],
+    choose: Chosen,
+) -> Judged:
+    """Judge the extended model on the validation points, else by nested cross-validation."""
+    block = _validation_block(campaign)
+    if block is not None:
+        return _on_validation(block, start, selected, groups)
+    return _crossed(start, groups, choose)
+
+
+def _validation_block(campaign: Campaign) -> Block | None:
+    if campaign.calibration is not None:
+        points = campaign.validation
+        return None if points is None or len(points) == 0 else position_block(points, campaign)
+    legs = campaign.validation_legs
+    if legs is None or len(legs) == 0:
+        return None
+    anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
+    return leg_block(legs, campaign, anchors)
+
+
+def _on_validation(
+    block: Block, start: RobustFit, selected: Selected, groups: tuple[tuple[Candidate, ...], ...]
+) -> Judged:
+    before = _residual(block, start.structure, start.values)
+    after = _residual(block, selected.fit.structure, selected.fit.values)
+    without = tuple(_without(block, selected, group, selected.picks) for group in groups)
+    errors = _errors(block, selected.fit, before, after)
+    return Judged(errors, without, sites(block.targets.stops), expected_noise_mm(block), "validation")
+
+
+def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatArray:
+    return block.result(structure, values, None).residual
+
+
+def _without(
+    block: Block, selected: Selected, group: tuple[Candidate, ...], picks: tuple[Candidate, ...]
+) -> FloatArray:
+    """Residuals of the extended model fitted again without the parameters of a group."""
+    names = {name for pick in group for name in pick.names}
+    full = selected.fit
+    structure = full.structure.keeping(tuple(name not in names for name in full.structure.names))
+    start = np.array([
+        value for name, value in zip(full.structure.names, full.values, strict=True) if name not in names
+    ])
+    solution = fit(structure, full.blocks, start)
+    return _residual(block, structure, solution.values)
+
+
+def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], choose: Chosen) -> Judged:
+    """Nested cross-validation by configuration: the choice is made anew without each fold."""
+    first = start.blocks[0]
+    site = sites(first.targets.stops)
+    shape = start.results[0].residual.shape
+    before, after = np.zeros(shape), np.zeros(shape)
+    without = tuple(np.zeros(shape) for _ in groups)
+    for held in np.array_split(np.random.default_rng(0).permutation(np.unique(site)), _FOLDS):
+        out = np.flatnonzero(np.isin(site, held))
+        if out.size == 0:
+            continue
+        part = _part(start, held)
+        chosen = choose(part)
+        block = first.subset(out)
+        before[out] = _residual(block, part.structure, part.values)
+        after[out] = _residual(block, chosen.fit.structure, chosen.fit.values)
+        for left, group in zip(without, groups, strict=True):
+            same = tuple(
+                pick
+                for pick in chosen.picks
+                if (pick.effect, pick.subject) == (group[0].effect, group[0].subject)
+            )
+            left[out] = _without(block, chosen, same, chosen.picks) if same else after[out]
+    errors = _errors(first, start, before, after)
+    stated = first.weighted(first.weights, 0.0)
+    return Judged(errors, without, site, expected_noise_mm(stated), "cross_validation")
+
+
+def _part(start: RobustFit, held: IntArray) -> RobustFit:
+    """Fit the start model without some configurations."""
+    blocks = tuple(
+        block.subset(np.flatnonzero(~np.isin(sites(block.targets.stops), held))) for block in start.blocks
+    )
+    solution = fit(start.structure, blocks, start.values)
+    gross = tuple(
+        flags[~np.isin(sites(block.targets.stops), held)]
+        for block, flags in zip(start.blocks, start.gross, strict=True)
+    )
+    return RobustFit(start.structure, blocks, solution, gross, start.chi2_per_dof)
+
+
+def _errors(block: Block, shown: RobustFit, before: FloatArray, after: FloatArray) -> HeldOutErrors:
+    state = block.result(shown.structure, shown.values, None).state
+    return HeldOutErrors(block.targets.stops.config, state.position_mm, before, after)
+
+
+def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
+    """RMS before and after with the 95 % interval of their difference, resampled by configuration.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (n, d)
+    site : ndarray, shape (n,)
+    """
+    _, which = np.unique(site, return_inverse=True)
+    squares = np.stack([
+        np.bincount(which, (before**2).sum(axis=1)),
+        np.bincount(which, (after**2).sum(axis=1)),
+        np.bincount(which),
+    ])
+    drawn = np.random.default_rng(0).integers(0, squares.shape[1], (_RESAMPLED, squares.shape[1]))
+    sums = squares[:, drawn].sum(axis=2)
+    differences = np.sqrt(sums[0] / sums[2]) - np.sqrt(sums[1] / sums[2])
+    low, high = np.quantile(differences, [0.025, 0.975])
+    total = squares.sum(axis=1)
+    return Gain(
+        float(np.sqrt(total[0] / total[2])),
+        float(np.sqrt(total[1] / total[2])),
+        (float(low), float(high)),
+    )

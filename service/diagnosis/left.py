@@ -1,0 +1,131 @@
+"""What is left after the extended model: structure and what it depends on, or noise and of which kind."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from service.diagnosis.columns import candidate_columns
+from service.diagnosis.families import Family
+from service.diagnosis.footing import Footing
+from service.diagnosis.remaining import prepared_families, structured
+from service.diagnosis.screening import gathered, screen
+from service.diagnosis.selection import LEVEL, Selected
+from service.diagnosis.single_readings import Tails, tails
+from service.diagnosis.start import Start
+from service.domain.arrays import FloatArray
+from service.effects.registry import CAUSES
+from service.identification.observations import PositionBlock
+from service.identification.pure_error import pure_error
+
+_STRUCTURE_LEVEL = 0.004  # chance that noise alone gives any dependence, over everything tried
+_NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
+_AS_REPEATED = 0.01  # lack of fit beside pure error
+_FEW_REVISITS = 5
+_MOST_TOLD = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Depends:
+    """A dependence of what is left."""
+
+    variable: str
+    p_value: float
+    kind: str
+    joint: int | None
+    family: Family | None  # None for single waves of a joint
+    order: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What the extended model leaves."""
+
+    depends: tuple[Depends, ...]
+    noise_scale: float  # typical residual over the stated uncertainty
+    more_than_stated: bool
+    explained_by_repeats: bool  # revisits scatter as much
+    tails: Tails
+
+    @property
+    def structure(self) -> bool:
+        """Whether something is left that is not noise."""
+        return bool(self.depends) or (self.more_than_stated and not self.explained_by_repeats)
+
+
+def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
+    """Test what is left against everything that it might depend on."""
+    fit, footing = selected.fit, selected.footing
+    found = [
+        Depends(one.family.variable, one.p_value, one.family.kind, one.family.joint, one.family)
+        for one in structured(prepared_families(fit, start.scene), footing)
+        if one.p_value <= _STRUCTURE_LEVEL
+    ]
+    found += _waves(start, selected, footing, without)
+    found.sort(key=lambda one: one.p_value)
+    scale, beyond = _noise(selected)
+    squared, components = _squared(selected)
+    return Left(
+        depends=_distinct(found)[:_MOST_TOLD],
+        noise_scale=scale,
+        more_than_stated=beyond,
+        explained_by_repeats=_repeats_scatter_as_much(selected),
+        tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
+    )
+
+
+def _distinct(found: list[Depends]) -> tuple[Depends, ...]:
+    kept: dict[str, Depends] = {}
+    for one in found:
+        kept.setdefault(one.variable, one)
+    return tuple(kept.values())
+
+
+def _waves(start: Start, selected: Selected, footing: Footing, without: tuple[str, ...]) -> list[Depends]:
+    """Single waves of any order that are left: those that the selection did not try, or could not carry."""
+    if "joint_harmonics" in without:
+        waves = CAUSES["joint_harmonics"].candidates(start.scene)
+        pool = gathered(waves, candidate_columns(selected.fit, waves))
+    else:
+        pool = selected.pool
+    if not pool.all:
+        return []
+    screened = screen(pool, footing)
+    found = []
+    for index in np.flatnonzero((screened.p_value <= LEVEL) & (screened.score > 0.0)).tolist():
+        candidate = pool.all[index]
+        if candidate.effect == "joint_harmonics":
+            joint = int(candidate.subject.split()[1]) - 1
+            variable = f"angle of joint {joint + 1}"
+            found.append(
+                Depends(variable, float(screened.p_value[index]), "angle", joint, None, candidate.variant)
+            )
+    return found
+
+
+def _squared(selected: Selected) -> tuple[FloatArray, int]:
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    stated = block.weighted(block.weights, 0.0)
+    return stated.squared(result), result.residual.shape[1]
+
+
+def _noise(selected: Selected) -> tuple[float, bool]:
+    """Typical residual over the stated one, by the median: blind to heavy tails."""
+    squared, components = _squared(selected)
+    if selected.fit.blocks[0].stated_sigma() == 0.0:
+        return 1.0, False
+    readings = squared.size
+    footing = selected.footing
+    freedom = max(1.0 - footing.basis.shape[1] / max(footing.observations, 1.0), 0.05)
+    expected = float(chi2.median(components))
+    ratio = float(np.median(squared)) / (expected * freedom)
+    spread = 0.5 / (float(chi2.pdf(expected, components)) * expected * np.sqrt(readings))
+    return float(np.sqrt(ratio)), bool(ratio > 1.0 + _NOISE_BEYOND * spread)
+
+
+def _repeats_scatter_as_much(selected: Selected) -> bool:
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    if not isinstance(block, PositionBlock):
+        return False
+    pure = pure_error(block, result.residual, len(selected.fit.structure.specs))
+    return pure is not None and pure.revisits >= _FEW_REVISITS and pure.p_value > _AS_REPEATED

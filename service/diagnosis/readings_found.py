@@ -1,0 +1,109 @@
+"""Findings about readings instead of the robot: labels of nests that were swapped, single bad readings."""
+
+import numpy as np
+from scipy.stats import chi2
+
+from service.diagnosis.held_out import Judged, gain_of
+from service.diagnosis.left import Left
+from service.diagnosis.selection import Selected
+from service.diagnosis.start import Start
+from service.domain.arrays import BoolArray
+from service.domain.diagnosis import Confidence, Finding, Gain
+from service.effects.causes import Fitted, Shown
+from service.effects.label_swap import pair_subject
+from service.effects.registry import CAUSES
+from service.identification.observations import PositionBlock
+from service.identification.problem import position_block
+from service.identification.robust import fit
+
+
+def readings_found(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[Finding, ...]:
+    """Return what is wrong with readings."""
+    return (*_swaps(start, selected), *_bad(start, selected, left, judged))
+
+
+def _swaps(start: Start, selected: Selected) -> tuple[Finding, ...]:
+    written, right = start.written.calibration, start.campaign.calibration
+    if written is None or right is None or written is right:
+        return ()
+    changed = written.nest != right.nest
+    pairs = {
+        (int(min(one)), int(max(one)))
+        for one in zip(written.nest[changed].tolist(), right.nest[changed].tolist(), strict=True)
+    }
+    found = []
+    for first, second in sorted(pairs):
+        of_pair = np.isin(written.nest, (first, second)) & np.isin(right.nest, (first, second))
+        swapped = int((changed & of_pair).sum())
+        shown = _shown("label_swap", pair_subject(first, second), swapped, int(of_pair.sum()), start)
+        found.append(_finding("label_swap", shown, 1e-12, _swap_gain(start, selected)))
+    return tuple(found)
+
+
+def _swap_gain(start: Start, selected: Selected) -> Gain | None:
+    """Gain on validation readings whose own labels are right or wrong as written."""
+    written, right = start.written.validation, start.campaign.validation
+    if written is None or right is None or np.array_equal(written.nest, right.nest):
+        return None
+    before = position_block(written, start.campaign)
+    after = position_block(right, start.campaign)
+    structure, values = selected.fit.structure, selected.fit.values
+    return gain_of(
+        before.result(structure, values, None).residual,
+        after.result(structure, values, None).residual,
+        right.stops.config,
+    )
+
+
+def _bad(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[Finding, ...]:
+    bad = left.tails.bad
+    if not bad.any():
+        return ()
+    shown = _shown("outliers", "readings", int(bad.sum()), len(bad), start)
+    return (_finding("outliers", shown, _chance(selected, bad), _bad_gain(start, selected, judged)),)
+
+
+def _chance(selected: Selected, bad: BoolArray) -> float:
+    """Chance that noise alone gives a reading as far out as the nearest of the bad ones, over all readings."""
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    nearest = float(block.squared(result)[bad].min())
+    return float(min(1.0, len(bad) * chi2.sf(nearest, result.residual.shape[1])))
+
+
+def _bad_gain(start: Start, selected: Selected, judged: Judged) -> Gain | None:
+    """Gain on validation points over a fit that takes every reading as good."""
+    points = start.campaign.validation
+    if points is None or judged.source != "validation":
+        return None
+    full = selected.fit
+    trusting = tuple(block.weighted(np.ones(len(block.weights)), 0.0) for block in full.blocks)
+    plain = fit(full.structure, trusting, full.values)
+    block: PositionBlock = position_block(points, start.campaign)
+    before = block.result(full.structure, plain.values, None).residual
+    return gain_of(before, judged.errors.after_mm, judged.site)
+
+
+def _shown(effect: str, subject: str, number: int, readings: int, start: Start) -> Shown:
+    share = number / max(readings, 1)
+    uncertainty = float(np.sqrt(max(share * (1.0 - share), 1.0 / max(readings, 1)) / max(readings, 1)))
+    fitted = Fitted((), np.array([share]), np.array([[uncertainty**2]]))
+    return CAUSES[effect].shown(subject, fitted, start.scene)
+
+
+def _finding(effect: str, shown: Shown, p_value: float, gain: Gain | None) -> Finding:
+    sure = gain is None or gain.interval_95_mm[0] > 0.0
+    return Finding(
+        effect=effect,
+        subject=shown.subject,
+        amplitude=shown.amplitude,
+        unit=shown.unit,
+        amplitude_standard_uncertainty=shown.standard_uncertainty,
+        p_value=p_value,
+        confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
+        details=shown.details,
+        sentence=shown.sentence,
+        confusable_with=(),
+        gain=gain,
+        parameters=(),
+        share=0.0,
+    )

@@ -1,0 +1,74 @@
+"""Rivals: causes that these data cannot tell from the one that was picked.
+
+Each pick is taken out of the final model in turn. What explains its place nearly as well, by BIC, is a
+rival; causes that differ only in the shape of one curve must be beaten by more.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.diagnosis.footing import footing_without
+from service.diagnosis.screening import screen
+from service.diagnosis.selection import Selected
+from service.domain.diagnosis import Cause
+from service.effects.causes import Candidate
+
+_MARGIN = 8.0
+_SHAPE_MARGIN = 20.0
+_SAME_ANGLE = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
+_SAME_TIME = frozenset({"base_drift", "base_shift", "thermal_growth", "instrument_drift", "tool_reseating"})
+_SLOW_ORDER = 2.5  # a wave so slow that a gain or a coupling can pass for it
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """A pick group beside its rivals."""
+
+    p_value: float  # corrected
+    explained: float  # sum of squares that it alone explains beside the others
+    rivals: tuple[Cause, ...]  # closest first
+    margin: float  # in BIC, to the closest rival
+
+
+def weighed(selected: Selected, group: tuple[Candidate, ...]) -> Weighed:
+    """Weigh the picks of one cause and subject against everything else that was tried."""
+    names = tuple(name for pick in group for name in pick.names)
+    footing = footing_without(selected.fit, names)
+    screened = screen(selected.pool, footing)
+    indices = [selected.pool.all.index(pick) for pick in group]
+    lead = max(indices, key=lambda index: screened.score[index])
+    found: dict[Cause, float] = {}
+    for index in np.argsort(-screened.score):
+        other, behind = selected.pool.all[index], float(screened.score[lead] - screened.score[index])
+        if behind > _SHAPE_MARGIN:
+            break
+        cause = Cause(other.effect, other.subject)
+        if behind <= _needed(selected.pool.all[lead], other) and _differs(group[0], other):
+            found.setdefault(cause, behind)
+    return Weighed(
+        p_value=float(min(screened.p_value[index] for index in indices)),
+        explained=float(screened.explained[indices].sum()),
+        rivals=tuple(found),
+        margin=min(found.values(), default=_SHAPE_MARGIN),
+    )
+
+
+def _differs(pick: Candidate, other: Candidate) -> bool:
+    """Whether the other is another cause, not a part of the same or the whole that it is part of."""
+    if other.effect != pick.effect:
+        return True
+    plural = {"joints", "links"}
+    return other.subject != pick.subject and not plural & {other.subject, pick.subject}
+
+
+def _needed(pick: Candidate, other: Candidate) -> float:
+    return _SHAPE_MARGIN if _differ_in_shape(pick, other) else _MARGIN
+
+
+def _differ_in_shape(pick: Candidate, other: Candidate) -> bool:
+    effects = {pick.effect, other.effect}
+    if effects <= _SAME_TIME:
+        return effects != {"base_drift", "instrument_drift"}
+    slow = all(one.variant <= _SLOW_ORDER for one in (pick, other) if one.effect == "joint_harmonics")
+    return effects <= _SAME_ANGLE and pick.subject == other.subject and slow

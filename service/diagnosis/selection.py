@@ -1,0 +1,120 @@
+"""Selection: causes are added one at a time, best first, until nothing more is there than noise would give.
+
+Within one linearisation the picks are fitted together; then everything is fitted again, gross readings
+included, and screened anew. At the end each pick must still be worth its parameters beside the others.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.diagnosis.columns import candidate_columns
+from service.diagnosis.footing import Footing, footing_of, footing_without
+from service.diagnosis.screening import Candidates, Screened, gathered, screen
+from service.effects.causes import Candidate
+from service.identification.robust import RobustFit, robust_fit
+
+LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
+_MOST_REFITS = 6
+_READINGS_PER_PARAMETER = 3.0  # observations that each parameter must leave, all counted
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """The extended model: picks in the order in which they were found."""
+
+    fit: RobustFit
+    picks: tuple[Candidate, ...]
+    pool: Candidates  # everything that was tried, linearised at `fit`
+    footing: Footing  # of `fit`
+    full: bool  # more was there, but the readings do not carry more parameters
+
+
+def select(start: RobustFit, candidates: Sequence[Candidate], tell: Callable[[float], None]) -> Selected:
+    """Extend a fitted model by what the data show.
+
+    Parameters
+    ----------
+    start : RobustFit
+    candidates : sequence of Candidate
+    tell : callable
+        Told the fraction done.
+
+    Returns
+    -------
+    Selected
+    """
+    fit, picks, full = start, list[Candidate](), False
+    pool = gathered(candidates, candidate_columns(fit, candidates))
+    for round_number in range(_MOST_REFITS):
+        tell(round_number / _MOST_REFITS)
+        new, full = _picked(pool, footing_of(fit))
+        if not new:
+            break
+        picks += new
+        fit = refitted(start, fit, picks)
+        pool = gathered(candidates, candidate_columns(fit, candidates))
+        kept = _worth(fit, picks, pool)
+        if len(kept) < len(picks):
+            picks = kept
+            fit = refitted(start, fit, picks)
+            pool = gathered(candidates, candidate_columns(fit, candidates))
+            if not any(candidate in kept for candidate in new):
+                break
+    return Selected(fit, tuple(picks), pool, footing_of(fit), full)
+
+
+def _picked(pool: Candidates, footing: Footing) -> tuple[list[Candidate], bool]:
+    picks: list[Candidate] = []
+    while True:
+        screened = screen(pool, footing)
+        best = best_of(screened)
+        if best is None:
+            return picks, False
+        if not _carried(footing, pool.all[best]):
+            return picks, True
+        picks.append(pool.all[best])
+        footing = footing.extended(pool.rows(best))
+
+
+def best_of(screened: Screened) -> int | None:
+    """Return the candidate with the best score among those beyond chance; None where there is none."""
+    beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
+    if not beyond.any():
+        return None
+    return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
+
+
+def _carried(footing: Footing, candidate: Candidate) -> bool:
+    used = footing.basis.shape[1] + len(candidate.specs)
+    return bool(footing.observations >= _READINGS_PER_PARAMETER * used)
+
+
+def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
+    """Fit the start model with the picks' parameters, from the values of another fit where it has them."""
+    structure = start.structure
+    for pick in picks:
+        structure = structure.extended(pick.effect, pick.specs)
+    known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
+    values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
+    blocks = tuple(block.weighted(np.ones(len(block.weights)), 0.0) for block in start.blocks)
+    return robust_fit(structure, blocks, values)
+
+
+def _worth(fit: RobustFit, picks: Sequence[Candidate], pool: Candidates) -> list[Candidate]:
+    """Return the picks that still explain more than their parameters cost, beside all others."""
+    kept = []
+    for pick in picks:
+        screened = screen(pool, footing_without(fit, pick.names))
+        index = pool.all.index(pick)
+        if screened.p_value[index] <= LEVEL and screened.score[index] > 0.0:
+            kept.append(pick)
+    return kept
+
+
+def reselected(start: RobustFit, selected: Selected, kept: tuple[Candidate, ...]) -> Selected:
+    """Return the selection with some of its picks only, everything fitted again."""
+    fit = refitted(start, selected.fit, kept) if kept else start
+    pool = gathered(selected.pool.all, candidate_columns(fit, selected.pool.all))
+    return Selected(fit, kept, pool, footing_of(fit), selected.full)

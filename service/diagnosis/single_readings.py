@@ -1,0 +1,137 @@
+"""Single readings: labels of nests that were swapped, readings that belong to no model, heavy-tailed noise.
+
+Heavy tails are noise: what is left follows Student's t better than a normal distribution with a few wild
+readings besides (mixture). Readings are called bad only where the mixture is clearly the better story.
+
+References
+----------
+K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. American Statistical Association 84, 1989, 881-896.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import gammaln
+from scipy.stats import chi2
+
+from service.domain.arrays import BoolArray, FloatArray, IntArray
+from service.domain.campaign import PointReadings
+from service.identification.evaluation import Targets, evaluate
+from service.identification.observations import PositionBlock
+from service.identification.robust import RobustFit
+
+_FITS = 0.2  # another nest must leave less than this share of the residual
+_CLEARLY = 5.0  # in log likelihood
+_MOST_DEGREES = 30.0  # Student's t beyond is normal for all that a campaign can tell
+
+
+def swapped_labels(points: PointReadings, suspect: BoolArray, model: RobustFit) -> IntArray:
+    """Return the nest that each reading fits: another than its own only where that explains a suspect one.
+
+    Parameters
+    ----------
+    points : PointReadings
+        n readings.
+    suspect : ndarray, shape (n,)
+    model : RobustFit
+        Whose predictions are compared.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        1-based nests.
+    """
+    nest = points.nest.copy()
+    rows = np.flatnonzero(suspect)
+    numbers = range(1, len(model.structure.nests_mm) + 1)
+    if rows.size == 0 or len(numbers) < 2:
+        return nest
+    distances = np.stack([_distance(points, rows, number, model) for number in numbers])
+    own = distances[points.nest[rows] - 1, np.arange(rows.size)]
+    best = np.argmin(distances, axis=0)
+    better = distances[best, np.arange(rows.size)] < _FITS * own
+    nest[rows[better]] = best[better] + 1
+    return nest
+
+
+def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustFit) -> FloatArray:
+    block = PositionBlock(
+        Targets(points.stops, points.nest),
+        points.position_mm,
+        np.broadcast_to(np.eye(3), (len(points), 3, 3)),
+        0.0,
+        np.ones(len(points)),
+    ).subset(rows)
+    targets = replace(block.targets, nest=np.full(rows.size, number))
+    predicted = evaluate(model.structure, model.values, targets).position_mm
+    return np.asarray(np.linalg.norm(block.measured_mm - predicted, axis=1))
+
+
+@dataclass(frozen=True, slots=True)
+class Tails:
+    """How the squared normalised residuals of n readings of d components are distributed."""
+
+    bad: BoolArray  # (n,) readings that belong to no model; none where tails are merely heavy
+    degrees_of_freedom: float | None  # of Student's t where the tails are heavy
+
+
+def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
+    """Judge the tails of the residuals.
+
+    Parameters
+    ----------
+    squared : ndarray, shape (n,)
+        Squared residual of each reading in its own covariance.
+    components : int
+    gross : ndarray, shape (n,)
+        Readings that the fit gave no weight.
+    """
+    none = np.zeros(len(squared), dtype=bool)
+    normal = _normal(squared, components)
+    student, degrees = _student(squared, components)
+    mixed = _mixture(squared, components)
+    if gross.any() and mixed - max(normal, student) > _CLEARLY:
+        return Tails(gross, None)
+    heavy = student - normal > _CLEARLY and degrees < _MOST_DEGREES
+    return Tails(none, degrees if heavy else None)
+
+
+def _log_chi2(squared: FloatArray, components: int, variance: float) -> FloatArray:
+    return np.asarray(chi2.logpdf(squared / variance, components) - np.log(variance))
+
+
+def _normal(squared: FloatArray, components: int) -> float:
+    variance = max(float(squared.mean()) / components, 1e-12)
+    return float(_log_chi2(squared, components, variance).sum())
+
+
+def _student(squared: FloatArray, components: int) -> tuple[float, float]:
+    """Squared radius of a multivariate t, scaled: its largest log likelihood and degrees of freedom."""
+    d, safe = components, np.maximum(squared, 1e-12)
+
+    def negative(p: FloatArray) -> float:
+        scale, nu = np.exp(p[0]), np.exp(p[1])
+        constant = gammaln((nu + d) / 2) - gammaln(nu / 2) - gammaln(d / 2) - d / 2 * np.log(nu * scale)
+        kernel = (d / 2 - 1) * np.log(safe) - (nu + d) / 2 * np.log1p(safe / (nu * scale))
+        return -float((constant + kernel).sum())
+
+    start = np.array([np.log(max(float(np.median(squared)) / d, 1e-12)), np.log(5.0)])
+    found = minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-3})
+    return -float(found.fun), float(np.exp(found.x[1]))
+
+
+def _mixture(squared: FloatArray, components: int) -> float:
+    """Normal noise with a share of wild readings: the largest log likelihood, one unit off per parameter."""
+    typical = max(float(np.median(squared)) / components, 1e-12)
+    largest = max(float(squared.max()) / components, 4.0 * typical)
+
+    def negative(p: FloatArray) -> float:
+        share = 1.0 / (1.0 + np.exp(-p[0]))
+        usual = np.log1p(-share) + _log_chi2(squared, components, float(np.exp(p[1])))
+        wild = np.log(share) + _log_chi2(squared, components, float(np.exp(p[2])))
+        return -float(np.logaddexp(usual, wild).sum())
+
+    start = np.array([-3.0, np.log(typical), np.log(largest / 2.0)])
+    found = minimize(negative, start, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-3})
+    return -float(found.fun) - 1.0

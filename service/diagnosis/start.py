@@ -1,0 +1,74 @@
+"""The start: the present model fitted to the campaign, its labels put right first."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from service.diagnosis.scene import scene_of
+from service.diagnosis.single_readings import swapped_labels
+from service.domain.campaign import Campaign, PointReadings
+from service.domain.results import Status
+from service.effects.causes import Scene
+from service.identification import verdict
+from service.identification.problem import Problem, automatic_effects, build
+from service.identification.robust import RobustFit, robust_fit
+
+_UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What a diagnosis starts from."""
+
+    campaign: Campaign  # with labels put right
+    problem: Problem
+    fit: RobustFit
+    scene: Scene
+    effects: tuple[str, ...]
+    written: Campaign  # as it was measured
+
+
+def started(campaign: Campaign, effects: tuple[str, ...] | None) -> Start | str:
+    """Fit the present model; a sentence where it cannot be fitted.
+
+    Raises
+    ------
+    UnknownEffectError, ConfigurationError
+        The request cannot be understood.
+    """
+    chosen = automatic_effects(campaign) if effects is None else effects
+    too_few = verdict.too_few_data(campaign, chosen)
+    if too_few:
+        return too_few
+    problem = build(campaign, chosen, with_reference=True)
+    collapsed = verdict.before_fitting(campaign, problem)
+    if collapsed:
+        return collapsed
+    fitted = robust_fit(problem.structure, problem.blocks, problem.start)
+    corrected = _relabelled(campaign, fitted)
+    if corrected is not campaign:
+        problem = build(corrected, chosen, with_reference=True)
+        fitted = robust_fit(problem.structure, problem.blocks, problem.start)
+    status, message = verdict.judge(corrected, problem, fitted, fitted)
+    if status in _UNUSABLE:
+        return message
+    return Start(corrected, problem, fitted, scene_of(corrected, problem, fitted), chosen, campaign)
+
+
+def _relabelled(campaign: Campaign, fitted: RobustFit) -> Campaign:
+    points = campaign.calibration
+    if points is None:
+        return campaign
+    nest = swapped_labels(points, fitted.gross[0], fitted)
+    if np.array_equal(nest, points.nest):
+        return campaign
+    return replace(campaign, calibration=replace(points, nest=nest), validation=_validation(campaign, fitted))
+
+
+def _validation(campaign: Campaign, fitted: RobustFit) -> PointReadings | None:
+    """Put labels of the validation right where they are swapped: it is to judge the model, not the labels."""
+    points = campaign.validation
+    if points is None:
+        return None
+    everything = np.ones(len(points), dtype=bool)
+    return replace(points, nest=swapped_labels(points, everything, fitted))

@@ -1,0 +1,71 @@
+"""Sentences: what an operator reads first, and what is left in plain words."""
+
+from service.diagnosis.left import Left
+from service.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
+from service.domain.results import Statistics
+
+_CLEARLY_OTHER = 1.15  # of the stated noise
+
+
+def first_line(
+    verdict: Verdict,
+    findings: tuple[Finding, ...],
+    before: Statistics,
+    after: Statistics,
+    remaining: Remaining,
+) -> str:
+    """Return the one sentence that stands above everything."""
+    if verdict is Verdict.CONSISTENT:
+        return "The present model explains the data: nothing else was found."
+    if not findings:
+        return f"Something is wrong that no known cause explains. {remaining.sentence}"
+    lead = findings[0]
+    others = len(findings) - 1
+    more = "" if others == 0 else f", and {others} more cause{'s' if others > 1 else ''}"
+    surely = "" if lead.confidence == "certain" else "probably "
+    rest = "" if verdict is Verdict.EXPLAINED else " Something is left that they do not explain."
+    return (
+        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it, errors on unseen "
+        f"points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
+    )
+
+
+def spoken(cause: Cause) -> str:
+    """Return e.g. `backlash of joint 4`."""
+    return f"{cause.effect.replace('_', ' ')} ({cause.subject})"
+
+
+def remaining_sentence(left: Left, *, full: bool) -> str:
+    """Return what is left in one sentence."""
+    carried = (
+        " These readings do not carry a larger model: measure more configurations to find the rest."
+        if full
+        else ""
+    )
+    if left.depends:
+        listed = " and ".join(one.variable for one in left.depends[:2])
+        return f"What is left depends on the {listed}.{carried}"
+    if left.more_than_stated and not left.explained_by_repeats:
+        return (
+            f"What is left is {left.noise_scale:.2g} times the stated noise but depends on nothing that was "
+            f"looked at: the noise is larger than stated, or an unknown cause scatters like noise.{carried}"
+        )
+    if left.more_than_stated:
+        return (
+            f"What is left is {left.noise_scale:.2g} times the stated noise, and so is the scatter of revisited "
+            f"configurations: it is noise, larger than stated.{carried}"
+        )
+    return f"What is left looks like the stated noise.{carried}"
+
+
+def noise_of(left: Left) -> Noise:
+    """Return what the readings say of their own noise."""
+    degrees = left.tails.degrees_of_freedom
+    size = f"The typical residual is {left.noise_scale:.2f} times what is stated"
+    tail = (
+        f"; large residuals are more frequent than normal noise has them (Student's t with {degrees:.1f} "
+        "degrees of freedom): heavy-tailed noise, no cause."
+        if degrees is not None
+        else "."
+    )
+    return Noise(left.noise_scale, degrees, size + tail)
