@@ -32,7 +32,7 @@ def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
 def test_what_is_left_and_what_to_measure_next_close_it():
     lines = list(diagnosis_lines(make_diagnosis()))
 
-    assert lines[5] == "What is left: What is left looks like the stated noise."
+    assert lines[5] == "What is left looks like the stated noise."
     assert lines[-3:] == [
         "Measure next: Measure these from both sides.",
         "   joints 0.00 40.00 -30.00 deg",
