@@ -12,7 +12,6 @@ from service.reports.rounding import MINUS, interval, millimetres, p_value, with
 
 _COVERAGE_95 = 1.96  # of a normal distribution
 _OF_SINGLE_READINGS = frozenset({"outliers", "label_swap"})  # their far readings are the finding itself
-_TURN_DEG = 360.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,12 +106,5 @@ def _curve(number: int, finding: Finding) -> CurveFigure | None:
         finding.curve,
         f"finding-{number}",
         line="fitted effect",
-        period_deg=_period_deg(finding),
         whole=finding.effect in _OF_SINGLE_READINGS,
     )
-
-
-def _period_deg(finding: Finding) -> float | None:
-    """Return the period of a finding that is one wave; None for several and for none."""
-    orders = [detail.value for detail in finding.details if detail.name == "order" and detail.value > 0.0]
-    return _TURN_DEG / orders[0] if len(orders) == 1 else None

@@ -18,7 +18,7 @@ def millimetres(value_mm: float) -> str:
     if not math.isfinite(value_mm):
         return MISSING
     decimals = 4 if abs(value_mm) < 0.1 else 3 if abs(value_mm) < 10.0 else 2
-    return f"{value_mm:.{decimals}f}"
+    return _signed(f"{value_mm:.{decimals}f}")
 
 
 def uncertainty(value: float) -> str:

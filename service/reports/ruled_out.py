@@ -49,7 +49,7 @@ def _split(name: str) -> tuple[str, str]:
 
 
 def _phrase(noun_numbers: tuple[str, list[str]]) -> str:
-    noun, numbers = noun_numbers[0], [number for number in noun_numbers[1] if number]
+    noun, numbers = noun_numbers[0], sorted(filter(None, noun_numbers[1]), key=int)
     if len(numbers) < 2:
         return " ".join([noun, *numbers])
     more = len(numbers) - _MOST_NAMED

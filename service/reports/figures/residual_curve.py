@@ -8,7 +8,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from service.domain.arrays import FloatArray, IntArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.diagnosis import Curve
 from service.reports.causes import printed_unit
 from service.reports.figures.canvas import AFTER, INK, MUTED, label, new_figure, page_style, to_svg
@@ -17,9 +17,8 @@ _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file he
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
 _MEANS = 20
 _FEW_VALUES = 12  # of a variable that counts: mountings, nests
-_TURNS_TO_FOLD = 8.0  # periods in the picture beyond which a wave is drawn within one period
+_NEARLY_ALL = 0.99  # of the readings, by weight
 _MOST_BENDS = 8  # of the line; a mean over a tenth of a wave would flatten it
-_TURN_DEG = 360.0
 _WIDEST_LABEL, _TALLEST_LABEL = 90, 40  # letters that fit along the axes
 _BESIDE = 0.1  # of the step between two numbers, so that the value does not hide the mean
 
@@ -40,9 +39,7 @@ class _Means:
     of: int  # readings in each, at most
 
 
-def residual_curve(
-    curve: Curve, prefix: str, *, line: str, period_deg: float | None = None, whole: bool = False
-) -> CurveFigure | None:
+def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False) -> CurveFigure | None:
     """Draw residuals with their standard uncertainty and the line with its band.
 
     Parameters
@@ -52,8 +49,6 @@ def residual_curve(
         Keeps the ids of this picture apart from those of others.
     line : str
         What the line is, e.g. "fitted effect".
-    period_deg : float, optional
-        Of a wave over an angle; where many fit into the picture all are drawn upon each other.
     whole : bool
         Show the farthest reading too; else a few far ones are said and not shown.
 
@@ -62,12 +57,13 @@ def residual_curve(
     CurveFigure or None
         None where there is no finite reading.
     """
-    shown = _folded(_finite(curve), period_deg)
+    shown = _finite(curve)
     if not shown.x.size:
         return None
     means, limit = _means(shown), _limit(shown, whole)
-    chosen = _chosen(shown.x)
-    beyond = int((np.abs(shown.residual) > limit).sum())
+    blind = shown.standard_uncertainty > limit
+    chosen = _chosen(shown.x, ~blind)
+    beyond = int(((np.abs(shown.residual) > limit) & ~blind).sum())
     with page_style():
         figure = new_figure(8.0, 3.1)
         axes = figure.add_subplot()
@@ -80,7 +76,7 @@ def residual_curve(
         axes.set_ylabel(label(_axis(shown.quantity, shown.quantity_unit), _TALLEST_LABEL))
         figure.legend(loc="outside upper left", ncols=4)
         picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
-    return CurveFigure(picture, " ".join(_caption(len(shown.x), len(chosen), beyond, shown, means)))
+    return CurveFigure(picture, " ".join(_caption(shown, chosen, blind, beyond, means)))
 
 
 def _finite(curve: Curve) -> Curve:
@@ -97,35 +93,32 @@ def _finite(curve: Curve) -> Curve:
     )
 
 
-def _folded(curve: Curve, period_deg: float | None) -> Curve:
-    if period_deg is None or curve.variable_unit != "deg" or not curve.x.size:
-        return curve
-    if float(np.ptp(curve.x)) < _TURNS_TO_FOLD * period_deg:
-        return curve
-    line_x = np.mod(curve.line_x, period_deg)
-    order = np.argsort(line_x, kind="stable")
-    per_turn = _TURN_DEG / period_deg
-    return replace(
-        curve,
-        variable=f"{curve.variable} within one period of {period_deg:.3g} deg ({per_turn:.3g} per turn)",
-        x=np.mod(curve.x, period_deg),
-        line_x=line_x[order],
-        line=curve.line[order],
-        line_band=curve.line_band[order],
-    )
-
-
 def _limit(curve: Curve, whole: bool) -> float:
-    """Return the half height: a few gross readings would flatten everything else."""
+    """Return the half height: neither a few gross readings nor blind ones may flatten everything else.
+
+    Where a reading hardly feels the cause, its residual divided by next to nothing is huge, and as uncertain.
+    """
     sizes = np.abs(curve.residual)
-    farthest = float(sizes.max() if whole else np.quantile(sizes, 0.99))
+    farthest = float(sizes.max()) if whole else _weighted_quantile(sizes, _weights(curve))
     line = float((np.abs(curve.line) + curve.line_band).max(initial=0.0))
     return 1.2 * max(farthest, line, 1e-9)
 
 
-def _chosen(x: FloatArray) -> IntArray:
-    """Return the rows to draw, evenly chosen along x."""
+def _weights(curve: Curve) -> FloatArray:
+    u = curve.standard_uncertainty
+    return np.asarray(1.0 / u**2) if (u > 0.0).all() else np.ones(len(u))
+
+
+def _weighted_quantile(sizes: FloatArray, weights: FloatArray) -> float:
+    order = np.argsort(sizes)
+    reached = np.cumsum(weights[order]) / weights.sum()
+    return float(sizes[order][min(int(np.searchsorted(reached, _NEARLY_ALL)), len(order) - 1)])
+
+
+def _chosen(x: FloatArray, worth: BoolArray) -> IntArray:
+    """Return the rows to draw, evenly chosen along x from those worth it."""
     order = np.argsort(x, kind="stable")
+    order = order[worth[order]]
     if len(order) <= _MOST_POINTS:
         return order
     return order[np.linspace(0, len(order) - 1, _MOST_POINTS).astype(np.int64)]
@@ -146,21 +139,27 @@ def _line(axes: Axes, curve: Curve, name: str) -> None:
         _steps(axes, curve, name)
         return
     low, high = curve.line - curve.line_band, curve.line + curve.line_band
-    axes.fill_between(curve.line_x, low, high, color=AFTER, alpha=0.22, linewidth=0.0, label="its 95 % band")
+    if (curve.line_band > 0.0).any():
+        axes.fill_between(
+            curve.line_x, low, high, color=AFTER, alpha=0.22, linewidth=0.0, label="its 95 % band"
+        )
     axes.plot(curve.line_x, curve.line, color=AFTER, linewidth=1.8, label=name)
 
 
 def _steps(axes: Axes, curve: Curve, name: str) -> None:
     """Draw a value for each number: between the first mounting and the second there is nothing."""
+    numbers, first = np.unique(curve.line_x, return_index=True)
+    band = curve.line_band[first]
+    label = f"{name}, 95 % interval" if (band > 0.0).any() else name
     axes.errorbar(
-        curve.line_x + _BESIDE,
-        curve.line,
-        curve.line_band,
+        numbers + _BESIDE,
+        curve.line[first],
+        band,
         fmt="D",
         color=AFTER,
         markersize=5.0,
         linewidth=2.0,
-        label=f"{name}, 95 % interval",
+        label=label,
     )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
@@ -219,19 +218,21 @@ def _axis(quantity: str, unit: str) -> str:
     return f"{quantity} [{printed}]" if printed else quantity
 
 
-def _caption(total: int, chosen: int, beyond: int, curve: Curve, means: _Means | None) -> Iterator[str]:
-    yield (
-        f"Dots: {total:,} readings"
-        if chosen == total
-        else f"Dots: {chosen} of {total:,} readings, evenly chosen,"
-    )
+def _caption(
+    curve: Curve, chosen: IntArray, blind: BoolArray, beyond: int, means: _Means | None
+) -> Iterator[str]:
+    worth = int((~blind).sum())
+    evenly = "" if len(chosen) == worth else f"{len(chosen)} of "
+    yield f"Dots: {evenly}{worth:,} readings{', evenly chosen,' if evenly else ''}"
     yield "as the model without this cause leaves them, with their standard uncertainty."
     if means is not None:
         yield f"Large dots: weighted means of up to {means.of} neighbours each, with their own."
     if beyond:
+        farthest = float(np.abs(curve.residual[~blind]).max())
         lies = "reading lies" if beyond == 1 else "readings lie"
-        yield f"{beyond} {lies} beyond the picture, the farthest at {_farthest(curve)}."
-
-
-def _farthest(curve: Curve) -> str:
-    return f"{np.abs(curve.residual).max():.2g} {printed_unit(curve.quantity_unit)}"
+        unit = printed_unit(curve.quantity_unit)
+        yield f"{beyond} {lies} beyond the picture, the farthest at {farthest:.2g} {unit}."
+    if blind.any():
+        count = int(blind.sum())
+        feels = "feels" if count == 1 else "feel"
+        yield f"{count:,} more hardly {feels} it: the uncertainty is larger than the picture."

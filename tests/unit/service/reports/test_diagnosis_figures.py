@@ -49,37 +49,38 @@ def test_few_readings_are_seen_by_themselves():
     assert "weighted means of up to 5 neighbours" in drawn(make_curve(n=100)).caption
 
 
-def test_a_fast_wave_is_drawn_within_one_period():
-    figure = drawn(make_curve(), period_deg=360.0 / 202.0)
+def test_readings_that_hardly_feel_the_cause_do_not_flatten_the_others():
+    curve = make_curve()
+    curve.residual[:3], curve.standard_uncertainty[:3] = 1.8e14, 2e14
 
-    assert "within one period of 1.78 deg (202 per turn) [deg]" in figure.picture
+    figure = drawn(curve)
+
+    # The picture is as high as the wave of 0.03 deg and its noise: its ticks stay in hundredths.
+    assert "0.02" in figure.picture
+    assert "1e14" not in figure.picture
+    assert "Dots: 97 readings" in figure.caption
+    assert "3 more hardly feel it" in figure.caption
 
 
-def test_a_slow_wave_and_other_variables_stay_as_they_are():
-    slow = drawn(make_curve(), period_deg=180.0).picture
-    timed = drawn(make_curve(variable="time", variable_unit="h"), period_deg=1.0).picture
-
-    assert "within one period" not in slow
-    assert "within one period" not in timed
+def test_a_line_without_a_band_claims_none():
+    assert "95 % band" in drawn(make_curve()).picture
+    assert "95 % band" not in drawn(make_curve(line_band=np.zeros(200))).picture
 
 
-def test_folding_keeps_readings_and_wave_together():
-    order = 50.0
+def test_a_variable_that_counts_has_one_value_for_each_number():
+    directions = np.repeat([-1.0, 1.0], 50)
+    line = 0.01 * directions
     curve = make_curve(
-        shape=lambda x: 0.03 * np.sin(np.radians(order * x)), line_x=np.linspace(-180, 180, 5000)
-    )
-    line = 0.03 * np.sin(np.radians(order * curve.line_x))
-    curve = make_curve(
-        shape=lambda x: 0.03 * np.sin(np.radians(order * x)),
-        line_x=curve.line_x,
-        line=line,
-        line_band=np.zeros(5000),
-    )
+        variable="direction of joint 3", variable_unit="", x=directions, residual=line, line_x=directions,
+        line=line, line_band=np.zeros(100),
+    )  # fmt: skip
 
-    figure = drawn(curve, period_deg=360.0 / order)
+    svg = drawn(curve).picture
 
-    # One period rises and falls once: its means follow a line of few bends, so means are drawn again.
-    assert "weighted means" in figure.caption
+    assert "fitted effect" in svg
+    assert "95 % interval" not in svg
+    # two diamonds and the one of the legend, each a use of one path
+    assert len(re.findall(r"<use [^>]*fill: var\(--after\)", svg)) == 3
 
 
 def test_a_far_reading_is_said_and_does_not_flatten_the_rest():

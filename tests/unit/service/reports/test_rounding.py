@@ -74,3 +74,7 @@ def test_a_value_and_its_uncertainty_end_at_the_same_digit(value, u, printed):
 def test_the_ends_of_an_interval_have_the_digits_of_the_uncertainty():
     assert interval(0.02558, 0.03302, 0.0019) == "0.0256 to 0.0330"
     assert interval(-4e-6, 2e-4, 5e-5) == "(\N{MINUS SIGN}0.04 to 2.00) \N{MULTIPLICATION SIGN} 10⁻⁴"
+
+
+def test_a_difference_of_nothing_has_no_sign():
+    assert millimetres(-1e-6) == "0.0000"

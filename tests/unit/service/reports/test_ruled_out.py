@@ -33,6 +33,7 @@ def test_subjects_of_all_kinds_make_one_phrase():
     )
     assert subjects([""]) == ""
     assert subjects(["joint 2", "joint 2"]) == "joint 2"
+    assert subjects(["joint 10", "joint 2"]) == "joints 2, 10"
 
 
 def test_a_hundred_nests_do_not_fill_the_page():
