@@ -44,7 +44,7 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis) -> FindingBlock:
         details=tuple(_detail(detail) for detail in finding.details),
         confidence=confidence_meaning(finding),
         curve=_curve(number, finding),
-        alternatives=alternatives(finding, diagnosis.ruled_out, diagnosis.next_measurements),
+        alternatives=alternatives(finding, diagnosis),
     )
 
 

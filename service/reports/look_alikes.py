@@ -1,9 +1,9 @@
 """Could it be something else? Which causes act alike, and what became of them."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from service.domain.diagnosis import Cause, Finding, NextMeasurement, RuledOut
+from service.domain.diagnosis import Cause, Diagnosis, Finding, NextMeasurement, RuledOut
 from service.reports.causes import cause_words
 
 # Effects that leave similar residuals: where one is found, a sceptic asks for the others.
@@ -15,6 +15,7 @@ _OF_ONE_JOINT = frozenset({
     "compliance",
     "compliance_nonlinear",
 })
+_OF_A_BALLBAR = frozenset({"ballbar_zero", "fixture_shift"})
 _KIN = (
     # of loads: everything that follows the torques
     frozenset({
@@ -62,15 +63,17 @@ class Alternatives:
     not_excluded: tuple[RuledOut, ...]  # act alike, and these data cannot show them
 
 
-def alternatives(
-    finding: Finding, ruled_out: Iterable[RuledOut], proposals: tuple[NextMeasurement, ...]
-) -> Alternatives:
+def alternatives(finding: Finding, diagnosis: Diagnosis) -> Alternatives:
     """Return what else it could be, and what it is not."""
-    alike = [entry for entry in ruled_out if acts_alike(finding, entry)]
+    alike = [
+        entry
+        for entry in diagnosis.ruled_out
+        if acts_alike(finding, entry) and not _impossible(entry, diagnosis)
+    ]
     named = set(finding.confusable_with)
     rest = [entry for entry in alike if Cause(entry.effect, entry.subject) not in named]
     return Alternatives(
-        rivals=tuple(_rivals(finding, proposals)),
+        rivals=tuple(_rivals(finding, diagnosis.next_measurements)),
         excluded=tuple(entry for entry in rest if entry.visible),
         not_excluded=tuple(entry for entry in rest if not entry.visible),
     )
@@ -83,6 +86,11 @@ def acts_alike(finding: Finding, entry: RuledOut) -> bool:
     if {finding.effect, entry.effect} <= _OF_ONE_JOINT:
         return _may_be_same(finding.subject, entry.subject)
     return any({finding.effect, entry.effect} <= kin for kin in _KIN)
+
+
+def _impossible(entry: RuledOut, diagnosis: Diagnosis) -> bool:
+    # What is not there cannot be what was found: a campaign of positions has no ballbar.
+    return diagnosis.quantity == "position" and entry.effect in _OF_A_BALLBAR
 
 
 def _may_be_same(subject: str, other: str) -> bool:

@@ -9,7 +9,7 @@ import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from textwrap import shorten
+from textwrap import shorten, wrap
 from typing import Final
 
 import matplotlib as mpl
@@ -33,6 +33,7 @@ _VARIABLES = {
 }
 # Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
 _SETTINGS: Final = threading.Lock()
+_LONGEST_UNIT = 16  # letters
 _STYLE = {
     "svg.fonttype": "none",  # text stays text: readable by machines, and in the font of the page
     "svg.hashsalt": "truepose",  # the same figure gives the same ids
@@ -89,9 +90,14 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     return Markup(text)
 
 
-def label(text: str, most: int) -> str:
-    """Return text of others as a label: as it is, of at most so many letters, and never a formula."""
-    return shorten(text, most, placeholder=" ...").replace("$", r"\$")
+def label(text: str, most: int, unit: str = "") -> str:
+    """Return text of others as a label of two lines at most, never a formula; the unit is kept."""
+    unit = shorten(unit, _LONGEST_UNIT, placeholder="...")
+    lines = wrap(shorten(text, 2 * most - _LONGEST_UNIT, placeholder=" ..."), most)
+    if unit:
+        room = bool(lines) and len(lines[-1]) + len(unit) + 3 <= most
+        lines[-1:] = [f"{lines[-1]} [{unit}]"] if room else [*lines[-1:], f"[{unit}]"]
+    return "\n".join(lines).replace("$", r"\$")
 
 
 def no_spines(axes: Axes) -> None:

@@ -72,8 +72,8 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
         if means is not None:
             _draw_means(axes, means)
         axes.set_ylim(-limit, limit)
-        axes.set_xlabel(label(_axis(shown.variable, shown.variable_unit), _WIDEST_LABEL))
-        axes.set_ylabel(label(_axis(shown.quantity, shown.quantity_unit), _TALLEST_LABEL))
+        axes.set_xlabel(label(shown.variable, _WIDEST_LABEL, printed_unit(shown.variable_unit)))
+        axes.set_ylabel(label(shown.quantity, _TALLEST_LABEL, printed_unit(shown.quantity_unit)))
         figure.legend(loc="outside upper left", ncols=4)
         picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
     return CurveFigure(picture, " ".join(_caption(shown, chosen, blind, beyond, means)))
@@ -211,11 +211,6 @@ def _bends(line: FloatArray) -> int:
     slope = np.sign(np.diff(line))
     slope = slope[slope != 0.0]
     return int((slope[1:] != slope[:-1]).sum())
-
-
-def _axis(quantity: str, unit: str) -> str:
-    printed = printed_unit(unit)
-    return f"{quantity} [{printed}]" if printed else quantity
 
 
 def _caption(

@@ -44,6 +44,13 @@ def test_axes_name_quantity_and_unit_as_they_are_printed():
     assert "error of joint 6 [deg]" in svg
 
 
+def test_a_long_name_is_broken_and_keeps_its_unit():
+    svg = drawn(make_curve(quantity="shift of the tool as this cause moves it", quantity_unit="mm")).picture
+
+    assert "[mm]" in svg
+    assert "moves it" in svg
+
+
 def test_few_readings_are_seen_by_themselves():
     assert "weighted means" not in drawn(make_curve(n=59)).caption
     assert "weighted means of up to 5 neighbours" in drawn(make_curve(n=100)).caption

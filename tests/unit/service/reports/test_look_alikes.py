@@ -2,7 +2,7 @@ import pytest
 
 from service.domain.diagnosis import Cause, NextMeasurement, RuledOut
 from service.reports.look_alikes import acts_alike, alternatives
-from tests.diagnosed_cells import make_finding
+from tests.diagnosed_cells import make_diagnosis, make_finding
 
 
 def finding(effect, subject):
@@ -11,6 +11,10 @@ def finding(effect, subject):
 
 def entry(effect, subject="", visible=True):
     return RuledOut(effect, subject, "why", 0.5 if visible else None, visible)
+
+
+def answered(found, ruled_out, **changes):
+    return alternatives(found, make_diagnosis(findings=(found,), ruled_out=ruled_out, errors=None, **changes))
 
 
 @pytest.mark.parametrize(
@@ -46,7 +50,7 @@ def test_nobody_asks_for_causes_that_act_otherwise(found, other):
 def test_what_cannot_be_seen_is_told_from_what_was_excluded():
     seen, unseen = entry("joint_gain", "joint 6"), entry("backlash", visible=False)
 
-    answer = alternatives(make_finding(curve=None), (seen, unseen, entry("outliers", "readings")), ())
+    answer = answered(make_finding(curve=None), (seen, unseen, entry("outliers", "readings")))
 
     assert answer.excluded == (seen,)
     assert answer.not_excluded == (unseen,)
@@ -56,9 +60,7 @@ def test_what_cannot_be_seen_is_told_from_what_was_excluded():
 def test_a_rival_is_not_said_to_be_excluded_as_well():
     rival = Cause("joint_gain", "joint 6")
 
-    answer = alternatives(
-        make_finding(confusable_with=(rival,), curve=None), (entry("joint_gain", "joint 6"),), ()
-    )
+    answer = answered(make_finding(confusable_with=(rival,), curve=None), (entry("joint_gain", "joint 6"),))
 
     assert [r.name for r in answer.rivals] == ["joint gain, joint 6"]
     assert answer.excluded == ()
@@ -71,6 +73,15 @@ def test_the_measurement_that_separates_both_is_named_first():
         NextMeasurement("about both", (), (rival, own)),
     )
 
-    answer = alternatives(make_finding(confusable_with=(rival,), curve=None), (), proposals)
+    answer = answered(make_finding(confusable_with=(rival,), curve=None), (), next_measurements=proposals)
 
     assert answer.rivals[0].separated_by == "about both"
+
+
+@pytest.mark.parametrize(("quantity", "asked"), [("position", 0), ("length", 1)])
+def test_where_no_ballbar_was_nobody_asks_for_its_zero(quantity, asked):
+    unseen = entry("ballbar_zero", "ballbar", visible=False)
+
+    answer = answered(finding("thermal_growth", "links"), (unseen,), quantity=quantity)
+
+    assert len(answer.not_excluded) == asked
