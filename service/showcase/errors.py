@@ -6,7 +6,9 @@ ShowcaseError
 ├── RequestRefusedError     the service answered a request with a problem
 ├── SessionHaltedError      a session paused or ended before everything was measured
 ├── JobFailedError          a job ended without a result
-└── TruthUnknownError       the simulated cell did not tell its truth
+├── TruthUnknownError       the simulated cell did not tell its truth
+├── RecorderFailedError     the recorder of simulated campaigns refuses or has ended
+└── NothingHappenedError    chance let a planted effect hit none of the readings
 """
 
 from service.domain.errors import TrueposeError
@@ -38,3 +40,11 @@ class JobFailedError(ShowcaseError):
 
 class TruthUnknownError(ShowcaseError):
     """The simulated cell did not tell its truth."""
+
+
+class RecorderFailedError(ShowcaseError):
+    """The recorder of simulated campaigns refuses a request, or has ended."""
+
+
+class NothingHappenedError(ShowcaseError):
+    """Chance let a planted effect hit none of the readings, however often it was tried."""
