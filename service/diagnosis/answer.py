@@ -1,21 +1,21 @@
 """The answer: findings with their words, rivals and gain, what is left, and the verdict."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.groups import grouped
-from service.diagnosis.held_out import Chosen, Judged, gain_of, judge
+from service.diagnosis.held_out import Chosen, Judged, judge
 from service.diagnosis.left import Depends, Left, left_by
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.readings_found import readings_found
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.selection import Selected, reselected
-from service.diagnosis.start import Start
+from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import (
@@ -25,18 +25,19 @@ from service.domain.diagnosis import (
     Diagnosis,
     Finding,
     Gain,
-    Noise,
     Remaining,
     Verdict,
 )
 from service.domain.results import Model
 from service.effects.causes import Candidate, Fitted, Shown
-from service.effects.reference import NAME as REFERENCE
 from service.effects.registry import CAUSES
+from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.identification.considered import considered
 from service.identification.identify import nominal_fit
 from service.identification.models import Fits, model_of
+from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
+from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
 Group = tuple[str, tuple[Candidate, ...]]
@@ -176,19 +177,22 @@ def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown
 
 
 def _model(answer: _Answer) -> Model:
-    """Return the extended model, without what only the fixed nests needed."""
-    start, fit = answer.start, answer.selected.fit
-    fits = Fits(
-        start.campaign, fit, nominal_fit(start.problem, start.fit), considered(start.campaign, fit).total
-    )
-    drawn = model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
-    kept = [k for k, parameter in enumerate(drawn.parameters) if parameter.effect != REFERENCE]
-    return replace(
-        drawn,
-        effects=tuple(name for name in drawn.effects if name != REFERENCE),
-        parameters=tuple(drawn.parameters[k] for k in kept),
-        covariance=drawn.covariance[np.ix_(kept, kept)],
-    )
+    """Return the extended model, fitted without what only the diagnosis needed."""
+    start, full = answer.start, answer.selected.fit
+    structure = full.structure.without(NUISANCE)
+    blocks = tuple(block for block in full.blocks if not isinstance(block, ReferenceBlock))
+    if _acts_on_instrument(structure.effects):
+        structure, blocks = full.structure.without((CERTIFICATE,)), full.blocks
+    values = np.array([full.values[full.structure.index_of(name)] for name in structure.names])
+    solution = refit(structure, blocks, values)
+    plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
+    nominal = nominal_fit(start.problem, start.fit)
+    fits = Fits(start.campaign, plain, nominal, considered(start.campaign, plain).total)
+    return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
+
+
+def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
+    return bool({"instrument_drift", "instrument_scale"} & set(effects))
 
 
 def _discrepancy_mm(answer: _Answer) -> float:

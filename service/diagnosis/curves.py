@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.diagnosis.columns import term_columns
-from service.diagnosis.families import Family, terms_of
 from service.diagnosis.left import Depends
 from service.diagnosis.selection import Selected
 from service.domain.arrays import FloatArray

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-
 from service.diagnosis.answer import answered, unanswerable
 from service.diagnosis.selection import select
 from service.diagnosis.start import started

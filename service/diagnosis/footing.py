@@ -9,9 +9,12 @@ parameters would absorb of it does not count (Frisch-Waugh; priors are observati
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
-from service.domain.arrays import FloatArray
+from service.domain.arrays import BoolArray, FloatArray
 from service.identification.robust import RobustFit
+
+_INDEPENDENT = 1e-6  # share of a column's length that must be left to be a direction of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +24,7 @@ class Footing:
     basis: FloatArray  # (m + P, q) orthonormal, of the present parameters: observations first, then priors
     residual: FloatArray  # (m + P,) projected
     size: int  # m
-    degrees: float  # of freedom of that sum
+    degrees: float  # of freedom of the residuals
     observations: float  # readings that count, times their components
 
     @property
@@ -38,14 +41,17 @@ class Footing:
         """Coordinates of columns (K, m) in the present parameters, shape (K, q)."""
         return np.asarray(columns @ self.basis[: self.size])
 
-    def extended(self, columns: FloatArray) -> "Footing":
-        """Return the footing with further parameters of columns (k, m) fitted."""
+    def directions(self, columns: FloatArray) -> FloatArray:
+        """What columns (k, m) add to the basis, orthonormal, shape (m + P, <= k)."""
         full = np.zeros((len(self.residual), len(columns)))
         full[: self.size] = columns.T
         for _ in range(2):  # twice is enough (B. N. Parlett, The Symmetric Eigenvalue Problem, 1980, 6.9)
             full -= self.basis @ (self.basis.T @ full)
         left, sizes, _ = np.linalg.svd(full, full_matrices=False)
-        new = left[:, sizes > 1e-6 * max(float(np.linalg.norm(columns)), 1e-300)]
+        return np.asarray(left[:, sizes > _INDEPENDENT * max(float(np.linalg.norm(columns)), 1e-300)])
+
+    def extended(self, new: FloatArray) -> "Footing":
+        """Return the footing with the parameters of further `directions` fitted."""
         return replace(
             self,
             basis=np.hstack([self.basis, new]),
@@ -54,39 +60,42 @@ class Footing:
         )
 
 
-def footing_of(fit: RobustFit) -> Footing:
-    """Return the footing of a fit."""
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """A footing on some of the parameters of a fit, and the way from their derivatives to its basis."""
+
+    footing: Footing
+    kept: BoolArray  # (P,)
+    to_basis: FloatArray  # (q, q) upper triangular: derivatives = basis @ to_basis
+    raw_residual: FloatArray  # (m + P,) before the projection
+
+
+def footing_of(fit: RobustFit, without: tuple[str, ...] = ()) -> Footing:
+    """Return the footing of a fit, as if the parameters `without` had not been fitted (to first order)."""
+    return reduced(fit, without).footing
+
+
+def reduced(fit: RobustFit, without: tuple[str, ...] = ()) -> Reduced:
+    """Return the footing of a fit without some parameters, and how it was made."""
     final, structure = fit.solution.final, fit.structure
-    return _footing(
-        fit, final.jacobian, final.residual, structure.prior_widths, structure.prior_means - fit.values
-    )
-
-
-def _footing(
-    fit: RobustFit, jacobian: FloatArray, residual: FloatArray, widths: FloatArray, deviation: FloatArray
-) -> Footing:
-    stacked = np.vstack([jacobian.T, np.diag(1.0 / widths)])
-    basis, _ = np.linalg.qr(stacked)
-    full = np.concatenate([residual, deviation / widths])
+    kept = np.array([name not in without for name in structure.names])
+    widths = structure.prior_widths[kept]
+    raw = np.concatenate([
+        final.residual + fit.values[~kept] @ final.jacobian[~kept],
+        (structure.prior_means - fit.values)[kept] / widths,
+    ])
+    basis, to_basis = np.linalg.qr(np.vstack([final.jacobian[kept].T, np.diag(1.0 / widths)]))
+    residual = raw
     for _ in range(2):
-        full = full - basis @ (basis.T @ full)
+        residual = residual - basis @ (basis.T @ residual)
     observations = sum(
         float((block.weights > 0.5).sum()) * result.residual.shape[1]
         for block, result in zip(fit.blocks, fit.results, strict=True)
     )
-    return Footing(basis, full, len(residual), max(observations, 1.0), observations)
+    footing = Footing(basis, residual, len(final.residual), max(observations, 1.0), observations)
+    return Reduced(footing, kept, to_basis, raw)
 
 
-def footing_without(fit: RobustFit, names: tuple[str, ...]) -> Footing:
-    """Return the footing of a fit as if the parameters `names` had not been fitted, to first order."""
-    final, structure = fit.solution.final, fit.structure
-    left = np.array([name not in names for name in structure.names])
-    out = ~left
-    residual = final.residual + fit.values[out] @ final.jacobian[out]
-    return _footing(
-        fit,
-        final.jacobian[left],
-        residual,
-        structure.prior_widths[left],
-        (structure.prior_means - fit.values)[left],
-    )
+def in_basis(products: FloatArray, to_basis: FloatArray) -> FloatArray:
+    """Turn products with derivatives, shape (K, q), into products with the basis."""
+    return np.asarray(solve_triangular(to_basis, products.T, trans="T").T)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.selection import Selected, refitted
+from service.diagnosis.selection import Selected
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Gain, HeldOutErrors
@@ -69,7 +69,7 @@ def _on_validation(
 ) -> Judged:
     before = _residual(block, start.structure, start.values)
     after = _residual(block, selected.fit.structure, selected.fit.values)
-    without = tuple(_without(block, selected, group, selected.picks) for group in groups)
+    without = tuple(_without(block, selected, group) for group in groups)
     errors = _errors(block, selected.fit, before, after)
     return Judged(errors, without, sites(block.targets.stops), expected_noise_mm(block), "validation")
 
@@ -78,18 +78,20 @@ def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatAr
     return block.result(structure, values, None).residual
 
 
-def _without(
-    block: Block, selected: Selected, group: tuple[Candidate, ...], picks: tuple[Candidate, ...]
-) -> FloatArray:
-    """Residuals of the extended model fitted again without the parameters of a group."""
-    names = {name for pick in group for name in pick.names}
+def _without(block: Block, selected: Selected, group: tuple[Candidate, ...]) -> FloatArray:
+    """Residuals of the extended model without the parameters of a group, the others fitted again.
+
+    The others follow as a normal posterior's mean does where the group is known to be zero.
+    """
     full = selected.fit
-    structure = full.structure.keeping(tuple(name not in names for name in full.structure.names))
-    start = np.array([
-        value for name, value in zip(full.structure.names, full.values, strict=True) if name not in names
-    ])
-    solution = fit(structure, full.blocks, start)
-    return _residual(block, structure, solution.values)
+    names = {name for pick in group for name in pick.names}
+    out = np.array([name in names for name in full.structure.names])
+    covariance = full.solution.covariance
+    values = full.values - covariance[:, out] @ np.linalg.solve(
+        covariance[np.ix_(out, out)], full.values[out]
+    )
+    values[out] = 0.0
+    return _residual(block, full.structure, values)
 
 
 def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], choose: Chosen) -> Judged:
@@ -114,7 +116,7 @@ def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], choose
                 for pick in chosen.picks
                 if (pick.effect, pick.subject) == (group[0].effect, group[0].subject)
             )
-            left[out] = _without(block, chosen, same, chosen.picks) if same else after[out]
+            left[out] = _without(block, chosen, same) if same else after[out]
     errors = _errors(first, start, before, after)
     stated = first.weighted(first.weights, 0.0)
     return Judged(errors, without, site, expected_noise_mm(stated), "cross_validation")

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from service.diagnosis.columns import candidate_columns
 from service.diagnosis.families import Family
-from service.diagnosis.footing import Footing
+from service.diagnosis.footing import Footing, footing_of
 from service.diagnosis.remaining import prepared_families, structured
-from service.diagnosis.screening import gathered, screen
+from service.diagnosis.screening import pooled, screen
 from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
@@ -55,15 +54,15 @@ class Left:
 
 def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
     """Test what is left against everything that it might depend on."""
-    fit, footing = selected.fit, selected.footing
+    fit, footing = selected.fit, footing_of(selected.fit)
     found = [
         Depends(one.family.variable, one.p_value, one.family.kind, one.family.joint, one.family)
         for one in structured(prepared_families(fit, start.scene), footing)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
-    found += _waves(start, selected, footing, without)
+    found += _waves(start, selected, without)
     found.sort(key=lambda one: one.p_value)
-    scale, beyond = _noise(selected)
+    scale, beyond = _noise(selected, footing)
     squared, components = _squared(selected)
     return Left(
         depends=_distinct(found)[:_MOST_TOLD],
@@ -81,16 +80,16 @@ def _distinct(found: list[Depends]) -> tuple[Depends, ...]:
     return tuple(kept.values())
 
 
-def _waves(start: Start, selected: Selected, footing: Footing, without: tuple[str, ...]) -> list[Depends]:
+def _waves(start: Start, selected: Selected, without: tuple[str, ...]) -> list[Depends]:
     """Single waves of any order that are left: those that the selection did not try, or could not carry."""
     if "joint_harmonics" in without:
         waves = CAUSES["joint_harmonics"].candidates(start.scene)
-        pool = gathered(waves, candidate_columns(selected.fit, waves))
+        pool = pooled(selected.fit, waves)
     else:
         pool = selected.pool
     if not pool.all:
         return []
-    screened = screen(pool, footing)
+    screened = screen(pool.view())
     found = []
     for index in np.flatnonzero((screened.p_value <= LEVEL) & (screened.score > 0.0)).tolist():
         candidate = pool.all[index]
@@ -109,13 +108,12 @@ def _squared(selected: Selected) -> tuple[FloatArray, int]:
     return stated.squared(result), result.residual.shape[1]
 
 
-def _noise(selected: Selected) -> tuple[float, bool]:
+def _noise(selected: Selected, footing: Footing) -> tuple[float, bool]:
     """Typical residual over the stated one, by the median: blind to heavy tails."""
     squared, components = _squared(selected)
     if selected.fit.blocks[0].stated_sigma() == 0.0:
         return 1.0, False
     readings = squared.size
-    footing = selected.footing
     freedom = max(1.0 - footing.basis.shape[1] / max(footing.observations, 1.0), 0.05)
     expected = float(chi2.median(components))
     ratio = float(np.median(squared)) / (expected * freedom)

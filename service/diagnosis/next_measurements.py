@@ -1,7 +1,5 @@
 """What to measure next: actions and configurations that would tell causes apart."""
 
-import numpy as np
-
 from service.diagnosis.left import Left
 from service.diagnosis.selection import Selected
 from service.diagnosis.start import Start

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.footing import footing_without
 from service.diagnosis.screening import screen
 from service.diagnosis.selection import Selected
 from service.domain.diagnosis import Cause
@@ -34,8 +33,7 @@ class Weighed:
 def weighed(selected: Selected, group: tuple[Candidate, ...]) -> Weighed:
     """Weigh the picks of one cause and subject against everything else that was tried."""
     names = tuple(name for pick in group for name in pick.names)
-    footing = footing_without(selected.fit, names)
-    screened = screen(selected.pool, footing)
+    screened = screen(selected.pool.view(without=names))
     indices = [selected.pool.all.index(pick) for pick in group]
     lead = max(indices, key=lambda index: screened.score[index])
     found: dict[Cause, float] = {}

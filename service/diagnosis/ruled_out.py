@@ -15,7 +15,7 @@ def ruled_out(
     """Return one entry per cause and subject, the least improbable first, then what cannot be seen."""
     best: dict[Cause, RuledOut] = {}
     if selected.pool.all:
-        screened = screen(selected.pool, selected.footing)
+        screened = screen(selected.pool.view())
         for index in np.argsort(screened.p_value).tolist():
             candidate = selected.pool.all[index]
             cause = Cause(candidate.effect, candidate.subject)

@@ -21,33 +21,80 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as f_distribution
 
-from service.diagnosis.footing import Footing
-from service.domain.arrays import FloatArray
+from service.diagnosis.columns import candidate_columns
+from service.diagnosis.footing import Footing, in_basis, reduced
+from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
+from service.identification.robust import RobustFit
 
 _VISIBLE = 1e-7  # share of a derivative's square that the present parameters do not absorb
 
 
 @dataclass(frozen=True, slots=True)
-class Candidates:
-    """All candidates with their columns, those of one number of parameters together."""
+class Pool:
+    """All candidates with their columns, linearised at one fit."""
 
     all: tuple[Candidate, ...]
     columns: FloatArray  # (K, m)
     starts: tuple[int, ...]  # first column of each candidate
     square: FloatArray  # (K,) of each column
+    with_jacobian: FloatArray  # (K, P) products with the derivatives of the fit
+    with_residual: FloatArray  # (K,) products with its residuals
+    fit: RobustFit
 
     def rows(self, index: int) -> FloatArray:
         """Return the columns of one candidate, shape (k, m)."""
         first = self.starts[index]
         return self.columns[first : first + len(self.all[index].specs)]
 
+    def gram(self, rows: IntArray) -> FloatArray:
+        """Return the products among the columns of candidates of one size, shape (C, k, k), from (C, k)."""
+        if rows.shape[1] == 1:
+            return self.square[rows][:, :, None]
+        return np.stack([self.columns[own] @ self.columns[own].T for own in rows])
 
-def gathered(candidates: Sequence[Candidate], columns: FloatArray) -> Candidates:
-    """Return candidates with their columns in order."""
+    def view(self, without: tuple[str, ...] = ()) -> "View":
+        """Return the candidates as they stand beside the fit, as if `without` had not been fitted."""
+        start = reduced(self.fit, without)
+        absorbed = in_basis(self.with_jacobian[:, start.kept], start.to_basis)
+        left = ~start.kept
+        raw = self.with_residual + self.with_jacobian[:, left] @ self.fit.values[left]
+        towards = raw - absorbed @ (start.footing.basis.T @ start.raw_residual)
+        return View(self, start.footing, absorbed, towards)
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """Candidates on a footing."""
+
+    pool: Pool
+    footing: Footing
+    absorbed: FloatArray  # (K, q)
+    towards: FloatArray  # (K,) products with the residuals
+
+    def with_pick(self, index: int) -> "View":
+        """Return the view once a candidate is fitted too."""
+        new = self.footing.directions(self.pool.rows(index))
+        products = self.pool.columns @ new[: self.footing.size]
+        towards = self.towards - products @ (new.T @ self.footing.residual)
+        absorbed = np.hstack([self.absorbed, products])
+        return View(self.pool, self.footing.extended(new), absorbed, towards)
+
+
+def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
+    """Linearise candidates at a fit."""
+    columns = candidate_columns(fit, candidates)
     sizes = [len(candidate.specs) for candidate in candidates]
-    starts = tuple(int(start) for start in np.cumsum([0, *sizes])[:-1])
-    return Candidates(tuple(candidates), columns, starts, np.einsum("km,km->k", columns, columns))
+    final = fit.solution.final
+    return Pool(
+        all=tuple(candidates),
+        columns=columns,
+        starts=tuple(int(start) for start in np.cumsum([0, *sizes])[:-1]),
+        square=np.einsum("km,km->k", columns, columns),
+        with_jacobian=columns @ final.jacobian.T,
+        with_residual=columns @ final.residual,
+        fit=fit,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,19 +107,19 @@ class Screened:
     score: FloatArray  # (C,) gain in BIC, search included; larger is better
 
 
-def screen(candidates: Candidates, footing: Footing) -> Screened:
-    """Screen all candidates on a footing."""
-    explained, size = _explained(candidates, footing)
+def screen(view: View) -> Screened:
+    """Screen all candidates of a view."""
+    candidates, footing = view.pool.all, view.footing
+    explained, size = _explained(view)
     left = np.maximum(footing.residual_square - explained, 1e-9 * footing.residual_square + 1e-300)
     degrees = np.maximum(footing.degrees - size, 1.0)
     seen = size > 0
     ratio = np.where(seen, explained / np.maximum(size, 1), 0.0) / (left / degrees)
     alone = np.where(seen, f_distribution.sf(ratio, np.maximum(size, 1), degrees), 1.0)
-    tried = _tried(candidates.all)
-    of_effect = Counter(candidate.effect for candidate in candidates.all)
-    shares = np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates.all])
+    of_effect = Counter(candidate.effect for candidate in candidates)
+    shares = np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates])
     likelihood = footing.degrees * np.log(footing.residual_square / left)
-    score = likelihood - size * np.log(max(footing.observations, 2.0)) - 2.0 * np.log(tried)
+    score = likelihood - size * np.log(max(footing.observations, 2.0)) - 2.0 * np.log(_tried(candidates))
     return Screened(
         explained=explained,
         size=size,
@@ -87,21 +134,17 @@ def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:
     return np.array([variants[candidate.effect, candidate.subject] for candidate in candidates], dtype=float)
 
 
-def _explained(candidates: Candidates, footing: Footing) -> tuple[FloatArray, FloatArray]:
-    columns = candidates.columns
-    towards = columns @ footing.residual[: footing.size]
-    absorbed = footing.absorbed(columns)
-    explained, size = np.zeros(len(candidates.all)), np.zeros(len(candidates.all))
-    counts = np.array([len(candidate.specs) for candidate in candidates.all], dtype=int)
+def _explained(view: View) -> tuple[FloatArray, FloatArray]:
+    pool = view.pool
+    explained, size = np.zeros(len(pool.all)), np.zeros(len(pool.all))
+    counts = np.array([len(candidate.specs) for candidate in pool.all], dtype=int)
     for count in np.unique(counts).tolist():
         here = np.flatnonzero(counts == count)
-        rows = np.array(candidates.starts)[here][:, None] + np.arange(count)
-        scale = np.sqrt(np.maximum(candidates.square[rows], 1e-300))
-        unit = columns[rows] / scale[:, :, None] if count > 1 else None
-        own = np.ones((len(here), 1, 1)) if unit is None else unit @ np.swapaxes(unit, 1, 2)
-        taken = absorbed[rows] / scale[:, :, None]
-        gram = own - taken @ np.swapaxes(taken, 1, 2)
-        explained[here], size[here] = _quadratic(gram, towards[rows] / scale)
+        rows = np.array(pool.starts)[here][:, None] + np.arange(count)
+        scale = np.sqrt(np.maximum(pool.square[rows], 1e-300))
+        taken = view.absorbed[rows] / scale[:, :, None]
+        gram = pool.gram(rows) / (scale[:, :, None] * scale[:, None, :]) - taken @ np.swapaxes(taken, 1, 2)
+        explained[here], size[here] = _quadratic(gram, view.towards[rows] / scale)
     return explained, size
 
 

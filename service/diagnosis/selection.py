@@ -9,11 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.columns import candidate_columns
-from service.diagnosis.footing import Footing, footing_of, footing_without
-from service.diagnosis.screening import Candidates, Screened, gathered, screen
+from service.diagnosis.screening import Pool, Screened, View, pooled, screen
 from service.effects.causes import Candidate
-from service.identification.robust import RobustFit, robust_fit
+from service.identification.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6
@@ -26,8 +24,7 @@ class Selected:
 
     fit: RobustFit
     picks: tuple[Candidate, ...]
-    pool: Candidates  # everything that was tried, linearised at `fit`
-    footing: Footing  # of `fit`
+    pool: Pool  # everything that was tried, linearised at `fit`
     full: bool  # more was there, but the readings do not carry more parameters
 
 
@@ -46,36 +43,35 @@ def select(start: RobustFit, candidates: Sequence[Candidate], tell: Callable[[fl
     Selected
     """
     fit, picks, full = start, list[Candidate](), False
-    pool = gathered(candidates, candidate_columns(fit, candidates))
+    pool = pooled(fit, candidates)
     for round_number in range(_MOST_REFITS):
         tell(round_number / _MOST_REFITS)
-        new, full = _picked(pool, footing_of(fit))
+        new, full = _picked(pool.view())
         if not new:
             break
         picks += new
         fit = refitted(start, fit, picks)
-        pool = gathered(candidates, candidate_columns(fit, candidates))
-        kept = _worth(fit, picks, pool)
+        pool = pooled(fit, candidates)
+        kept = _worth(picks, pool)
         if len(kept) < len(picks):
             picks = kept
             fit = refitted(start, fit, picks)
-            pool = gathered(candidates, candidate_columns(fit, candidates))
+            pool = pooled(fit, candidates)
             if not any(candidate in kept for candidate in new):
                 break
-    return Selected(fit, tuple(picks), pool, footing_of(fit), full)
+    return Selected(fit, tuple(picks), pool, full)
 
 
-def _picked(pool: Candidates, footing: Footing) -> tuple[list[Candidate], bool]:
+def _picked(view: View) -> tuple[list[Candidate], bool]:
     picks: list[Candidate] = []
     while True:
-        screened = screen(pool, footing)
-        best = best_of(screened)
+        best = best_of(screen(view))
         if best is None:
             return picks, False
-        if not _carried(footing, pool.all[best]):
+        if not _carried(view, view.pool.all[best]):
             return picks, True
-        picks.append(pool.all[best])
-        footing = footing.extended(pool.rows(best))
+        picks.append(view.pool.all[best])
+        view = view.with_pick(best)
 
 
 def best_of(screened: Screened) -> int | None:
@@ -86,7 +82,8 @@ def best_of(screened: Screened) -> int | None:
     return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
 
 
-def _carried(footing: Footing, candidate: Candidate) -> bool:
+def _carried(view: View, candidate: Candidate) -> bool:
+    footing = view.footing
     used = footing.basis.shape[1] + len(candidate.specs)
     return bool(footing.observations >= _READINGS_PER_PARAMETER * used)
 
@@ -98,15 +95,14 @@ def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) 
         structure = structure.extended(pick.effect, pick.specs)
     known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
     values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
-    blocks = tuple(block.weighted(np.ones(len(block.weights)), 0.0) for block in start.blocks)
-    return robust_fit(structure, blocks, values)
+    return settled(structure, previous.blocks, values)
 
 
-def _worth(fit: RobustFit, picks: Sequence[Candidate], pool: Candidates) -> list[Candidate]:
+def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
     """Return the picks that still explain more than their parameters cost, beside all others."""
     kept = []
     for pick in picks:
-        screened = screen(pool, footing_without(fit, pick.names))
+        screened = screen(pool.view(without=pick.names))
         index = pool.all.index(pick)
         if screened.p_value[index] <= LEVEL and screened.score[index] > 0.0:
             kept.append(pick)
@@ -116,5 +112,4 @@ def _worth(fit: RobustFit, picks: Sequence[Candidate], pool: Candidates) -> list
 def reselected(start: RobustFit, selected: Selected, kept: tuple[Candidate, ...]) -> Selected:
     """Return the selection with some of its picks only, everything fitted again."""
     fit = refitted(start, selected.fit, kept) if kept else start
-    pool = gathered(selected.pool.all, candidate_columns(fit, selected.pool.all))
-    return Selected(fit, kept, pool, footing_of(fit), selected.full)
+    return Selected(fit, kept, pooled(fit, selected.pool.all), selected.full)

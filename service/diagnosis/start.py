@@ -9,10 +9,14 @@ from service.diagnosis.single_readings import swapped_labels
 from service.domain.campaign import Campaign, PointReadings
 from service.domain.results import Status
 from service.effects.causes import Scene
+from service.effects.reference import NAME as REFERENCE
+from service.effects.tool_certificate import NAME as CERTIFICATE
+from service.effects.tool_certificate import certificate_specs
 from service.identification import verdict
 from service.identification.problem import Problem, automatic_effects, build
 from service.identification.robust import RobustFit, robust_fit
 
+NUISANCE = (REFERENCE, CERTIFICATE)  # effects that a diagnosis needs and no model keeps
 _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)
 
 
@@ -40,19 +44,31 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None) -> Start | str:
     too_few = verdict.too_few_data(campaign, chosen)
     if too_few:
         return too_few
-    problem = build(campaign, chosen, with_reference=True)
+    problem = _problem(campaign, chosen)
     collapsed = verdict.before_fitting(campaign, problem)
     if collapsed:
         return collapsed
     fitted = robust_fit(problem.structure, problem.blocks, problem.start)
     corrected = _relabelled(campaign, fitted)
     if corrected is not campaign:
-        problem = build(corrected, chosen, with_reference=True)
+        problem = _problem(corrected, chosen)
         fitted = robust_fit(problem.structure, problem.blocks, problem.start)
     status, message = verdict.judge(corrected, problem, fitted, fitted)
     if status in _UNUSABLE:
         return message
     return Start(corrected, problem, fitted, scene_of(corrected, problem, fitted), chosen, campaign)
+
+
+def _problem(campaign: Campaign, effects: tuple[str, ...]) -> Problem:
+    """Build the problem with fixed nests as observations, certified nests free within their certificates."""
+    problem = build(campaign, effects, with_reference=True)
+    specs = certificate_specs({
+        number: nest.standard_uncertainty_mm
+        for number, nest in enumerate(campaign.nests, start=1)
+        if nest.centre_mm is not None and nest.standard_uncertainty_mm
+    })
+    structure = problem.structure.extended(CERTIFICATE, specs) if specs else problem.structure
+    return replace(problem, structure=structure, start=np.concatenate([problem.start, np.zeros(len(specs))]))
 
 
 def _relabelled(campaign: Campaign, fitted: RobustFit) -> Campaign:

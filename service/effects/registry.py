@@ -28,6 +28,7 @@ from service.effects.ports import Effect
 from service.effects.reference import Reference
 from service.effects.thermal_growth import ThermalGrowth
 from service.effects.tool import Tool
+from service.effects.tool_certificate import ToolCertificate
 from service.effects.tool_reseating import ToolReseating
 
 _CAUSES: tuple[Cause, ...] = (
@@ -61,6 +62,7 @@ _EFFECTS: tuple[Effect, ...] = (
     Geometry("geometry_dhm", tilt=False),
     JointOffset(),
     Reference(),
+    ToolCertificate(),
     *_CAUSES,
 )
 EFFECTS = {effect.name: effect for effect in _EFFECTS}

@@ -107,6 +107,12 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 
 
+def settled(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+    """Fit from a start that is close: the decisions of an earlier fit stand in `blocks` and are made again."""
+    blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start))
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+
+
 def _hard_rounds(
     structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]
 ) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[Joint]]:

@@ -57,14 +57,6 @@ class Structure:
         owners = (*self.owners, *(effect for _ in specs))
         return replace(self, effects=effects, specs=(*self.specs, *specs), owners=owners)
 
-    def keeping(self, kept: tuple[bool, ...]) -> "Structure":
-        """Return the structure with some of its parameters; effects stay, with parameters or without."""
-        return replace(
-            self,
-            specs=tuple(spec for spec, keep in zip(self.specs, kept, strict=True) if keep),
-            owners=tuple(owner for owner, keep in zip(self.owners, kept, strict=True) if keep),
-        )
-
     def without(self, effects: tuple[str, ...]) -> "Structure":
         """Return the structure without the parameters of these effects."""
         keep = [k for k, owner in enumerate(self.owners) if owner not in effects]
