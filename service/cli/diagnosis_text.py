@@ -22,7 +22,8 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"{number}. {finding.sentence}"
         yield from (f"   {line}" for line in _evidence(finding))
     yield from (f"Withdrawn: {sentence}" for sentence in diagnosis.withdrawn)
-    yield f"{diagnosis.remaining.sentence}{_depends_on(diagnosis.remaining)}"
+    if diagnosis.remaining.sentence != diagnosis.message:  # the same where nothing could be fitted
+        yield f"{diagnosis.remaining.sentence}{_depends_on(diagnosis.remaining)}"
     if diagnosis.noise is not None:
         yield f"Noise: {diagnosis.noise.sentence}"
     for entry in diagnosis.next_measurements:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from service.cli.diagnosis_text import diagnosis_lines, errors_table
-from service.domain.diagnosis import Gain
+from service.domain.diagnosis import Gain, Remaining
 from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
 
 
@@ -60,6 +60,15 @@ def test_errors_stand_before_and_after():
     assert list(table.columns[0].cells) == ["before", "after"]
     assert list(table.columns[3].cells) == ["0.0610", "0.0190"]
     assert "cross-validation" in table.caption
+
+
+def test_where_nothing_could_be_fitted_the_reason_is_said_once():
+    why = "There are too few readings."
+    unanswered = make_unexplained(
+        message=why, remaining=Remaining(False, (), why), before=None, after=None, noise=None, model=None
+    )
+
+    assert list(diagnosis_lines(unanswered)) == [why]
 
 
 def test_where_nothing_could_be_fitted_there_is_no_table():
