@@ -8,13 +8,14 @@ import numpy as np
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.groups import grouped
-from service.diagnosis.held_out import Chosen, Judged, judge
+from service.diagnosis.held_out import Judged, gain_of, judge
 from service.diagnosis.left import Depends, Left, left_by
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.readings_found import readings_found
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
-from service.diagnosis.selection import Selected, reselected
+from service.diagnosis.scene import scene_of
+from service.diagnosis.selection import Propose, Selected, reselected
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
@@ -29,7 +30,7 @@ from service.domain.diagnosis import (
     Verdict,
 )
 from service.domain.results import Model
-from service.effects.causes import Candidate, Fitted, Shown
+from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.identification.considered import considered
@@ -50,46 +51,55 @@ class _Answer:
 
     start: Start
     selected: Selected
+    scene: Scene  # of the extended model
     groups: tuple[Group, ...]
     judged: Judged
     left: Left
 
 
 def answered(
-    start: Start, selected: Selected, choose: Chosen, without: tuple[str, ...], tell: Tell
+    start: Start, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
-    groups = grouped(selected.picks)
-    judged = judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), choose)
-    useless = _useless(groups, judged)
-    withdrawn = tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
-    if useless:
+    withdrawn: tuple[str, ...] = ()
+    groups, judged = _judged(start, selected, propose)
+    while useless := _useless(groups, judged):
+        withdrawn += tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
-        selected = reselected(start.fit, selected, kept)
-        groups = grouped(kept)
-        judged = judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), choose)
+        selected = reselected(start.fit, selected, kept, propose)
+        groups, judged = _judged(start, selected, propose)
     tell(0.85, "testing what is left")
-    return _told(
-        _Answer(start, selected, groups, judged, left_by(start, selected, without)), withdrawn, without
-    )
+    scene = scene_of(start.campaign, start.problem, selected.fit)
+    left = left_by(start, selected, without)
+    return _told(_Answer(start, selected, scene, groups, judged, left), withdrawn, without)
+
+
+def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[Group, ...], Judged]:
+    groups = grouped(selected.picks)
+    return groups, judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), propose)
 
 
 def _useless(groups: tuple[Group, ...], judged: Judged) -> tuple[int, ...]:
-    """Findings that make held-out errors larger beyond noise."""
-    return tuple(index for index in range(len(groups)) if judged.gain(index).interval_95_mm[1] < 0.0)
+    """Return the findings to withdraw: those that do not help on held-out points, all where none does."""
+    gains = [judged.gain(index) for index in range(len(groups))]
+    together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
+    if together.interval_95_mm[0] <= 0.0:
+        return tuple(range(len(groups)))
+    return tuple(index for index, gain in enumerate(gains) if gain.rms_before_mm <= gain.rms_after_mm)
 
 
 def _withdrawal(group: Group, gain: Gain) -> str:
     subject, picks = group
     return (
-        f"{picks[0].effect} of {subject} was found and is withdrawn: on unseen points it makes the errors "
-        f"larger (RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
+        f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on unseen points it does not "
+        f"help (RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
     )
 
 
 def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
     judged, left, start, selected = answer.judged, answer.left, answer.start, answer.selected
-    findings = (*_findings(answer), *readings_found(start, selected, left, judged))
+    readings = readings_found(start, selected, left, judged)
+    findings = (*_findings(answer), *(one for one in readings if one.effect not in without))
     remaining = Remaining(
         structure=left.structure,
         depends_on=tuple(
@@ -173,7 +183,7 @@ def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown
     names = tuple(name for pick in group for name in pick.names)
     rows = [fit.structure.index_of(name) for name in names]
     fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
-    return CAUSES[group[0].effect].shown(subject, fitted, answer.start.scene)
+    return CAUSES[group[0].effect].shown(subject, fitted, answer.scene)
 
 
 def _model(answer: _Answer) -> Model:

@@ -3,12 +3,14 @@
 from collections.abc import Callable
 
 from service.diagnosis.answer import answered, unanswerable
+from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import select
 from service.diagnosis.start import started
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Diagnosis
 from service.effects.causes import Candidate, Scene
 from service.effects.registry import CAUSES
+from service.identification.robust import RobustFit
 
 Progress = Callable[[float, str], None]
 
@@ -44,14 +46,17 @@ def diagnose(
     """
     tell = progress or _silent
     tell(0.02, "fitting the present model")
-    start = started(campaign, effects)
+    start = started(campaign, effects, relabel="label_swap" not in without)
     if isinstance(start, str):
         return unanswerable(campaign, effects or (), start)
-    candidates = proposed(start.scene, without)
-    tell(0.1, f"screening {len(candidates)} ways in which the model may be wrong")
-    selected = select(start.fit, candidates, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
+
+    def propose(fit: RobustFit) -> tuple[Candidate, ...]:
+        return proposed(scene_of(start.campaign, start.problem, fit), without)
+
+    tell(0.1, "screening the ways in which the model may be wrong")
+    selected = select(start.fit, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
     tell(0.6, "judging on points that were not seen")
-    return answered(start, selected, lambda part: select(part, candidates, _ignored), without, tell)
+    return answered(start, selected, propose, without, tell)
 
 
 def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
@@ -65,8 +70,4 @@ def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
 
 
 def _silent(_fraction: float, _doing: str) -> None:
-    return None
-
-
-def _ignored(_share: float) -> None:
     return None

@@ -12,7 +12,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from service.domain.arrays import BoolArray, FloatArray
+from service.identification.observations import Block, BlockResult
 from service.identification.robust import RobustFit
+from service.identification.rows import sites
 
 _INDEPENDENT = 1e-6  # share of a column's length that must be left to be a direction of its own
 
@@ -26,6 +28,7 @@ class Footing:
     size: int  # m
     degrees: float  # of freedom of the residuals
     observations: float  # readings that count, times their components
+    alike: float = 1.0  # how many readings of a stop are worth one
 
     @property
     def residual_square(self) -> float:
@@ -92,8 +95,31 @@ def reduced(fit: RobustFit, without: tuple[str, ...] = ()) -> Reduced:
         float((block.weights > 0.5).sum()) * result.residual.shape[1]
         for block, result in zip(fit.blocks, fit.results, strict=True)
     )
-    footing = Footing(basis, residual, len(final.residual), max(observations, 1.0), observations)
+    alike = design_effect(fit.blocks[0], fit.results[0])
+    footing = Footing(basis, residual, len(final.residual), max(observations, 1.0), observations, alike)
     return Reduced(footing, kept, to_basis, raw)
+
+
+def design_effect(block: Block, result: BlockResult) -> float:
+    """How many readings of a stop are worth one: 1 + (m - 1) of their correlation.
+
+    What a model lacks moves all nests that are read at one stop together; so does a stop that is revisited.
+    """
+    vectors = result.whitening.apply(result.residual)
+    if result.direction is not None:
+        vectors = vectors * result.direction
+    kept = block.weights > 0.5
+    _, stop = np.unique(sites(block.targets.stops)[kept], return_inverse=True)
+    vectors = vectors[kept]
+    sizes = np.bincount(stop)
+    sums = np.stack([np.bincount(stop, component) for component in vectors.T], axis=1)
+    squares = float((vectors**2).sum())
+    pairs = float((sizes * (sizes - 1)).sum())
+    if pairs == 0.0 or squares == 0.0:
+        return 1.0
+    correlation = (float((sums**2).sum()) - squares) / pairs / (squares / len(vectors))
+    usual = pairs / len(vectors)  # other readings of the same stop that a reading has on average
+    return float(1.0 + usual * np.clip(correlation, 0.0, 1.0))
 
 
 def in_basis(products: FloatArray, to_basis: FloatArray) -> FloatArray:

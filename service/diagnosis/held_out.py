@@ -1,11 +1,10 @@
 """The gain: errors on points that neither the choice of the model nor its parameters saw."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.selection import Selected
+from service.diagnosis.selection import Propose, Selected, select
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Gain, HeldOutErrors
@@ -20,8 +19,6 @@ from service.identification.structure import Structure
 
 _RESAMPLED = 1000
 _FOLDS = 5
-
-Chosen = Callable[[RobustFit], Selected]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +41,13 @@ def judge(
     start: RobustFit,
     selected: Selected,
     groups: tuple[tuple[Candidate, ...], ...],
-    choose: Chosen,
+    propose: Propose,
 ) -> Judged:
     """Judge the extended model on the validation points, else by nested cross-validation."""
     block = _validation_block(campaign)
     if block is not None:
         return _on_validation(block, start, selected, groups)
-    return _crossed(start, groups, choose)
+    return _crossed(start, groups, propose)
 
 
 def _validation_block(campaign: Campaign) -> Block | None:
@@ -94,7 +91,7 @@ def _without(block: Block, selected: Selected, group: tuple[Candidate, ...]) -> 
     return _residual(block, full.structure, values)
 
 
-def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], choose: Chosen) -> Judged:
+def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], propose: Propose) -> Judged:
     """Nested cross-validation by configuration: the choice is made anew without each fold."""
     first = start.blocks[0]
     site = sites(first.targets.stops)
@@ -106,7 +103,7 @@ def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], choose
         if out.size == 0:
             continue
         part = _part(start, held)
-        chosen = choose(part)
+        chosen = select(part, propose, lambda _share: None)
         block = first.subset(out)
         before[out] = _residual(block, part.structure, part.values)
         after[out] = _residual(block, chosen.fit.structure, chosen.fit.values)

@@ -56,5 +56,5 @@ def _p_value(columns: FloatArray, footing: Footing) -> float:
     absorbed = footing.absorbed(columns)
     gram = columns @ columns.T - absorbed @ absorbed.T
     weights = np.maximum(np.linalg.eigvalsh(gram), 0.0)
-    statistic = float(towards @ towards) / footing.variance
-    return tail_probability(statistic, weights, footing.degrees)
+    statistic = float(towards @ towards) / footing.variance / footing.alike
+    return tail_probability(statistic, weights, footing.degrees / footing.alike)

@@ -5,12 +5,16 @@ freedom, F = (T / k) / ((R - T) / (nu - k)) is F distributed where the candidate
 noise is taken from the residuals themselves, never from what is stated. The level is controlled over
 everything tried: every cause has the same share of it, divided among its candidates (weighted Bonferroni).
 
+Readings of one stop share what the model lacks there: all counts are divided by the number of readings that
+are worth one (design effect, from the residuals themselves).
+
 Candidates are compared by BIC; what was searched over (orders, moments) costs 2 ln of their number.
 
 References
 ----------
 G. A. F. Seber, A. J. Lee, Linear Regression Analysis, 2nd ed., 2003, chapter 4.
 C. Genovese, K. Roeder, L. Wasserman, Biometrika 93(3), 2006, 509-524 (weighted Bonferroni).
+L. Kish, Survey Sampling, 1965, section 5.4 (design effect).
 G. Schwarz, Annals of Statistics 6(2), 1978, 461-464.
 """
 
@@ -27,6 +31,7 @@ from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
 from service.identification.robust import RobustFit
 
+_MOSTLY_BELIEF = 0.1  # what the data see, over what is believed before: below, nothing is seen
 _VISIBLE = 1e-7  # share of a derivative's square that the present parameters do not absorb
 
 
@@ -38,6 +43,7 @@ class Pool:
     columns: FloatArray  # (K, m)
     starts: tuple[int, ...]  # first column of each candidate
     square: FloatArray  # (K,) of each column
+    widths: FloatArray  # (K,) prior standard deviation of each parameter
     with_jacobian: FloatArray  # (K, P) products with the derivatives of the fit
     with_residual: FloatArray  # (K,) products with its residuals
     fit: RobustFit
@@ -91,6 +97,7 @@ def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
         columns=columns,
         starts=tuple(int(start) for start in np.cumsum([0, *sizes])[:-1]),
         square=np.einsum("km,km->k", columns, columns),
+        widths=np.array([spec.prior_width for candidate in candidates for spec in candidate.specs]),
         with_jacobian=columns @ final.jacobian.T,
         with_residual=columns @ final.residual,
         fit=fit,
@@ -110,16 +117,19 @@ class Screened:
 def screen(view: View) -> Screened:
     """Screen all candidates of a view."""
     candidates, footing = view.pool.all, view.footing
+    alike = footing.alike
     explained, size = _explained(view)
     left = np.maximum(footing.residual_square - explained, 1e-9 * footing.residual_square + 1e-300)
-    degrees = np.maximum(footing.degrees - size, 1.0)
+    degrees = np.maximum(footing.degrees / alike - size, 1.0)
     seen = size > 0
     ratio = np.where(seen, explained / np.maximum(size, 1), 0.0) / (left / degrees)
     alone = np.where(seen, f_distribution.sf(ratio, np.maximum(size, 1), degrees), 1.0)
     of_effect = Counter(candidate.effect for candidate in candidates)
     shares = np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates])
-    likelihood = footing.degrees * np.log(footing.residual_square / left)
-    score = likelihood - size * np.log(max(footing.observations, 2.0)) - 2.0 * np.log(_tried(candidates))
+    likelihood = footing.degrees / alike * np.log(footing.residual_square / left)
+    score = (
+        likelihood - size * np.log(max(footing.observations / alike, 2.0)) - 2.0 * np.log(_tried(candidates))
+    )
     return Screened(
         explained=explained,
         size=size,
@@ -144,14 +154,20 @@ def _explained(view: View) -> tuple[FloatArray, FloatArray]:
         scale = np.sqrt(np.maximum(pool.square[rows], 1e-300))
         taken = view.absorbed[rows] / scale[:, :, None]
         gram = pool.gram(rows) / (scale[:, :, None] * scale[:, None, :]) - taken @ np.swapaxes(taken, 1, 2)
-        explained[here], size[here] = _quadratic(gram, view.towards[rows] / scale)
+        belief = 1.0 / (pool.widths[rows] * scale) ** 2
+        explained[here], size[here] = _quadratic(gram, belief, view.towards[rows] / scale)
     return explained, size
 
 
-def _quadratic(gram: FloatArray, towards: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Sum of squares explained, and the number of directions that can be seen, of C candidates."""
+def _quadratic(gram: FloatArray, belief: FloatArray, towards: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sum of squares explained, and the number of parameters that can be seen, of C candidates.
+
+    The prior of each parameter is an observation of it: an amplitude that nobody would believe explains
+    nothing. A direction that the data see less well than the prior knows it does not count.
+    """
     sizes, axes = np.linalg.eigh(gram)
-    along = np.einsum("cij,ci->cj", axes, towards)
     seen = sizes > _VISIBLE
-    explained = np.where(seen, along**2 / np.where(seen, sizes, 1.0), 0.0).sum(axis=1)
-    return explained, seen.sum(axis=1).astype(float)
+    within = np.einsum("cij,ci->cj", axes, towards)
+    strength = np.einsum("cij,ci->cj", axes**2, belief)
+    explained = np.where(seen, within**2 / np.where(seen, sizes + strength, 1.0), 0.0).sum(axis=1)
+    return explained, (seen & (sizes > _MOSTLY_BELIEF * strength)).sum(axis=1).astype(float)

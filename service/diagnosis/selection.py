@@ -18,6 +18,9 @@ _MOST_REFITS = 6
 _READINGS_PER_PARAMETER = 3.0  # observations that each parameter must leave, all counted
 
 
+Propose = Callable[[RobustFit], tuple[Candidate, ...]]
+
+
 @dataclass(frozen=True, slots=True)
 class Selected:
     """The extended model: picks in the order in which they were found."""
@@ -28,13 +31,14 @@ class Selected:
     full: bool  # more was there, but the readings do not carry more parameters
 
 
-def select(start: RobustFit, candidates: Sequence[Candidate], tell: Callable[[float], None]) -> Selected:
+def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) -> Selected:
     """Extend a fitted model by what the data show.
 
     Parameters
     ----------
     start : RobustFit
-    candidates : sequence of Candidate
+    propose : callable
+        Every way in which a fitted model may still be wrong.
     tell : callable
         Told the fraction done.
 
@@ -43,7 +47,7 @@ def select(start: RobustFit, candidates: Sequence[Candidate], tell: Callable[[fl
     Selected
     """
     fit, picks, full = start, list[Candidate](), False
-    pool = pooled(fit, candidates)
+    pool = pooled(fit, propose(fit))
     for round_number in range(_MOST_REFITS):
         tell(round_number / _MOST_REFITS)
         new, full = _picked(pool.view())
@@ -51,12 +55,12 @@ def select(start: RobustFit, candidates: Sequence[Candidate], tell: Callable[[fl
             break
         picks += new
         fit = refitted(start, fit, picks)
-        pool = pooled(fit, candidates)
+        pool = pooled(fit, (*picks, *propose(fit)))
         kept = _worth(picks, pool)
         if len(kept) < len(picks):
             picks = kept
             fit = refitted(start, fit, picks)
-            pool = pooled(fit, candidates)
+            pool = pooled(fit, (*picks, *propose(fit)))
             if not any(candidate in kept for candidate in new):
                 break
     return Selected(fit, tuple(picks), pool, full)
@@ -85,7 +89,7 @@ def best_of(screened: Screened) -> int | None:
 def _carried(view: View, candidate: Candidate) -> bool:
     footing = view.footing
     used = footing.basis.shape[1] + len(candidate.specs)
-    return bool(footing.observations >= _READINGS_PER_PARAMETER * used)
+    return bool(footing.observations / footing.alike >= _READINGS_PER_PARAMETER * used)
 
 
 def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
@@ -109,7 +113,14 @@ def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
     return kept
 
 
-def reselected(start: RobustFit, selected: Selected, kept: tuple[Candidate, ...]) -> Selected:
-    """Return the selection with some of its picks only, everything fitted again."""
-    fit = refitted(start, selected.fit, kept) if kept else start
-    return Selected(fit, kept, pooled(fit, selected.pool.all), selected.full)
+def reselected(
+    start: RobustFit, selected: Selected, kept: tuple[Candidate, ...], propose: Propose
+) -> Selected:
+    """Return the selection with some of its picks only, as far as they are worth it, fitted again."""
+    while True:
+        fit = refitted(start, selected.fit, kept) if kept else start
+        pool = pooled(fit, (*kept, *propose(fit)))
+        worth = tuple(_worth(kept, pool))
+        if worth == kept:
+            return Selected(fit, kept, pool, selected.full)
+        kept = worth

@@ -32,7 +32,7 @@ class Start:
     written: Campaign  # as it was measured
 
 
-def started(campaign: Campaign, effects: tuple[str, ...] | None) -> Start | str:
+def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | str:
     """Fit the present model; a sentence where it cannot be fitted.
 
     Raises
@@ -49,7 +49,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None) -> Start | str:
     if collapsed:
         return collapsed
     fitted = robust_fit(problem.structure, problem.blocks, problem.start)
-    corrected = _relabelled(campaign, fitted)
+    corrected = _relabelled(campaign, fitted) if relabel else campaign
     if corrected is not campaign:
         problem = _problem(corrected, chosen)
         fitted = robust_fit(problem.structure, problem.blocks, problem.start)

@@ -11,7 +11,7 @@ from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
 from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.compliance import compliance_prior, known_torque
-from service.effects.names import joint_subject
+from service.effects.names import joint_name, joint_subject
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "compliance_nonlinear"
@@ -47,12 +47,15 @@ class ComplianceNonlinear:
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Propose each loaded joint, and all of them together, for every torque where softness may end."""
+        """Propose each sprung joint, and all of them together, for every torque where softness may end.
+
+        How a spring bends is a question only once there is a spring.
+        """
         found = []
         for t0 in _T0_N_MM if scene.torque_n_mm is not None else ():
-            bent = [spec for spec in _bent_specs(scene, t0) if spec.name not in scene.present]
+            bent = [spec for spec in _bent_specs(scene, t0) if _is_open(spec, scene)]
             found += [Candidate(NAME, joint_subject(_joint_of(spec.name)), (spec,), t0) for spec in bent]
-            specs = tuple(spec for spec in _specs(scene.setting, t0) if spec.name not in scene.present)
+            specs = tuple(spec for spec in _specs(scene.setting, t0) if _is_open(spec, scene))
             if bent and len(specs) >= _FEWEST_TOGETHER:
                 found.append(Candidate(NAME, "joints", specs, t0))
         return tuple(found)
@@ -142,3 +145,7 @@ def _common(shares: FloatArray, covariance: FloatArray) -> tuple[float, float]:
     weights = np.linalg.solve(covariance, np.ones(len(shares)))
     information = float(weights.sum())
     return float(weights @ shares) / information, float(1.0 / np.sqrt(information))
+
+
+def _is_open(spec: ParameterSpec, scene: Scene) -> bool:
+    return spec.name not in scene.present and joint_name("c", _joint_of(spec.name)) in scene.present
