@@ -63,14 +63,15 @@ def answered(
     """Put everything that a diagnosis found together."""
     withdrawn: tuple[str, ...] = ()
     groups, judged = _judged(start, selected, propose)
-    while useless := _useless(groups, judged):
+    left = left_by(start, selected, without)
+    while useless := _useless(groups, judged, left):
         withdrawn += tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
         selected = reselected(start.fit, selected, kept, propose)
         groups, judged = _judged(start, selected, propose)
-    tell(0.85, "testing what is left")
+        left = left_by(start, selected, without)
+    tell(0.85, "putting it into words")
     scene = scene_of(start.campaign, start.problem, selected.fit)
-    left = left_by(start, selected, without)
     return _told(_Answer(start, selected, scene, groups, judged, left), withdrawn, without)
 
 
@@ -79,13 +80,21 @@ def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[G
     return groups, judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), propose)
 
 
-def _useless(groups: tuple[Group, ...], judged: Judged) -> tuple[int, ...]:
-    """Return the findings to withdraw: those that do not help on held-out points, all where none does."""
+def _useless(groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
+    """Return the findings to withdraw: all where they do not help unseen points together, else single ones.
+
+    While something is left that nothing explains, a finding may owe its place to it: then it must help by
+    itself, beyond chance.
+    """
     gains = [judged.gain(index) for index in range(len(groups))]
     together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
     if together.interval_95_mm[0] <= 0.0:
         return tuple(range(len(groups)))
-    return tuple(index for index, gain in enumerate(gains) if gain.rms_before_mm <= gain.rms_after_mm)
+    return tuple(
+        index
+        for index, gain in enumerate(gains)
+        if gain.rms_before_mm <= gain.rms_after_mm or (left.structure and gain.interval_95_mm[0] <= 0.0)
+    )
 
 
 def _withdrawal(group: Group, gain: Gain) -> str:

@@ -15,7 +15,7 @@ from service.identification.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6
-_READINGS_PER_PARAMETER = 3.0  # observations that each parameter must leave, all counted
+_READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
 
 
 Propose = Callable[[RobustFit], tuple[Candidate, ...]]

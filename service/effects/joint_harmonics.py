@@ -14,7 +14,9 @@ from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, 
 
 NAME = "joint_harmonics"
 _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
-_UNKNOWN_GEAR = 165.0  # the highest ratio that is usual in one stage, for robots that do not tell theirs
+# Of a robot that does not tell its gears no fast wave can be laid at their door: up to here bearings,
+# encoders and the stages of common gears explain one.
+_HIGHEST_OF_UNKNOWN_GEAR = 12
 _SMALLEST_TURN_RAD = np.deg2rad(5.0)
 
 
@@ -89,7 +91,8 @@ class _FittedWave:
 
 def orders(scene: Scene, joint: int) -> tuple[float, ...]:
     """Return the orders that are looked for on a joint (0-based)."""
-    highest = round(2.0 * _gear_ratio(scene, joint, _UNKNOWN_GEAR))
+    ratio = _gear_ratio(scene, joint)
+    highest = round(2.0 * ratio) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
     return tuple(float(order) for order in range(1, highest + 1))
 
 
@@ -118,9 +121,9 @@ def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:
     return found
 
 
-def _gear_ratio(scene: Scene, joint: int, unknown: float = 0.0) -> float:
+def _gear_ratio(scene: Scene, joint: int) -> float:
     ratios = scene.setting.robot.gear_ratios
-    return unknown if ratios is None else float(ratios[joint])
+    return 0.0 if ratios is None else float(ratios[joint])
 
 
 def _typical_of(order: float, ratio: float) -> str:

@@ -59,7 +59,7 @@ def run_trials(trials: tuple[Trial, ...], diagnose: Diagnose) -> tuple[Outcome, 
 
 
 def _run(trial: Trial, recorder: Recorder, folder: Path, diagnose: Diagnose) -> Outcome:
-    campaign, planted = _recorded(trial, recorder, folder)
+    campaign, planted = record_trial(trial, recorder, folder)
     began_s = time.perf_counter()
     try:
         outcome = judge(diagnose(campaign, trial), planted)
@@ -69,8 +69,12 @@ def _run(trial: Trial, recorder: Recorder, folder: Path, diagnose: Diagnose) -> 
     return replace(outcome, label=trial.label, readings=trial.readings, seed=trial.seed, wall_s=wall_s)
 
 
-def _recorded(trial: Trial, recorder: Recorder, folder: Path) -> tuple[Campaign, tuple[Planted, ...]]:
-    """Record the first cell of the trial in which chance let everything planted happen."""
+def record_trial(trial: Trial, recorder: Recorder, folder: Path) -> tuple[Campaign, tuple[Planted, ...]]:
+    """Record the first cell of the trial in which chance let everything planted happen.
+
+    Returns the campaign and what is hidden in it, bad readings with the share that they truly have; raises
+    RecorderFailedError or NothingHappenedError.
+    """
     scenario, out = folder / "scenario.toml", folder / "campaign"
     text = scenario_text(
         trial.scenario, trial.planted, heavy_tails=trial.heavy_tails, over_time=trial.over_time
