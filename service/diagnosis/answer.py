@@ -1,17 +1,19 @@
 """The answer: findings with their words, rivals and gain, what is left, and the verdict."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
+from service.diagnosis.doubts import better_families, owed_to_the_rest
 from service.diagnosis.groups import grouped
 from service.diagnosis.held_out import Judged, gain_of, judge
 from service.diagnosis.left import Depends, Left, left_by
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.readings_found import readings_found
+from service.diagnosis.remaining import prepared_families
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
@@ -64,15 +66,25 @@ def answered(
     withdrawn: tuple[str, ...] = ()
     groups, judged = _judged(start, selected, propose)
     left = left_by(start, selected, without)
-    while useless := _useless(groups, judged, left):
+    while useless := _useless(selected, groups, judged, left):
         withdrawn += tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
         selected = reselected(start.fit, selected, kept, propose)
         groups, judged = _judged(start, selected, propose)
         left = left_by(start, selected, without)
     tell(0.85, "putting it into words")
+    left = _with_doubts(start, selected, groups, left)
     scene = scene_of(start.campaign, start.problem, selected.fit)
     return _told(_Answer(start, selected, scene, groups, judged, left), withdrawn, without)
+
+
+def _with_doubts(start: Start, selected: Selected, groups: tuple[Group, ...], left: Left) -> Left:
+    """Add the families that tell the story of a finding better than its name."""
+    families = prepared_families(selected.fit, start.scene)
+    better = tuple(one for _, group in groups for one in better_families(selected, group, families))
+    known = {one.variable for one in left.depends}
+    new = {one.variable: one for one in better if one.variable not in known}
+    return replace(left, depends=(*left.depends, *new.values()))
 
 
 def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[Group, ...], Judged]:
@@ -80,7 +92,7 @@ def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[G
     return groups, judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), propose)
 
 
-def _useless(groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
+def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
     """Return the findings to withdraw: all where they do not help unseen points together, else single ones.
 
     While something is left that nothing explains, a finding may owe its place to it: then it must help by
@@ -93,15 +105,18 @@ def _useless(groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int
     return tuple(
         index
         for index, gain in enumerate(gains)
-        if gain.rms_before_mm <= gain.rms_after_mm or (left.structure and gain.interval_95_mm[0] <= 0.0)
+        if gain.rms_before_mm <= gain.rms_after_mm
+        or (left.structure and gain.interval_95_mm[0] <= 0.0)
+        or owed_to_the_rest(selected, groups[index][1], left)
     )
 
 
 def _withdrawal(group: Group, gain: Gain) -> str:
     subject, picks = group
     return (
-        f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on unseen points it does not "
-        f"help (RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
+        f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on unseen points, or beside "
+        "what nothing explains, it does not help beyond chance "
+        f"(RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
     )
 
 

@@ -78,6 +78,33 @@ def footing_of(fit: RobustFit, without: tuple[str, ...] = ()) -> Footing:
     return reduced(fit, without).footing
 
 
+def footing_beside(
+    fit: RobustFit, without: tuple[str, ...], columns: FloatArray, widths: FloatArray
+) -> Footing:
+    """Return the footing of a fit without some parameters, and with random effects fitted besides.
+
+    Parameters
+    ----------
+    fit : RobustFit
+    without : tuple of str
+    columns : ndarray, shape (k, m)
+        Of the random effects.
+    widths : ndarray, shape (k,)
+        Their standard deviations.
+    """
+    plain = reduced(fit, without).footing
+    rows, k = len(plain.residual), len(columns)
+    full = np.zeros((rows + k, k))
+    full[: plain.size] = columns.T
+    full[rows:] = np.diag(1.0 / widths)
+    basis = np.vstack([plain.basis, np.zeros((k, plain.basis.shape[1]))])
+    for _ in range(2):
+        full -= basis @ (basis.T @ full)
+    new, _ = np.linalg.qr(full)
+    residual = np.concatenate([plain.residual, np.zeros(k)])
+    return replace(plain, basis=np.hstack([basis, new]), residual=residual - new @ (new.T @ residual))
+
+
 def reduced(fit: RobustFit, without: tuple[str, ...] = ()) -> Reduced:
     """Return the footing of a fit without some parameters, and how it was made."""
     final, structure = fit.solution.final, fit.structure

@@ -34,6 +34,7 @@ class Depends:
     joint: int | None
     family: Family | None  # None for single waves of a joint
     order: float = 0.0
+    columns: FloatArray | None = None  # (k, m) of the family
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,14 @@ def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
     """Test what is left against everything that it might depend on."""
     fit, footing = selected.fit, footing_of(selected.fit)
     found = [
-        Depends(one.family.variable, one.p_value, one.family.kind, one.family.joint, one.family)
+        Depends(
+            one.family.variable,
+            one.p_value,
+            one.family.kind,
+            one.family.joint,
+            one.family,
+            columns=one.columns,
+        )
         for one in structured(prepared_families(fit, start.scene), footing)
         if one.p_value <= _STRUCTURE_LEVEL
     ]

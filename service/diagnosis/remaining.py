@@ -58,3 +58,40 @@ def _p_value(columns: FloatArray, footing: Footing) -> float:
     weights = np.maximum(np.linalg.eigvalsh(gram), 0.0)
     statistic = float(towards @ towards) / footing.variance / footing.alike
     return tail_probability(statistic, weights, footing.degrees / footing.alike)
+
+
+@dataclass(frozen=True, slots=True)
+class RandomEffect:
+    """A family as a random effect of its most likely size."""
+
+    width: float  # standard deviation of its parameters, 0 where none is seen
+    score: float  # gain in BIC: twice the log likelihood, less what its one parameter costs
+
+
+_SIZES = np.logspace(-4.0, 6.0, 61)  # ratios of the two variances that are tried, over the typical eigenvalue
+
+
+def as_random_effect(columns: FloatArray, footing: Footing) -> RandomEffect:
+    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out).
+
+    Parameters
+    ----------
+    columns : ndarray, shape (k, m)
+    footing : Footing
+    """
+    absorbed = footing.absorbed(columns)
+    sizes, axes = np.linalg.eigh(columns @ columns.T - absorbed @ absorbed.T)
+    seen = sizes > 1e-9 * max(float(sizes.max(initial=0.0)), 1e-300)
+    if not seen.any():
+        return RandomEffect(0.0, -np.inf)
+    sizes = sizes[seen]
+    along = (axes[:, seen].T @ (columns @ footing.residual[: footing.size])) ** 2 / sizes
+    ratios = _SIZES[:, None] / float(sizes.max())
+    shrunk = ratios * sizes / (1.0 + ratios * sizes)
+    left = footing.residual_square - shrunk @ along
+    degrees = footing.degrees / footing.alike
+    gain = degrees * np.log(footing.residual_square / left) - np.log1p(ratios * sizes).sum(axis=1)
+    best = int(np.argmax(gain))
+    variance = float(left[best]) / max(footing.degrees, 1.0)
+    cost = np.log(max(footing.observations / footing.alike, 2.0))
+    return RandomEffect(float(np.sqrt(ratios[best, 0] * variance)), float(gain[best] - cost))

@@ -138,6 +138,21 @@ def screen(view: View) -> Screened:
     )
 
 
+def chance_beside(rows: FloatArray, widths: FloatArray, footing: Footing, tried: int) -> float:
+    """Chance, over everything tried, that noise gives what columns (k, m) explain on a footing."""
+    absorbed = footing.absorbed(rows)
+    scale = np.sqrt(np.maximum(np.einsum("km,km->k", rows, rows), 1e-300))
+    gram = (rows @ rows.T - absorbed @ absorbed.T) / np.outer(scale, scale)
+    towards = rows @ footing.residual[: footing.size] / scale
+    explained, size = _quadratic(gram[None], (1.0 / (widths * scale) ** 2)[None], towards[None])
+    if size[0] == 0.0:
+        return 1.0
+    degrees = max(footing.degrees / footing.alike - size[0], 1.0)
+    left = max(footing.residual_square - explained[0], 1e-300)
+    ratio = explained[0] / size[0] / (left / degrees)
+    return float(min(1.0, tried * f_distribution.sf(ratio, size[0], degrees)))
+
+
 def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:
     """How many variants of its cause and subject each candidate was chosen from."""
     variants = Counter((candidate.effect, candidate.subject) for candidate in candidates)
