@@ -10,7 +10,7 @@ from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.doubts import better_families, owed_to_the_rest
 from service.diagnosis.groups import grouped
 from service.diagnosis.held_out import Judged, gain_of, judge
-from service.diagnosis.left import Depends, Left, left_by
+from service.diagnosis.left import Left, left_by
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.readings_found import readings_found
 from service.diagnosis.remaining import prepared_families
@@ -42,6 +42,8 @@ from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
+
+_BESIDE_STRUCTURE = 0.005  # one-sided level of the help that a finding must give beside structure
 
 Group = tuple[str, tuple[Candidate, ...]]
 Tell = Callable[[float, str], None]
@@ -106,7 +108,7 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
         index
         for index, gain in enumerate(gains)
         if gain.rms_before_mm <= gain.rms_after_mm
-        or (left.structure and gain.interval_95_mm[0] <= 0.0)
+        or (left.structure and not judged.helps(index, _BESIDE_STRUCTURE))
         or owed_to_the_rest(selected, groups[index][1], left)
     )
 
@@ -163,7 +165,8 @@ def _verdict(found: bool, structure: bool) -> Verdict:
 
 
 def _findings(answer: _Answer) -> tuple[Finding, ...]:
-    scales = [weighed(answer.selected, group) for _, group in answer.groups]
+    structured = answer.left.structure
+    scales = [weighed(answer.selected, group, structure_left=structured) for _, group in answer.groups]
     total = sum(scale.explained for scale in scales) or 1.0
     found = [_finding(answer, index, scale, scale.explained / total) for index, scale in enumerate(scales)]
     return tuple(sorted(found, key=lambda finding: -finding.share))
@@ -173,7 +176,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     subject, group = answer.groups[index]
     gain = answer.judged.gain(index)
     shown = _shown(answer, subject, group)
-    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not _doubted(group[0], answer.left.depends)
+    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not answer.left.structure
     return Finding(
         effect=group[0].effect,
         subject=shown.subject,
@@ -189,16 +192,6 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         parameters=tuple(name for pick in group for name in pick.names),
         share=share,
         curve=finding_curve(answer.selected, answer.start.scene, group),
-    )
-
-
-def _doubted(pick: Candidate, depends: tuple[Depends, ...]) -> bool:
-    """Whether what is left depends on the very joint that the pick is about, or on time as it does."""
-    joint = int(pick.subject.split()[1]) - 1 if pick.subject.startswith("joint ") else None
-    timed = pick.effect in {"base_drift", "base_shift", "instrument_drift", "thermal_growth"}
-    return any(
-        (one.joint is not None and one.joint == joint) or (timed and one.kind in ("time", "temperature"))
-        for one in depends
     )
 
 

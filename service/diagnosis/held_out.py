@@ -35,6 +35,10 @@ class Judged:
         """Return what one cause gains."""
         return gain_of(self.without[group], self.errors.after_mm, self.site)
 
+    def helps(self, group: int, level: float) -> bool:
+        """Whether one cause makes the errors smaller, beyond chance."""
+        return helps(self.without[group], self.errors.after_mm, self.site, level)
+
 
 def judge(
     campaign: Campaign,
@@ -145,15 +149,8 @@ def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
     before, after : ndarray, shape (n, d)
     site : ndarray, shape (n,)
     """
-    _, which = np.unique(site, return_inverse=True)
-    squares = np.stack([
-        np.bincount(which, (before**2).sum(axis=1)),
-        np.bincount(which, (after**2).sum(axis=1)),
-        np.bincount(which),
-    ])
-    drawn = np.random.default_rng(0).integers(0, squares.shape[1], (_RESAMPLED, squares.shape[1]))
-    sums = squares[:, drawn].sum(axis=2)
-    differences = np.sqrt(sums[0] / sums[2]) - np.sqrt(sums[1] / sums[2])
+    squares = _by_site(before, after, site)
+    differences = _resampled(squares)
     low, high = np.quantile(differences, [0.025, 0.975])
     total = squares.sum(axis=1)
     return Gain(
@@ -161,3 +158,25 @@ def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
         float(np.sqrt(total[1] / total[2])),
         (float(low), float(high)),
     )
+
+
+def helps(before: FloatArray, after: FloatArray, site: IntArray, level: float) -> bool:
+    """Whether the errors are smaller after than before, beyond chance at a one-sided level."""
+    return bool(np.quantile(_resampled(_by_site(before, after, site)), level) > 0.0)
+
+
+def _by_site(before: FloatArray, after: FloatArray, site: IntArray) -> FloatArray:
+    """Sums of squares before, after, and counts, of every configuration, shape (3, S)."""
+    _, which = np.unique(site, return_inverse=True)
+    return np.stack([
+        np.bincount(which, (before**2).sum(axis=1)),
+        np.bincount(which, (after**2).sum(axis=1)),
+        np.bincount(which),
+    ])
+
+
+def _resampled(squares: FloatArray) -> FloatArray:
+    """Differences of the two RMS with configurations drawn with replacement."""
+    drawn = np.random.default_rng(0).integers(0, squares.shape[1], (_RESAMPLED, squares.shape[1]))
+    sums = squares[:, drawn].sum(axis=2)
+    return np.asarray(np.sqrt(sums[0] / sums[2]) - np.sqrt(sums[1] / sums[2]))

@@ -1,5 +1,8 @@
 """Findings about readings instead of the robot: labels of nests that were swapped, single bad readings."""
 
+import itertools
+from dataclasses import replace
+
 import numpy as np
 from scipy.stats import chi2
 
@@ -8,13 +11,15 @@ from service.diagnosis.left import Left
 from service.diagnosis.selection import Selected
 from service.diagnosis.start import Start
 from service.domain.arrays import BoolArray
-from service.domain.diagnosis import Confidence, Finding, Gain
+from service.domain.diagnosis import Cause, Confidence, Finding, Gain
 from service.effects.causes import Fitted, Shown
 from service.effects.label_swap import pair_subject
 from service.effects.registry import CAUSES
 from service.identification.observations import PositionBlock
 from service.identification.problem import position_block
 from service.identification.robust import fit
+
+_FAR_MM = 10.0  # further than a bad reading goes: another nest or another row was read
 
 
 def readings_found(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[Finding, ...]:
@@ -60,7 +65,16 @@ def _bad(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[
     if not bad.any():
         return ()
     shown = _shown("outliers", "readings", int(bad.sum()), len(bad), start)
-    return (_finding("outliers", shown, _chance(selected, bad), _bad_gain(start, selected, judged)),)
+    finding = _finding("outliers", shown, _chance(selected, bad), _bad_gain(start, selected, judged))
+    if float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) < _FAR_MM:
+        return (finding,)
+    swapped = tuple(Cause("label_swap", subject) for subject in _pairs(start))
+    return (replace(finding, confidence=Confidence.LIKELY, confusable_with=swapped),)
+
+
+def _pairs(start: Start) -> tuple[str, ...]:
+    nests = np.unique(start.scene.nest).tolist()
+    return tuple(pair_subject(first, second) for first, second in itertools.pairwise(nests))
 
 
 def _chance(selected: Selected, bad: BoolArray) -> float:

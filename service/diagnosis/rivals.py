@@ -15,6 +15,9 @@ from service.effects.causes import Candidate
 
 _MARGIN = 8.0
 _SHAPE_MARGIN = 20.0
+# Beside structure that nothing explains, what decides between two causes may be that structure: a rival must
+# then fall short by this share of all that the pick explains.
+_SHARE_BESIDE_STRUCTURE = 0.15
 _SAME_ANGLE = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
 _SAME_TIME = frozenset({"base_drift", "base_shift", "thermal_growth", "instrument_drift", "tool_reseating"})
 _SLOW_ORDER = 2.5  # a wave so slow that a gain or a coupling can pass for it
@@ -30,19 +33,22 @@ class Weighed:
     margin: float  # in BIC, to the closest rival
 
 
-def weighed(selected: Selected, group: tuple[Candidate, ...]) -> Weighed:
+def weighed(selected: Selected, group: tuple[Candidate, ...], *, structure_left: bool) -> Weighed:
     """Weigh the picks of one cause and subject against everything else that was tried."""
     names = tuple(name for pick in group for name in pick.names)
     screened = screen(selected.pool.view(without=names))
     indices = [selected.pool.all.index(pick) for pick in group]
     lead = max(indices, key=lambda index: screened.score[index])
     found: dict[Cause, float] = {}
+    best = float(screened.score[lead])
+    doubtful = _SHARE_BESIDE_STRUCTURE * best if structure_left else 0.0
     for index in np.argsort(-screened.score):
-        other, behind = selected.pool.all[index], float(screened.score[lead] - screened.score[index])
-        if behind > _SHAPE_MARGIN:
+        other, behind = selected.pool.all[index], float(best - screened.score[index])
+        if behind > max(_SHAPE_MARGIN, doubtful):
             break
         cause = Cause(other.effect, other.subject)
-        if behind <= _needed(selected.pool.all[lead], other) and _differs(group[0], other):
+        needed = max(_needed(selected.pool.all[lead], other), doubtful)
+        if behind <= needed and _differs(group[0], other):
             found.setdefault(cause, behind)
     return Weighed(
         p_value=float(min(screened.p_value[index] for index in indices)),
