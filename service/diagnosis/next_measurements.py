@@ -1,6 +1,7 @@
 """What to measure next: actions and configurations that would tell causes apart, or show an unknown one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +15,15 @@ from service.diagnosis.actions import (
     action_for,
 )
 from service.diagnosis.left import Depends, Left
-from service.diagnosis.places import Places, drawn, filling, moved_alone
+from service.diagnosis.places import (
+    Places,
+    drawn,
+    filling,
+    joint_limits,
+    measured_ranges,
+    moved_alone,
+    one_period,
+)
 from service.diagnosis.selection import Selected
 from service.diagnosis.separation import CONVINCING, separation
 from service.diagnosis.start import Start
@@ -27,11 +36,23 @@ _PLACES = 300
 _SEED = 20140  # the same data are always answered by the same configurations
 _RIVALS = 3  # the closest of each finding
 _FEW = 5
-_REPEATS = (1, 2, 4, 8)
+_REPEATS = (2, 4, 8)
 _SLOW_ORDER = 6.0  # faster waves are stepped through, one period
 _SEEN = "where the instrument sees them"
+_BEYOND = " They lie beyond the ranges measured so far: make sure that nothing is in the way."
 
 Configurations = tuple[tuple[float, ...], ...]
+Pair = tuple[Cause, Cause]  # a finding and its rival
+
+
+@dataclass(frozen=True, slots=True)
+class _Duel:
+    """A finding that is to be told from its rivals."""
+
+    start: Start
+    selected: Selected
+    group: Sequence[Candidate]
+    own: Cause
 
 
 def next_measurements(
@@ -57,22 +78,21 @@ def next_measurements(
     tuple of NextMeasurement
         Of findings in their order, then of what is left; configurations [deg] within the measured ranges.
     """
-    asked = [finding for finding in findings if finding.confusable_with]
-    dependent = left.depends or (left.structure and not _revisited(start))
-    if not asked and not dependent:
-        return ()
+    pairs = _pairs(findings)
+    unseen = left.structure and not left.depends and not _revisited(start)
+    if not pairs and not left.depends:
+        return (_revisit(start),) if unseen else ()
     rng = np.random.default_rng(_SEED)
-    places = drawn(start, selected, _PLACES, rng)
-    found: list[NextMeasurement] = []
-    for finding in asked:
-        found += _by_action(start, finding)
-        group = next((picks for _, picks in groups if _parameters(picks) == set(finding.parameters)), None)
-        if group is not None:
-            found += _by_configuration(start, selected, group, finding, places)
+    places = drawn(start, selected, measured_ranges(start), _PLACES, rng)
+    found = _by_action(start, pairs)
+    for finding in findings:
+        own = _cause(finding)
+        group = next((picks for _, picks in groups if _parameters(picks) == set(finding.parameters)), ())
+        rivals = [rival for one, rival in pairs if one == own and action_for(one, rival) is None]
+        if group and rivals:
+            found += _by_configuration(_Duel(start, selected, group, own), rivals, places, rng)
     found += [_of_dependence(start, depends, places, rng) for depends in left.depends]
-    if left.structure and not left.depends and not _revisited(start):
-        found.append(_revisit(start))
-    return _merged(found)
+    return (*found, _revisit(start)) if unseen else tuple(_once(found))
 
 
 def _parameters(picks: Sequence[Candidate]) -> set[str]:
@@ -83,61 +103,94 @@ def _cause(finding: Finding) -> Cause:
     return Cause(finding.effect, finding.subject)
 
 
-def _by_action(start: Start, finding: Finding) -> list[NextMeasurement]:
-    own, found = _cause(finding), list[NextMeasurement]()
-    for rival in finding.confusable_with[:_RIVALS]:
-        action = action_for(own, rival)
+def _pairs(findings: tuple[Finding, ...]) -> list[Pair]:
+    """Return findings with their closest rivals, each two causes once."""
+    pairs: dict[frozenset[Cause], Pair] = {}
+    for finding in findings:
+        own = _cause(finding)
+        for rival in finding.confusable_with[:_RIVALS]:
+            pairs.setdefault(frozenset({own, rival}), (own, rival))
+    return list(pairs.values())
+
+
+def _by_action(start: Start, pairs: Sequence[Pair]) -> list[NextMeasurement]:
+    served: dict[Action, list[Pair]] = {}
+    for pair in pairs:
+        action = action_for(*pair)
         if action is not None:
-            found.append(_told(start, action, own, rival))
-    return found
+            served.setdefault(action, []).append(pair)
+    return [
+        NextMeasurement(
+            f"{action.do}: it tells {', and '.join(_told_apart(told))}.",
+            _first(start) if action.again else (),
+            tuple(dict.fromkeys(cause for pair in told for cause in pair)),
+        )
+        for action, told in served.items()
+    ]
 
 
-def _told(start: Start, action: Action, own: Cause, rival: Cause) -> NextMeasurement:
-    return NextMeasurement(
-        f"{action.do}: it tells {spoken(own)} from {spoken(rival)}.",
-        _first(start) if action.again else (),
-        (own, rival),
-    )
+def _told_apart(pairs: Sequence[Pair]) -> Iterator[str]:
+    for own in dict.fromkeys(one for one, _ in pairs):
+        yield f"{spoken(own)} from {_either([rival for one, rival in pairs if one == own])}"
 
 
 def _by_configuration(
-    start: Start, selected: Selected, group: Sequence[Candidate], finding: Finding, places: Places
+    duel: _Duel, rivals: Sequence[Cause], places: Places, rng: np.random.Generator
 ) -> list[NextMeasurement]:
-    own = _cause(finding)
-    rivals = [rival for rival in finding.confusable_with[:_RIVALS] if action_for(own, rival) is None]
-    found: list[NextMeasurement] = []
-    if start.scene.legs:
-        return [_other_poses(own, rivals)] if rivals else []
-    for repeats in _REPEATS:
-        if not rivals:
-            return found
-        chosen = separation(selected, group, rivals, places, repeats)
-        exposed = [rival for rival, worth in zip(rivals, chosen.chi_square, strict=True) if worth >= CONVINCING]
-        if exposed:
-            found.append(_configured(own, exposed, _listed(places.joints_deg[list(chosen.rows)]), repeats))
-        rivals = [rival for rival in rivals if rival not in exposed]
-    return [*found, _wider(own, rivals)] if rivals else found
+    """Few configurations; where these do not tell, farther out; where these do not, repeats."""
+    if duel.start.scene.legs:
+        return [_other_poses(duel.own, rivals)]
+    limits = joint_limits(duel.start)
+    found, left = _exposed(duel, rivals, places, "")
+    if left and limits is not None:
+        beyond = drawn(duel.start, duel.selected, limits, _PLACES, rng)
+        more, left = _exposed(duel, left, beyond, _BEYOND)
+        found += more
+    for repeats in _REPEATS if left else ():
+        more, left = _exposed(duel, left, places, "", repeats)
+        found += more
+    return [*found, _wider(duel, left)] if left else found
 
 
-def _configured(
-    own: Cause, rivals: Sequence[Cause], configurations: Configurations, repeats: int
-) -> NextMeasurement:
+def _exposed(
+    duel: _Duel, rivals: Sequence[Cause], places: Places, where: str, repeats: int = 1
+) -> tuple[list[NextMeasurement], list[Cause]]:
+    """Return configurations that expose rivals, and the rivals that they do not expose."""
+    if not rivals:
+        return [], []
+    chosen = separation(duel.selected, duel.group, rivals, places, repeats)
+    exposed = [rival for rival, worth in zip(rivals, chosen.chi_square, strict=True) if worth >= CONVINCING]
+    if not exposed:
+        return [], list(rivals)
+    configurations = _listed(places.joints_deg[list(chosen.rows)])
     times = "" if repeats == 1 else f", {repeats} times each"
-    return NextMeasurement(
-        f"Measure {_counted(configurations)}{times}, {_SEEN}: "
-        f"there {spoken(own)} acts otherwise than {_either(rivals)}.",
-        configurations,
-        (own, *rivals),
+    sentence = (
+        f"Measure {_counted(configurations)}{times}, {_SEEN}: there {spoken(duel.own)} acts otherwise than "
+        f"{_either(exposed)}.{where}"
     )
+    told = NextMeasurement(sentence, configurations, (duel.own, *exposed))
+    return [told], [rival for rival in rivals if rival not in exposed]
 
 
-def _wider(own: Cause, rivals: Sequence[Cause]) -> NextMeasurement:
-    return NextMeasurement(
-        f"Measure over wider ranges of the joints, or with another load: within the ranges measured so far no "
-        f"few configurations tell {spoken(own)} from {_either(rivals)}.",
-        (),
-        (own, *rivals),
-    )
+def _wider(duel: _Duel, rivals: Sequence[Cause]) -> NextMeasurement:
+    told = f"no few configurations tell {spoken(duel.own)} from {_either(rivals)}"
+    joints = sorted({joint for cause in (duel.own, *rivals) if (joint := _joint(cause))})
+    if joints:
+        ranges = measured_ranges(duel.start)
+        wider = " and ".join(
+            f"joint {joint} beyond {ranges.low_deg[joint - 1]:.0f} to {ranges.high_deg[joint - 1]:.0f} deg"
+            for joint in joints
+        )
+        sentence = f"Measure {wider}, or with another load: within what was measured so far {told}."
+    else:
+        sentence = f"Measure with another load and with the arm bent in other ways: so far {told}."
+    return NextMeasurement(sentence, (), (duel.own, *rivals))
+
+
+def _joint(cause: Cause) -> int | None:
+    """Return the number of the joint that a cause sits in, from 1."""
+    what, _, number = cause.subject.partition(" ")
+    return int(number) if what == "joint" else None
 
 
 def _other_poses(own: Cause, rivals: Sequence[Cause]) -> NextMeasurement:
@@ -181,7 +234,7 @@ def _why(depends: Depends) -> str:
 
 
 def _telling(start: Start, depends: Depends, places: Places, rng: np.random.Generator) -> FloatArray:
-    """Configurations [deg] that show a dependence best, shape (<= 5, J)."""
+    """Return configurations [deg] that show a dependence best, shape (<= 5, J)."""
     scene, joint = start.scene, depends.joint
     if joint is None:
         chain = places.state.chain
@@ -190,7 +243,44 @@ def _telling(start: Start, depends: Depends, places: Places, rng: np.random.Gene
         there, here = places.torque_n_mm[:, [joint]], scene.torque_n_mm[:, [joint]]
         return places.joints_deg[filling(there, here, _FEW)]
     if depends.order > _SLOW_ORDER:
-        return one_period(start, joint, depends.order)
+        return one_period(start, joint, depends.order, _FEW)
     alone = moved_alone(start, joint, _PLACES, rng)
     measured = np.rad2deg(scene.stops.joints_rad[:, [joint]])
     return alone[filling(alone[:, [joint]], measured, _FEW)]
+
+
+def _first(start: Start) -> Configurations:
+    """Return the first configurations that were measured, as they were."""
+    stops = start.scene.stops
+    _, rows = np.unique(stops.config, return_index=True)
+    return _listed(np.rad2deg(stops.joints_rad[np.sort(rows)[:_FEW]]))
+
+
+def _revisited(start: Start) -> bool:
+    repeats = start.scene.stops.repeat_of
+    return repeats is not None and int((repeats >= 0).sum()) >= _FEW
+
+
+def _revisit(start: Start) -> NextMeasurement:
+    return NextMeasurement(
+        f"{AT_THE_END}, each twice: how far the readings of one configuration scatter tells noise that is "
+        "larger than stated from an unknown cause.",
+        _first(start),
+    )
+
+
+def _listed(joints_deg: FloatArray) -> Configurations:
+    return tuple(tuple(float(angle) for angle in row) for row in np.round(joints_deg, 2) + 0.0)
+
+
+def _counted(configurations: Configurations) -> str:
+    return "this configuration" if len(configurations) == 1 else f"these {len(configurations)} configurations"
+
+
+def _either(causes: Sequence[Cause]) -> str:
+    return " or ".join(spoken(cause) for cause in causes)
+
+
+def _once(found: Sequence[NextMeasurement]) -> list[NextMeasurement]:
+    """Leave out what says the same of the same configurations again."""
+    return list(dict.fromkeys(found))

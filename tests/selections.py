@@ -1,0 +1,55 @@
+"""Fitted starts and selections for the parts of a diagnosis; a test names what was planted and tried."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from service.diagnosis.scene import scene_of
+from service.diagnosis.screening import pooled
+from service.diagnosis.selection import Selected, refitted
+from service.diagnosis.start import started
+from service.effects.ports import ParameterSpec
+from service.effects.registry import CAUSES
+from service.identification.evaluation import Targets, evaluate
+from service.identification.problem import build
+from tests.scenes import START, telling_campaign
+from tests.synthetic import NOISE_MM
+
+
+def planted(effects, campaign=None, n=80, seed=3, noise_mm=NOISE_MM):
+    """A campaign of the nominal robot with parameter values of further effects: `{effect: {name: value}}`."""
+    campaign = telling_campaign(n, seed=seed) if campaign is None else campaign
+    problem = build(campaign, START)
+    structure, values = problem.structure, problem.start
+    for effect, parameters in effects.items():
+        structure = structure.extended(effect, tuple(ParameterSpec(p, "1", 0.0, 1.0) for p in parameters))
+        values = np.append(values, list(parameters.values()))
+    points = campaign.calibration
+    true_mm = evaluate(structure, values, Targets(points.stops, points.nest)).position_mm
+    noise = noise_mm * np.random.default_rng(seed).standard_normal(true_mm.shape)
+    return replace(campaign, calibration=replace(points, position_mm=true_mm + noise))
+
+
+def make_start(effects, **changes):
+    """The present model fitted to what was planted."""
+    start = started(planted(effects, **changes), START, relabel=False)
+    assert not isinstance(start, str)
+    return start
+
+
+def make_selected(start, picked, rivals=()):
+    """The candidates `picked` fitted, those of `rivals` tried: each (effect, subject, first name or None)."""
+    picks = tuple(found for one in picked for found in proposed(start.scene, *one)[:1])
+    fit = refitted(start.fit, start.fit, picks) if picks else start.fit
+    scene = scene_of(start.campaign, start.problem, fit)
+    tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
+    return Selected(fit, picks, pooled(fit, (*picks, *tried)), full=False)
+
+
+def proposed(scene, effect, subject, first=None):
+    """The candidates of an effect on a subject, those that begin with a parameter where it is named."""
+    return [
+        candidate
+        for candidate in CAUSES[effect].candidates(scene)
+        if candidate.subject == subject and first in {None, candidate.names[0]}
+    ]
