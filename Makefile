@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test check accuracy nightly clean
+.PHONY: setup demo test check accuracy diagnosis-report nightly clean
 
 setup: $(VENV)/.installed
 
@@ -28,6 +28,9 @@ check: setup
 
 accuracy: setup
 	$(BIN)/python -m service.showcase.accuracy --out out/accuracy
+
+diagnosis-report: setup
+	$(BIN)/python -m service.showcase.diagnosis_report --out out/diagnosis
 
 nightly: setup
 	$(BIN)/truepose nightly --out out/nightly

@@ -1,5 +1,11 @@
-"""How long one diagnosis of many readings takes on all cores."""
+"""How long one diagnosis of many readings takes on all cores.
 
+`python -m service.showcase.diagnosis_report.timing FOLDER` prints the seconds for one campaign folder: in a
+process of its own a diagnosis that takes far too long can be ended.
+"""
+
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -13,21 +19,41 @@ from service.reports.table_report import Row, Section, Verdict
 from service.showcase.diagnosis_report.recorder import running_recorder
 
 _LIMITS_S: Final = MappingProxyType({1_000: 10.0, 10_000: 60.0})
-_SCENARIO: Final = "irb120-everyday"  # many findings: the longest answer
+_PATIENCE: Final = 3.0  # times the limit
+_SCENARIOS: Final = ("irb120-tilted", "irb120-everyday")  # nothing to find, and more than anything to find
 
 
 def timing_section() -> Section:
-    """Diagnose one campaign of each size; raises RecorderFailedError."""
-    return Section(f"Time of one diagnosis, {_SCENARIO}, all effects, all cores", tuple(_rows()))
+    """Diagnose campaigns of each size; raises RecorderFailedError."""
+    return Section("Time of one diagnosis, all effects, all cores", tuple(_rows()))
 
 
 def _rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as folder, running_recorder() as recorder:
         for size, limit_s in _LIMITS_S.items():
-            recorder.record(_SCENARIO, "--out", folder, "--configurations", str(size))
-            campaign = read_campaign(Path(folder))
-            began_s = time.perf_counter()
-            diagnose(campaign)
-            taken_s = time.perf_counter() - began_s
-            verdict = Verdict.PASSED if taken_s <= limit_s else Verdict.FAILED
-            yield Row(f"{size:,} readings", f"<= {limit_s:g} s", f"{taken_s:.1f} s", verdict)
+            for scenario in _SCENARIOS:
+                recorder.record(scenario, "--out", folder, "--configurations", str(size))
+                yield _row(f"{scenario}, {size:,} readings", Path(folder), limit_s)
+
+
+def _row(figure: str, campaign: Path, limit_s: float) -> Row:
+    command = [sys.executable, "-m", "service.showcase.diagnosis_report.timing", str(campaign)]
+    target, patience_s = f"<= {limit_s:g} s", _PATIENCE * limit_s
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=patience_s)
+    except subprocess.TimeoutExpired:
+        return Row(figure, target, f"ended after {patience_s:g} s", Verdict.FAILED)
+    taken_s = float(done.stdout)
+    verdict = Verdict.PASSED if taken_s <= limit_s else Verdict.FAILED
+    return Row(figure, target, f"{taken_s:.1f} s", verdict)
+
+
+def _main(folder: Path) -> None:
+    campaign = read_campaign(folder)
+    began_s = time.perf_counter()
+    diagnose(campaign)
+    sys.stdout.write(f"{time.perf_counter() - began_s:.3f}\n")
+
+
+if __name__ == "__main__":
+    _main(Path(sys.argv[1]))
