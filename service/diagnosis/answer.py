@@ -43,7 +43,10 @@ from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
-_BESIDE_STRUCTURE = 0.005  # one-sided level of the help that a finding must give beside structure
+_BESIDE_STRUCTURE = 0.025  # one-sided level of the help that a finding must give beside structure
+_SMALL_PART = (
+    0.2  # of what is wrong: findings that explain less, beside what nothing explains, are not claimed
+)
 
 Group = tuple[str, tuple[Candidate, ...]]
 Tell = Callable[[float, str], None]
@@ -102,7 +105,7 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     """
     gains = [judged.gain(index) for index in range(len(groups))]
     together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
-    if together.interval_95_mm[0] <= 0.0:
+    if together.interval_95_mm[0] <= 0.0 or (left.structure and _explains_little(together, judged)):
         return tuple(range(len(groups)))
     return tuple(
         index
@@ -111,6 +114,11 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
         or (left.structure and not judged.helps(index, _BESIDE_STRUCTURE))
         or owed_to_the_rest(selected, groups[index][1], left)
     )
+
+
+def _explains_little(together: Gain, judged: Judged) -> bool:
+    wrong = together.rms_before_mm**2 - judged.noise_mm**2
+    return together.rms_before_mm**2 - together.rms_after_mm**2 < _SMALL_PART * wrong
 
 
 def _withdrawal(group: Group, gain: Gain) -> str:

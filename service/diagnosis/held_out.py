@@ -51,7 +51,11 @@ def judge(
     block = _validation_block(campaign)
     if block is not None:
         return _on_validation(block, start, selected, groups)
-    return _crossed(start, groups, propose)
+    return _crossed(start, groups, propose if groups else _nothing)
+
+
+def _nothing(_fit: RobustFit) -> tuple[Candidate, ...]:
+    return ()
 
 
 def _validation_block(campaign: Campaign) -> Block | None:
