@@ -44,9 +44,9 @@ _ACTIONS: Final = (
         both=True,
     ),
     Action(
-        frozenset({"fixture_shift", "base_shift", "base_drift"}),
-        "Measure the same poses from another placement of the base fixture, and check how it is fastened",
-        both=True,
+        frozenset({"fixture_shift"}),
+        "Measure the first poses of each placement again before the base fixture is moved, and check how it "
+        "is fastened",
     ),
     Action(
         frozenset({"ballbar_zero"}),
@@ -62,10 +62,6 @@ _ACTIONS: Final = (
     Action(frozenset({"backlash"}), BOTH_SIDES),
     Action(frozenset({"thermal_growth"}), WARM_AND_COLD, again=True),
     Action(frozenset({"base_drift", "base_shift"}), AT_THE_END, again=True),
-    Action(
-        frozenset({"fixture_shift"}),
-        "Measure the first poses of each placement again before the fixture is moved",
-    ),
 )
 
 

@@ -165,8 +165,8 @@ def _exposed(
     configurations = _listed(places.joints_deg[list(chosen.rows)])
     times = "" if repeats == 1 else f", {repeats} times each"
     sentence = (
-        f"Measure {_counted(configurations)}{times}, {_SEEN}: there {spoken(duel.own)} acts otherwise than "
-        f"{_either(exposed)}.{where}"
+        f"Measure these {len(configurations)} configurations{times}, {_SEEN}: there {spoken(duel.own)} acts "
+        f"otherwise than {_either(exposed)}.{where}"
     )
     told = NextMeasurement(sentence, configurations, (duel.own, *exposed))
     return [told], [rival for rival in rivals if rival not in exposed]
@@ -221,7 +221,8 @@ def _of_dependence(
         return NextMeasurement(f"Measure more poses, with the base fixture at another place: {about}.", ())
     configurations = _listed(_telling(start, depends, places, rng))
     return NextMeasurement(
-        f"Measure {_counted(configurations)}, {_SEEN}: {about}, and {_why(depends)}.", configurations
+        f"Measure these {len(configurations)} configurations, {_SEEN}: {about}, and {_why(depends)}.",
+        configurations,
     )
 
 
@@ -271,10 +272,6 @@ def _revisit(start: Start) -> NextMeasurement:
 
 def _listed(joints_deg: FloatArray) -> Configurations:
     return tuple(tuple(float(angle) for angle in row) for row in np.round(joints_deg, 2) + 0.0)
-
-
-def _counted(configurations: Configurations) -> str:
-    return "this configuration" if len(configurations) == 1 else f"these {len(configurations)} configurations"
 
 
 def _either(causes: Sequence[Cause]) -> str:

@@ -34,7 +34,7 @@ from service.identification.trial import candidate_terms, trial_derivatives, tri
 
 CONVINCING = 9.0  # expected chi-square: three standard deviations
 _ENOUGH = 25.0  # five: what is beyond buys nothing
-_MOST = 5
+_FEWEST, _MOST = 3, 5  # the instrument may not see all of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +56,12 @@ class _Duel:
 def separation(
     selected: Selected, group: Sequence[Candidate], rivals: Sequence[Cause], places: Places, repeats: int = 1
 ) -> Separation:
-    """Choose at most five places at which the rivals would be exposed, each place read `repeats` times."""
+    """Choose three to five places at which the rivals would be exposed, each place read `repeats` times."""
     duels = [_duel(selected, group, rival, places) for rival in rivals]
     variance = reading_variance(selected.fit, repeats)
     reached, rows = np.zeros(len(duels)), list[int]()
     for _ in range(_MOST):
-        if (reached >= _ENOUGH).all():
+        if len(rows) >= _FEWEST and (reached >= _ENOUGH).all():
             break
         added = np.stack([_added(duel, variance) for duel in duels])
         worth = np.log1p((reached[:, None] + added) / CONVINCING).sum(axis=0)
