@@ -43,19 +43,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _sections(
     options: argparse.Namespace, every: tuple[Study, ...], outcomes: dict[str, list[Outcome]]
 ) -> Iterator[Section]:
-    chosen = set(options.sections.split(",")) if options.sections else None
+    chosen = options.sections
     with shown_progress() as progress:
-        if chosen is None or _TIMING in chosen:
+        if _TIMING in chosen:
             with progress.phase("time of one diagnosis"):
                 section = timing_section()
             yield section
-        if chosen is None or _MEASURED in chosen:
+        if _MEASURED in chosen:
             with progress.phase("measured data"):
                 section = measured_section()
             yield section
-        yield from _simulated(
-            options.jobs, [s for s in every if chosen is None or s.key in chosen], outcomes, progress
-        )
+        yield from _simulated(options.jobs, [s for s in every if s.key in chosen], outcomes, progress)
 
 
 def _simulated(
@@ -87,13 +85,12 @@ def _write(
 
 
 def _extent(options: argparse.Namespace) -> Extent:
-    sizes = tuple(sorted(int(size) for size in options.sizes.split(",")))
-    return Extent(options.campaigns, options.undisturbed, options.pairs, sizes, options.first_seed)
+    return Extent(options.campaigns, options.undisturbed, options.pairs, options.sizes, options.first_seed)
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     usual = Extent()
-    keys = ", ".join([_TIMING, _MEASURED, *(study.key for study in studies(_QUICK))])
+    keys = (_TIMING, _MEASURED, *(study.key for study in studies(_QUICK)))
     parser = argparse.ArgumentParser(
         prog="python -m service.showcase.diagnosis_report",
         description=__doc__,
@@ -109,10 +106,15 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--undisturbed", type=_count, default=usual.undisturbed, help="without any effect, per size and noise"
     )
     add("--pairs", type=_count, default=usual.pairs, help="of effects (default: %(default)s)")
-    add("--sizes", default="50,100,200", help="readings of a campaign (default: %(default)s)")
+    add("--sizes", type=_sizes, default=usual.sizes, help="readings of a campaign (default: 50,100,200)")
     add("--first-seed", type=_count, default=usual.first_seed, help="default: %(default)s")
     add("--jobs", type=_count, default=os.cpu_count() or 1, help="processes (default: one a core)")
-    add("--sections", help=f"only these, with commas between them: {keys}")
+    add(
+        "--sections",
+        type=lambda text: _among(text, keys),
+        default=keys,
+        help=f"only these, with commas between them: {', '.join(keys)}",
+    )
     add("--quick", action="store_true", help="a few campaigns of 100 readings: does it work at all?")
     return parser.parse_args(arguments)
 
@@ -122,6 +124,23 @@ def _count(text: str) -> int:
     if number < 1:
         raise argparse.ArgumentTypeError(f"{number} is not 1 or more")
     return number
+
+
+def _sizes(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(sorted({_count(size) for size in text.split(",")}))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f'"{text}" must be a number of readings, or several: 50,100'
+        ) from None
+
+
+def _among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    chosen = tuple(text.split(","))
+    unknown = [key for key in chosen if key not in known]
+    if unknown:
+        raise argparse.ArgumentTypeError(f"no section {', '.join(unknown)}; known: {', '.join(known)}")
+    return chosen
 
 
 if __name__ == "__main__":

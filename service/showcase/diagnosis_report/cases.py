@@ -127,12 +127,8 @@ BARELY_VISIBLE: Final = (
     Case("tracker's scale off by 20e-6", _simple("instrument_scale", "tracker", 20e-6)),
 )
 
-# A drift and a jump differ only in the shape over time, a payload and a softer gear only in the shape over
-# torque: with both there, one of either kind explains nearly all.
-_ALIKE: Final = (
-    frozenset({"base_drift", "base_shift"}),
-    frozenset({"payload", "compliance_nonlinear"}),
-)
+# A drift and a jump differ only in the shape over time: with both there, one of them explains nearly all.
+_ALIKE: Final = (frozenset({"base_drift", "base_shift"}),)
 
 
 def pairs_of(cases: tuple[Case, ...]) -> tuple[tuple[Case, Case], ...]:

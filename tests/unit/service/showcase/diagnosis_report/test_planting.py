@@ -100,7 +100,4 @@ def test_every_pair_of_cases_is_listed_once():
     together, apart = pairs_of(REALISTIC), pairs_alike(REALISTIC)
 
     assert len({frozenset((a.label, b.label)) for a, b in (*together, *apart)}) == 18 * 17 // 2
-    assert {frozenset(one.planted(0, 100).effect for one in pair) for pair in apart} == {
-        frozenset({"base_drift", "base_shift"}),
-        frozenset({"payload", "compliance_nonlinear"}),
-    }
+    assert [{one.planted(0, 100).effect for one in pair} for pair in apart] == [{"base_drift", "base_shift"}]

@@ -1,0 +1,27 @@
+"""Campaigns with something hidden in them, and what the diagnosis says of each."""
+
+import pytest
+
+from service.diagnosis.diagnose import diagnose
+from service.showcase.diagnosis_report.judging import judge
+from service.showcase.diagnosis_report.recorder import running_recorder
+from service.showcase.diagnosis_report.trials import record_trial
+
+
+@pytest.fixture(scope="session")
+def recorder():
+    """One process that records campaigns of simulated cells."""
+    with running_recorder() as running:
+        yield running
+
+
+@pytest.fixture
+def diagnosed(recorder, tmp_path):
+    """Return the diagnosis of a trial, and the outcome: the same beside what was hidden."""
+
+    def run(trial):
+        campaign, planted = record_trial(trial, recorder, tmp_path)
+        diagnosis = diagnose(campaign, trial.start, without=trial.without)
+        return diagnosis, judge(diagnosis, planted)
+
+    return run
