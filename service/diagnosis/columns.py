@@ -60,7 +60,7 @@ def _runs(candidates: Sequence[Candidate]) -> list[tuple[str, tuple[str, ...]]]:
 
 
 def term_columns(fit: RobustFit, terms: Sequence[tuple[Term, ...]], count: int) -> FloatArray:
-    """Return whitened derivatives of `count` parameters given by their terms in each block, shape (count, m)."""
+    """Return whitened derivatives of `count` parameters by their terms in each block, shape (count, m)."""
     specs = tuple(ParameterSpec(f"trial_{k}", "1", 0.0, 1.0) for k in range(count))
     return _columns(fit, specs, terms)
 

@@ -9,17 +9,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.domain.arrays import FloatArray
+from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Scene, varied
 from service.effects.ports import Port, PortKind, Term, motion_port
 from service.identification.evaluation import State
 
-_FOURIER = 6
-_COSINES = 8
+_FOURIER = 6  # waves per turn up to which a curve of an angle counts as smooth
+_COSINES = 8  # half periods over a campaign up to which a course of time does
 _LEVER_MM = 300.0  # how many mm a rad is worth: about a forearm
 _BEARING_N_MM = 2000.0  # gears settle within such a torque
-_PLACE_DEGREES = ((2, 0, 0), (0, 2, 0), (0, 0, 2), (1, 1, 0), (1, 0, 1), (0, 1, 1)) + (
-    (3, 0, 0), (0, 3, 0), (0, 0, 3), (2, 1, 0), (2, 0, 1), (0, 2, 1), (1, 2, 0), (1, 0, 2), (0, 1, 2), (1, 1, 1),
+# Powers of x, y, z; place and slope are the base's own.
+_PLACE_DEGREES = (
+    (2, 0, 0), (0, 2, 0), (0, 0, 2), (1, 1, 0), (1, 0, 1), (0, 1, 1),
+    (3, 0, 0), (0, 3, 0), (0, 0, 3), (2, 1, 0), (2, 0, 1), (0, 2, 1), (1, 2, 0), (1, 0, 2), (0, 1, 2),
+    (1, 1, 1),
 )  # fmt: skip
 
 Acting = list[tuple[Port, FloatArray]]  # one parameter that moves several ports together
@@ -31,7 +34,8 @@ class Family:
     """A smooth dependence on one variable."""
 
     variable: str  # as it is told: "angle of joint 4"
-    kind: str  # "angle", "coupling", "torque", "direction", "time", "temperature", "attachment", "nest", "place"
+    # "angle", "coupling", "torque", "direction", "time", "temperature", "attachment", "nest" or "place"
+    kind: str
     build: Builder  # the same number of parameters in every block
     joint: int | None = None  # 0-based
 
@@ -47,13 +51,13 @@ def families(scene: Scene) -> tuple[Family, ...]:
     found += [_direction(j) for j in joints if _has_directions(scene, j)]
     if scene.stops.time_s is not None and varied(scene.stops.time_s):
         span = _span(scene.stops.time_s)
-        found += [_time(what, span, scene) for what in ("place", "tool", "lengths")]
+        found += [_time(what, span) for what in ("place", "tool", "lengths")]
         if len(scene.reference_s):
-            found.append(_time("instrument", span, scene))
+            found.append(_time("instrument", span))
     if scene.stops.temperature_c is not None and varied(scene.stops.temperature_c):
-        found.append(_temperature(scene, float(np.nanmean(scene.stops.temperature_c))))
+        found.append(_temperature(float(np.nanmean(scene.stops.temperature_c))))
     if scene.stops.attachment is not None and varied(scene.stops.attachment):
-        found.append(_attachment(scene))
+        found.append(_attachment(scene.stops.attachment))
     nests = np.unique(scene.nest)
     if len(nests) > 1:
         found.append(_nest(nests.tolist()))
@@ -139,7 +143,7 @@ def _direction(joint: int) -> Family:
     return Family(f"direction of joint {joint + 1}", "direction", build, joint)
 
 
-def _time(what: str, span: tuple[float, float], scene: Scene) -> Family:
+def _time(what: str, span: tuple[float, float]) -> Family:
     def build(state: State) -> list[Acting]:
         time_s = state.targets.stops.time_s
         n = len(state.targets)
@@ -182,7 +186,7 @@ def _longer(state: State, share: FloatArray) -> Acting:
     return found
 
 
-def _temperature(scene: Scene, mean_c: float) -> Family:
+def _temperature(mean_c: float) -> Family:
     def build(state: State) -> list[Acting]:
         temperature = state.targets.stops.temperature_c
         n = len(state.targets)
@@ -196,9 +200,8 @@ def _temperature(scene: Scene, mean_c: float) -> Family:
     return Family("temperature", "temperature", build)
 
 
-def _attachment(scene: Scene) -> Family:
-    assert scene.stops.attachment is not None
-    numbers = np.unique(scene.stops.attachment[np.isfinite(scene.stops.attachment)]).tolist()
+def _attachment(mountings: IntArray) -> Family:
+    numbers = np.unique(mountings[np.isfinite(mountings)]).tolist()
 
     def build(state: State) -> list[Acting]:
         attachment = state.targets.stops.attachment

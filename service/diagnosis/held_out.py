@@ -170,7 +170,7 @@ def helps(before: FloatArray, after: FloatArray, site: IntArray, level: float) -
 
 
 def _by_site(before: FloatArray, after: FloatArray, site: IntArray) -> FloatArray:
-    """Sums of squares before, after, and counts, of every configuration, shape (3, S)."""
+    """Return sums of squares before, after, and counts, of every configuration, shape (3, S)."""
     _, which = np.unique(site, return_inverse=True)
     return np.stack([
         np.bincount(which, (before**2).sum(axis=1)),

@@ -78,7 +78,7 @@ def _pairs(start: Start) -> tuple[str, ...]:
 
 
 def _chance(selected: Selected, bad: BoolArray) -> float:
-    """Chance that noise alone gives a reading as far out as the nearest of the bad ones, over all readings."""
+    """Chance, over all readings, that noise alone gives one as far out as the nearest of the bad ones."""
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     nearest = float(block.squared(result)[bad].min())
     return float(min(1.0, len(bad) * chi2.sf(nearest, result.residual.shape[1])))

@@ -122,7 +122,10 @@ def _student(squared: FloatArray, components: int) -> tuple[float, float]:
 
 
 def _mixture(squared: FloatArray, components: int) -> float:
-    """Normal noise with a share of wild readings: the largest log likelihood, one unit off per parameter."""
+    """Return the largest log likelihood of normal noise with a share of wild readings, less one.
+
+    One parameter more than Student's t has costs one unit (Akaike).
+    """
     typical = max(float(np.median(squared)) / components, 1e-12)
     largest = max(float(squared.max()) / components, 4.0 * typical)
 

@@ -25,8 +25,8 @@ def first_line(
     surely = "" if lead.confidence == "certain" else "probably "
     rest = "" if verdict is Verdict.EXPLAINED else " Something is left that they do not explain."
     return (
-        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it, errors on unseen "
-        f"points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
+        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it, errors on "
+        f"unseen points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
     )
 
 
@@ -52,8 +52,8 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
         )
     if left.more_than_stated:
         return (
-            f"What is left is {left.noise_scale:.2g} times the stated noise, and so is the scatter of revisited "
-            f"configurations: it is noise, larger than stated.{carried}"
+            f"What is left is {left.noise_scale:.2g} times the stated noise, and so is the scatter of "
+            f"revisited configurations: it is noise, larger than stated.{carried}"
         )
     return f"What is left looks like the stated noise.{carried}"
 

@@ -108,7 +108,7 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
 
 
 def settled(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
-    """Fit from a start that is close: the decisions of an earlier fit stand in `blocks` and are made again."""
+    """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again."""
     blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start))
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 

@@ -12,9 +12,7 @@ from service.identification.evaluation import State, rows_of
 _TRIAL = "trial"
 
 
-def candidate_terms(
-    state: State, effect: str, names: tuple[str, ...], first: int
-) -> tuple[Term, ...]:
+def candidate_terms(state: State, effect: str, names: tuple[str, ...], first: int) -> tuple[Term, ...]:
     """Return the terms of parameters `names` of an effect, numbered from `first`."""
     terms = effect_named(effect).terms(names, rows_of(state))
     return tuple(term._replace(parameter=first + term.parameter) for term in terms)
