@@ -27,7 +27,7 @@ def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> f
     weights : ndarray, shape (k,)
         Eigenvalues of S, not negative.
     degrees : float
-        nu, at least k.
+        nu; where there are fewer than weights, as many as weights are counted.
 
     Returns
     -------
@@ -36,17 +36,19 @@ def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> f
     positive = weights[weights > 1e-12 * max(float(weights.max(initial=0.0)), 1e-300)]
     if positive.size == 0:
         return 1.0
-    rest = max(degrees - positive.size, 0.0)
-    values = np.append(positive - statistic / degrees, -statistic / degrees)
-    multiplicity = np.append(np.ones(positive.size), rest)
-    values = values / np.abs(values).max()
+    values, multiplicity = positive - statistic / degrees, np.ones(positive.size)
+    if degrees > positive.size:
+        values = np.append(values, -statistic / degrees)
+        multiplicity = np.append(multiplicity, degrees - positive.size)
     if values.max() <= 0.0:
         return 0.0
-    return _above_zero(values, multiplicity)
+    if values.min() >= 0.0:
+        return 1.0
+    return _above_zero(values / np.abs(values).max(), multiplicity)
 
 
 def _above_zero(values: FloatArray, multiplicity: FloatArray) -> float:
-    """P(sum of multiplicity * values * z^2 > 0)."""
+    """P(sum of multiplicity * values * z^2 > 0), for values of both signs."""
     mean = float(multiplicity @ values)
     spread = float(np.sqrt(2.0 * multiplicity @ values**2))
     if abs(mean) < 1e-6 * spread:
@@ -56,7 +58,7 @@ def _above_zero(values: FloatArray, multiplicity: FloatArray) -> float:
         return float(multiplicity @ (values / (1.0 - 2.0 * t * values)))
 
     highest = 0.5 / float(values.max())
-    lowest = 0.5 / float(values.min()) if values.min() < 0.0 else -1e6
+    lowest = 0.5 / float(values.min())
     if mean < 0.0:
         t = brentq(slope, 0.0, highest * (1.0 - 1e-9), xtol=1e-12)
     else:
