@@ -107,12 +107,13 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
     if together.interval_95_mm[0] <= 0.0 or (left.structure and _explains_little(together, judged)):
         return tuple(range(len(groups)))
+    owed = owed_to_the_rest(selected, [group for _, group in groups], left)
     return tuple(
         index
         for index, gain in enumerate(gains)
         if gain.rms_before_mm <= gain.rms_after_mm
         or (left.structure and not judged.helps(index, _BESIDE_STRUCTURE))
-        or owed_to_the_rest(selected, groups[index][1], left)
+        or owed[index]
     )
 
 

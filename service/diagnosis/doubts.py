@@ -1,18 +1,20 @@
-"""Doubts: would a finding still be named beside what nothing explains, and is its shape the right one?
+"""Doubts about findings: do they owe their place to what nothing explains, and is their shape right.
 
-*Beside.* Residuals that depend smoothly on something are not independent: a cause that varies along with it
-may owe its place to it. Each finding is tested again with the families that are left fitted as random effects.
+*Beside.* Residuals that depend smoothly on something are not independent: a cause that varies along with
+it may owe its place to it. Each finding is tested again with the families that are left fitted as random
+effects.
 
 *Shape.* Each finding is compared with every smooth family in its own place. Where a family, which assumes
 nothing but smoothness, is clearly the better story, the name is that of the nearest known cause and no more.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from service.diagnosis.footing import footing_beside
-from service.diagnosis.families import Family
 from service.diagnosis.left import Depends, Left
-from service.diagnosis.remaining import as_random_effect
+from service.diagnosis.normal import Normal, Products, Projection, products_of
+from service.diagnosis.remaining import Prepared, as_random_effect
 from service.diagnosis.screening import chance_beside
 from service.diagnosis.selection import LEVEL, Selected
 from service.domain.arrays import FloatArray
@@ -22,59 +24,65 @@ _CLEARLY = 4.0  # in BIC
 _SMALLEST = 1e-9
 
 
-def owed_to_the_rest(selected: Selected, group: tuple[Candidate, ...], left: Left) -> bool:
-    """Whether a finding is no longer beyond chance beside the structure that is left."""
-    families = [one.columns for one in left.depends if one.columns is not None]
-    if not families:
-        return False
-    names = tuple(name for pick in group for name in pick.names)
-    view = selected.pool.view()
-    sizes = [as_random_effect(columns, view.footing).width for columns in families]
-    seen = [(columns, size) for columns, size in zip(families, sizes, strict=True) if size > _SMALLEST]
+def owed_to_the_rest(
+    selected: Selected, groups: Sequence[tuple[Candidate, ...]], left: Left
+) -> tuple[bool, ...]:
+    """Whether each finding is no longer beyond chance beside the structure that is left."""
+    normal = selected.pool.normal
+    families = [one.products for one in left.depends if one.products is not None]
+    widths = [as_random_effect(products, normal.past()).width for products in families]
+    seen = [(products, width) for products, width in zip(families, widths, strict=True) if width > _SMALLEST]
     if not seen:
-        return False
-    columns = np.concatenate([columns for columns, _ in seen])
-    widths = np.concatenate([np.full(len(columns), size) for columns, size in seen])
-    footing = footing_beside(selected.fit, names, columns, widths)
-    rows, believed = _rows_of(selected, group)
-    return chance_beside(rows, believed, footing, len(selected.pool.all)) > LEVEL
+        return (False,) * len(groups)
+    effects = products_of(selected.fit, np.concatenate([products.columns for products, _ in seen]))
+    sizes = np.concatenate([np.full(len(products.columns), width) for products, width in seen])
+    beside = normal.beside(effects, sizes)
+    return tuple(_is_chance(selected, group, effects.columns, beside) for group in groups)
 
 
-def _rows_of(selected: Selected, group: tuple[Candidate, ...]) -> tuple[FloatArray, FloatArray]:
+def _is_chance(selected: Selected, group: tuple[Candidate, ...], effects: FloatArray, beside: Normal) -> bool:
+    own = _products_of(selected, group)
+    wider = Products(own.columns, np.hstack([own.with_jacobian, own.columns @ effects.T]), own.with_residual)
+    believed = np.array([spec.prior_width for pick in group for spec in pick.specs])
+    past = beside.past(without=_names(group))
+    return chance_beside(wider, believed, past, len(selected.pool.all)) > LEVEL
+
+
+def _names(group: tuple[Candidate, ...]) -> tuple[str, ...]:
+    return tuple(name for pick in group for name in pick.names)
+
+
+def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
     pool = selected.pool
-    rows = np.concatenate([pool.rows(pool.all.index(pick)) for pick in group])
-    return rows, np.array([spec.prior_width for pick in group for spec in pick.specs])
+    parts = [pool.products.rows(pool.own(pool.all.index(pick))) for pick in group]
+    return Products(
+        np.concatenate([part.columns for part in parts]),
+        np.concatenate([part.with_jacobian for part in parts]),
+        np.concatenate([part.with_residual for part in parts]),
+    )
 
 
 def better_families(
-    selected: Selected, group: tuple[Candidate, ...], families: tuple[tuple[Family, FloatArray], ...]
+    selected: Selected, group: tuple[Candidate, ...], families: tuple[Prepared, ...]
 ) -> tuple[Depends, ...]:
     """Return the smooth family that tells a finding's story clearly better than its name, if there is one."""
-    names = tuple(name for pick in group for name in pick.names)
-    view = selected.pool.view(without=names)
-    named = _score(selected, group, names)
-    scored = [
-        (as_random_effect(columns, view.footing).score, family, columns) for family, columns in families
-    ]
+    past = selected.pool.normal.past(without=_names(group))
+    named = _score(selected, group, past)
+    scored = [(as_random_effect(products, past).score, family, products) for family, products in families]
     best = max(scored, key=lambda one: one[0], default=None)
     if best is None or best[0] < named + _CLEARLY:
         return ()
-    _, family, columns = best
-    return (Depends(family.variable, LEVEL, family.kind, family.joint, family, columns=columns),)
+    _, family, products = best
+    return (Depends(family.variable, LEVEL, family.kind, family.joint, family, products=products),)
 
 
-def _score(selected: Selected, group: tuple[Candidate, ...], names: tuple[str, ...]) -> float:
+def _score(selected: Selected, group: tuple[Candidate, ...], past: Projection) -> float:
     """Gain in BIC of a whole group over the model without it, its search included."""
-    footing = selected.pool.view(without=names).footing
-    rows, _ = _rows_of(selected, group)
-    new = footing.directions(rows)
-    after = footing.extended(new)
+    sums, after = past.sums, selected.pool.normal.past().sums
     variants = [
         sum((other.effect, other.subject) == (pick.effect, pick.subject) for other in selected.pool.all)
         for pick in group
     ]
-    counted = max(footing.observations / footing.alike, 2.0)
-    gain = (
-        footing.degrees / footing.alike * np.log(footing.residual_square / max(after.residual_square, 1e-300))
-    )
-    return float(gain - new.shape[1] * np.log(counted) - 2.0 * np.log(variants).sum())
+    counted = max(sums.observations / sums.alike, 2.0)
+    gain = sums.degrees / sums.alike * np.log(sums.residual_square / after.residual_square)
+    return float(gain - len(_names(group)) * np.log(counted) - 2.0 * np.log(variants).sum())

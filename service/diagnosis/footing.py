@@ -9,9 +9,8 @@ parameters would absorb of it does not count (Frisch-Waugh; priors are observati
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
-from service.domain.arrays import BoolArray, FloatArray
+from service.domain.arrays import FloatArray
 from service.identification.observations import Block, BlockResult
 from service.identification.robust import RobustFit
 from service.identification.rows import sites
@@ -41,11 +40,11 @@ class Footing:
         return self.residual_square / max(self.degrees, 1.0)
 
     def absorbed(self, columns: FloatArray) -> FloatArray:
-        """Coordinates of columns (K, m) in the present parameters, shape (K, q)."""
+        """Return coordinates of columns (K, m) in the present parameters, shape (K, q)."""
         return np.asarray(columns @ self.basis[: self.size])
 
     def directions(self, columns: FloatArray) -> FloatArray:
-        """What columns (k, m) add to the basis, orthonormal, shape (m + P, <= k)."""
+        """Return what columns (k, m) add to the basis, orthonormal, shape (m + P, <= k)."""
         full = np.zeros((len(self.residual), len(columns)))
         full[: self.size] = columns.T
         for _ in range(2):  # twice is enough (B. N. Parlett, The Symmetric Eigenvalue Problem, 1980, 6.9)
@@ -63,68 +62,27 @@ class Footing:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Reduced:
-    """A footing on some of the parameters of a fit, and the way from their derivatives to its basis."""
-
-    footing: Footing
-    kept: BoolArray  # (P,)
-    to_basis: FloatArray  # (q, q) upper triangular: derivatives = basis @ to_basis
-    raw_residual: FloatArray  # (m + P,) before the projection
-
-
-def footing_of(fit: RobustFit, without: tuple[str, ...] = ()) -> Footing:
-    """Return the footing of a fit, as if the parameters `without` had not been fitted (to first order)."""
-    return reduced(fit, without).footing
-
-
-def footing_beside(
-    fit: RobustFit, without: tuple[str, ...], columns: FloatArray, widths: FloatArray
-) -> Footing:
-    """Return the footing of a fit without some parameters, and with random effects fitted besides.
-
-    Parameters
-    ----------
-    fit : RobustFit
-    without : tuple of str
-    columns : ndarray, shape (k, m)
-        Of the random effects.
-    widths : ndarray, shape (k,)
-        Their standard deviations.
-    """
-    plain = reduced(fit, without).footing
-    rows, k = len(plain.residual), len(columns)
-    full = np.zeros((rows + k, k))
-    full[: plain.size] = columns.T
-    full[rows:] = np.diag(1.0 / widths)
-    basis = np.vstack([plain.basis, np.zeros((k, plain.basis.shape[1]))])
-    for _ in range(2):
-        full -= basis @ (basis.T @ full)
-    new, _ = np.linalg.qr(full)
-    residual = np.concatenate([plain.residual, np.zeros(k)])
-    return replace(plain, basis=np.hstack([basis, new]), residual=residual - new @ (new.T @ residual))
-
-
-def reduced(fit: RobustFit, without: tuple[str, ...] = ()) -> Reduced:
-    """Return the footing of a fit without some parameters, and how it was made."""
+def footing_of(fit: RobustFit) -> Footing:
+    """Return the footing of a fit."""
     final, structure = fit.solution.final, fit.structure
-    kept = np.array([name not in without for name in structure.names])
-    widths = structure.prior_widths[kept]
-    raw = np.concatenate([
-        final.residual + fit.values[~kept] @ final.jacobian[~kept],
-        (structure.prior_means - fit.values)[kept] / widths,
-    ])
-    basis, to_basis = np.linalg.qr(np.vstack([final.jacobian[kept].T, np.diag(1.0 / widths)]))
-    residual = raw
+    widths = structure.prior_widths
+    residual = np.concatenate([final.residual, (structure.prior_means - fit.values) / widths])
+    basis, _ = np.linalg.qr(np.vstack([final.jacobian.T, np.diag(1.0 / widths)]))
     for _ in range(2):
         residual = residual - basis @ (basis.T @ residual)
-    observations = sum(
-        float((block.weights > 0.5).sum()) * result.residual.shape[1]
-        for block, result in zip(fit.blocks, fit.results, strict=True)
-    )
+    observations = observations_of(fit)
     alike = design_effect(fit.blocks[0], fit.results[0])
-    footing = Footing(basis, residual, len(final.residual), max(observations, 1.0), observations, alike)
-    return Reduced(footing, kept, to_basis, raw)
+    return Footing(basis, residual, len(final.residual), max(observations, 1.0), observations, alike)
+
+
+def observations_of(fit: RobustFit) -> float:
+    """Count the readings that count, times their components."""
+    return float(
+        sum(
+            (block.weights > 0.5).sum() * result.residual.shape[1]
+            for block, result in zip(fit.blocks, fit.results, strict=True)
+        )
+    )
 
 
 def design_effect(block: Block, result: BlockResult) -> float:
@@ -147,8 +105,3 @@ def design_effect(block: Block, result: BlockResult) -> float:
     correlation = (float((sums**2).sum()) - squares) / pairs / (squares / len(vectors))
     usual = pairs / len(vectors)  # other readings of the same stop that a reading has on average
     return float(1.0 + usual * np.clip(correlation, 0.0, 1.0))
-
-
-def in_basis(products: FloatArray, to_basis: FloatArray) -> FloatArray:
-    """Turn products with derivatives, shape (K, q), into products with the basis."""
-    return np.asarray(solve_triangular(to_basis, products.T, trans="T").T)

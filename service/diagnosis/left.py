@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from service.diagnosis.families import Family
-from service.diagnosis.footing import Footing, footing_of
+from service.diagnosis.normal import Products
 from service.diagnosis.remaining import prepared_families, structured
 from service.diagnosis.screening import pooled, screen
 from service.diagnosis.selection import LEVEL, Selected
@@ -34,7 +34,7 @@ class Depends:
     joint: int | None
     family: Family | None  # None for single waves of a joint
     order: float = 0.0
-    columns: FloatArray | None = None  # (k, m) of the family
+    products: Products | None = None  # of the family
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Left:
 
 def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
     """Test what is left against everything that it might depend on."""
-    fit, footing = selected.fit, footing_of(selected.fit)
+    fit, past = selected.fit, selected.pool.normal.past()
     found = [
         Depends(
             one.family.variable,
@@ -63,14 +63,14 @@ def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
             one.family.kind,
             one.family.joint,
             one.family,
-            columns=one.columns,
+            products=one.products,
         )
-        for one in structured(prepared_families(fit, start.scene), footing)
+        for one in structured(prepared_families(fit, start.scene), past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
     found += _waves(start, selected, without)
     found.sort(key=lambda one: one.p_value)
-    scale, beyond = _noise(selected, footing)
+    scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
     return Left(
         depends=_distinct(found)[:_MOST_TOLD],
@@ -116,13 +116,13 @@ def _squared(selected: Selected) -> tuple[FloatArray, int]:
     return stated.squared(result), result.residual.shape[1]
 
 
-def _noise(selected: Selected, footing: Footing) -> tuple[float, bool]:
+def _noise(selected: Selected, parameters: int) -> tuple[float, bool]:
     """Typical residual over the stated one, by the median: blind to heavy tails."""
     squared, components = _squared(selected)
     if selected.fit.blocks[0].stated_sigma() == 0.0:
         return 1.0, False
     readings = squared.size
-    freedom = max(1.0 - footing.basis.shape[1] / max(footing.observations, 1.0), 0.05)
+    freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
     expected = float(chi2.median(components))
     ratio = float(np.median(squared)) / (expected * freedom)
     spread = 0.5 / (float(chi2.pdf(expected, components)) * expected * np.sqrt(readings))

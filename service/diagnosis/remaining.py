@@ -1,7 +1,7 @@
-"""What is left: is there structure in the residuals of a model, and what does it depend on?
+"""What is left: whether the residuals of a model hold structure, and what it depends on.
 
-Every family is tested as a random effect on the residuals (score test of a variance component). The waves of
-all orders of every joint are tested one by one besides. The level is controlled over everything tried.
+Every family is tested as a random effect on the residuals (score test of a variance component); the level is
+controlled over all families. The noise is not known: its size is taken from the residuals themselves.
 
 References
 ----------
@@ -14,11 +14,13 @@ import numpy as np
 
 from service.diagnosis.columns import term_columns
 from service.diagnosis.families import Family, families, terms_of
-from service.diagnosis.footing import Footing
+from service.diagnosis.normal import Products, Projection, products_of
 from service.diagnosis.quadratic import tail_probability
 from service.domain.arrays import FloatArray
 from service.effects.causes import Scene
 from service.identification.robust import RobustFit
+
+Prepared = tuple[Family, Products]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +29,10 @@ class Structured:
 
     family: Family
     p_value: float  # corrected for all families
-    columns: FloatArray  # (k, m)
+    products: Products
 
 
-def prepared_families(fit: RobustFit, scene: Scene) -> tuple[tuple[Family, FloatArray], ...]:
+def prepared_families(fit: RobustFit, scene: Scene) -> tuple[Prepared, ...]:
     """Return every family with its whitened columns; those of a variable that says nothing are left out."""
     found = []
     for family in families(scene):
@@ -38,26 +40,31 @@ def prepared_families(fit: RobustFit, scene: Scene) -> tuple[tuple[Family, Float
         count = 1 + max((term.parameter for acting in terms for term in acting), default=-1)
         columns = term_columns(fit, terms, count)
         if float(np.abs(columns).max(initial=0.0)) > 0.0:
-            found.append((family, columns))
+            found.append((family, products_of(fit, columns)))
     return tuple(found)
 
 
-def structured(prepared: tuple[tuple[Family, FloatArray], ...], footing: Footing) -> tuple[Structured, ...]:
-    """Test every family on a footing, the most improbable first."""
+def structured(prepared: tuple[Prepared, ...], past: Projection) -> tuple[Structured, ...]:
+    """Test every family past what is fitted, the most improbable first."""
     found = [
-        Structured(family, min(1.0, len(prepared) * _p_value(columns, footing)), columns)
-        for family, columns in prepared
+        Structured(family, min(1.0, len(prepared) * _p_value(products, past)), products)
+        for family, products in prepared
     ]
     return tuple(sorted(found, key=lambda one: one.p_value))
 
 
-def _p_value(columns: FloatArray, footing: Footing) -> float:
-    towards = columns @ footing.residual[: footing.size]
-    absorbed = footing.absorbed(columns)
-    gram = columns @ columns.T - absorbed @ absorbed.T
+def _left(products: Products, past: Projection) -> tuple[FloatArray, FloatArray]:
+    """Products among columns, and with the residuals, once the present parameters took theirs."""
+    absorbed = past.absorbed(products)
+    gram = products.columns @ products.columns.T - absorbed @ absorbed.T
+    return np.asarray(gram), past.towards(products, absorbed)
+
+
+def _p_value(products: Products, past: Projection) -> float:
+    gram, towards = _left(products, past)
     weights = np.maximum(np.linalg.eigvalsh(gram), 0.0)
-    statistic = float(towards @ towards) / footing.variance / footing.alike
-    return tail_probability(statistic, weights, footing.degrees / footing.alike)
+    statistic = float(towards @ towards) / past.sums.variance / past.sums.alike
+    return tail_probability(statistic, weights, past.sums.degrees / past.sums.alike)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,27 +78,22 @@ class RandomEffect:
 _SIZES = np.logspace(-4.0, 6.0, 61)  # ratios of the two variances that are tried, over the typical eigenvalue
 
 
-def as_random_effect(columns: FloatArray, footing: Footing) -> RandomEffect:
-    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out).
-
-    Parameters
-    ----------
-    columns : ndarray, shape (k, m)
-    footing : Footing
-    """
-    absorbed = footing.absorbed(columns)
-    sizes, axes = np.linalg.eigh(columns @ columns.T - absorbed @ absorbed.T)
+def as_random_effect(products: Products, past: Projection) -> RandomEffect:
+    """Fit a family as a random effect (maximum likelihood, size of the noise profiled out)."""
+    gram, towards = _left(products, past)
+    sums = past.sums
+    sizes, axes = np.linalg.eigh(gram)
     seen = sizes > 1e-9 * max(float(sizes.max(initial=0.0)), 1e-300)
     if not seen.any():
         return RandomEffect(0.0, -np.inf)
     sizes = sizes[seen]
-    along = (axes[:, seen].T @ (columns @ footing.residual[: footing.size])) ** 2 / sizes
+    along = (axes[:, seen].T @ towards) ** 2 / sizes
     ratios = _SIZES[:, None] / float(sizes.max())
     shrunk = ratios * sizes / (1.0 + ratios * sizes)
-    left = footing.residual_square - shrunk @ along
-    degrees = footing.degrees / footing.alike
-    gain = degrees * np.log(footing.residual_square / left) - np.log1p(ratios * sizes).sum(axis=1)
+    left = np.maximum(sums.residual_square - shrunk @ along, 1e-9 * sums.residual_square)
+    gain = sums.degrees / sums.alike * np.log(sums.residual_square / left)
+    gain -= np.log1p(ratios * sizes).sum(axis=1)
     best = int(np.argmax(gain))
-    variance = float(left[best]) / max(footing.degrees, 1.0)
-    cost = np.log(max(footing.observations / footing.alike, 2.0))
+    variance = float(left[best]) / max(sums.degrees, 1.0)
+    cost = np.log(max(sums.observations / sums.alike, 2.0))
     return RandomEffect(float(np.sqrt(ratios[best, 0] * variance)), float(gain[best] - cost))

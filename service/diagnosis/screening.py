@@ -20,13 +20,15 @@ G. Schwarz, Annals of Statistics 6(2), 1978, 461-464.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import f as f_distribution
 
 from service.diagnosis.columns import candidate_columns
-from service.diagnosis.footing import Footing, in_basis, reduced
+from service.diagnosis.footing import Footing
+from service.diagnosis.normal import Normal, Products, Projection, Sums, normal_of, products_of
 from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
 from service.identification.robust import RobustFit
@@ -35,73 +37,85 @@ _MOSTLY_BELIEF = 0.1  # what the data see, over what is believed before: below, 
 _VISIBLE = 1e-7  # share of a derivative's square that the present parameters do not absorb
 
 
+class Alike(NamedTuple):
+    """Candidates of one number of parameters, scaled to columns of length 1."""
+
+    here: IntArray  # (C,) which candidates
+    rows: IntArray  # (C, k) their columns
+    scale: FloatArray  # (C, k) lengths of the columns
+    gram: FloatArray  # (C, k, k) products among the unit columns
+    belief: FloatArray  # (C, k) precision that the priors give the unit columns
+
+
 @dataclass(frozen=True, slots=True)
 class Pool:
     """All candidates with their columns, linearised at one fit."""
 
     all: tuple[Candidate, ...]
-    columns: FloatArray  # (K, m)
+    products: Products  # of all K columns
     starts: tuple[int, ...]  # first column of each candidate
-    square: FloatArray  # (K,) of each column
-    widths: FloatArray  # (K,) prior standard deviation of each parameter
-    with_jacobian: FloatArray  # (K, P) products with the derivatives of the fit
-    with_residual: FloatArray  # (K,) products with its residuals
+    alike: tuple[Alike, ...]
+    normal: Normal
     fit: RobustFit
+
+    def own(self, index: int) -> slice:
+        """Return the columns of one candidate."""
+        first = self.starts[index]
+        return slice(first, first + len(self.all[index].specs))
 
     def rows(self, index: int) -> FloatArray:
         """Return the columns of one candidate, shape (k, m)."""
-        first = self.starts[index]
-        return self.columns[first : first + len(self.all[index].specs)]
-
-    def gram(self, rows: IntArray) -> FloatArray:
-        """Return the products among the columns of candidates of one size, shape (C, k, k), from (C, k)."""
-        if rows.shape[1] == 1:
-            return self.square[rows][:, :, None]
-        return np.stack([self.columns[own] @ self.columns[own].T for own in rows])
+        return self.products.columns[self.own(index)]
 
     def view(self, without: tuple[str, ...] = ()) -> "View":
         """Return the candidates as they stand beside the fit, as if `without` had not been fitted."""
-        start = reduced(self.fit, without)
-        absorbed = in_basis(self.with_jacobian[:, start.kept], start.to_basis)
-        left = ~start.kept
-        raw = self.with_residual + self.with_jacobian[:, left] @ self.fit.values[left]
-        towards = raw - absorbed @ (start.footing.basis.T @ start.raw_residual)
-        return View(self, start.footing, absorbed, towards)
+        past = self.normal.past(without)
+        absorbed = past.absorbed(self.products)
+        return View(self, past.sums, absorbed, past.towards(self.products, absorbed))
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Candidates on a footing."""
+    """Candidates beside what is fitted."""
 
     pool: Pool
-    footing: Footing
+    sums: Sums
     absorbed: FloatArray  # (K, q)
     towards: FloatArray  # (K,) products with the residuals
 
-    def with_pick(self, index: int) -> "View":
-        """Return the view once a candidate is fitted too."""
-        new = self.footing.directions(self.pool.rows(index))
-        products = self.pool.columns @ new[: self.footing.size]
-        towards = self.towards - products @ (new.T @ self.footing.residual)
-        absorbed = np.hstack([self.absorbed, products])
-        return View(self.pool, self.footing.extended(new), absorbed, towards)
+    def with_pick(self, index: int, footing: Footing) -> tuple["View", Footing]:
+        """Return view and footing once a candidate is fitted too."""
+        new = footing.directions(self.pool.rows(index))
+        products = self.pool.products.columns @ new[: footing.size]
+        towards = self.towards - products @ (new.T @ footing.residual)
+        extended = footing.extended(new)
+        sums = replace(self.sums, residual_square=extended.residual_square, degrees=extended.degrees)
+        return View(self.pool, sums, np.hstack([self.absorbed, products]), towards), extended
 
 
 def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
     """Linearise candidates at a fit."""
     columns = candidate_columns(fit, candidates)
-    sizes = [len(candidate.specs) for candidate in candidates]
-    final = fit.solution.final
+    sizes = np.array([len(candidate.specs) for candidate in candidates], dtype=int)
+    starts = np.cumsum(sizes) - sizes
+    widths = np.array([spec.prior_width for candidate in candidates for spec in candidate.specs])
     return Pool(
         all=tuple(candidates),
-        columns=columns,
-        starts=tuple(int(start) for start in np.cumsum([0, *sizes])[:-1]),
-        square=np.einsum("km,km->k", columns, columns),
-        widths=np.array([spec.prior_width for candidate in candidates for spec in candidate.specs]),
-        with_jacobian=columns @ final.jacobian.T,
-        with_residual=columns @ final.residual,
+        products=products_of(fit, columns),
+        starts=tuple(starts.tolist()),
+        alike=tuple(_alike(columns, widths, sizes, starts, count) for count in np.unique(sizes).tolist()),
+        normal=normal_of(fit),
         fit=fit,
     )
+
+
+def _alike(columns: FloatArray, widths: FloatArray, sizes: IntArray, starts: IntArray, count: int) -> Alike:
+    here = np.flatnonzero(sizes == count)
+    rows = starts[here][:, None] + np.arange(count)
+    scale = np.sqrt(np.maximum(np.einsum("km,km->k", columns, columns), 1e-300))[rows]
+    gram = np.stack([columns[own] @ columns[own].T for own in rows])
+    belief = 1.0 / (widths[rows] * scale) ** 2
+    return Alike(here, rows, scale, gram / (scale[:, :, None] * scale[:, None, :]), belief)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +130,7 @@ class Screened:
 
 def screen(view: View) -> Screened:
     """Screen all candidates of a view."""
-    candidates, footing = view.pool.all, view.footing
+    candidates, footing = view.pool.all, view.sums
     alike = footing.alike
     explained, size = _explained(view)
     left = np.maximum(footing.residual_square - explained, 1e-9 * footing.residual_square + 1e-300)
@@ -138,17 +152,18 @@ def screen(view: View) -> Screened:
     )
 
 
-def chance_beside(rows: FloatArray, widths: FloatArray, footing: Footing, tried: int) -> float:
-    """Chance, over everything tried, that noise gives what columns (k, m) explain on a footing."""
-    absorbed = footing.absorbed(rows)
+def chance_beside(products: Products, widths: FloatArray, past: Projection, tried: int) -> float:
+    """Chance, over everything tried, that noise gives what columns explain past what is fitted."""
+    absorbed = past.absorbed(products)
+    rows, sums = products.columns, past.sums
     scale = np.sqrt(np.maximum(np.einsum("km,km->k", rows, rows), 1e-300))
     gram = (rows @ rows.T - absorbed @ absorbed.T) / np.outer(scale, scale)
-    towards = rows @ footing.residual[: footing.size] / scale
+    towards = past.towards(products, absorbed) / scale
     explained, size = _quadratic(gram[None], (1.0 / (widths * scale) ** 2)[None], towards[None])
     if size[0] == 0.0:
         return 1.0
-    degrees = max(footing.degrees / footing.alike - size[0], 1.0)
-    left = max(footing.residual_square - explained[0], 1e-300)
+    degrees = max(sums.degrees / sums.alike - size[0], 1.0)
+    left = max(sums.residual_square - explained[0], 1e-300)
     ratio = explained[0] / size[0] / (left / degrees)
     return float(min(1.0, tried * f_distribution.sf(ratio, size[0], degrees)))
 
@@ -160,17 +175,12 @@ def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:
 
 
 def _explained(view: View) -> tuple[FloatArray, FloatArray]:
-    pool = view.pool
-    explained, size = np.zeros(len(pool.all)), np.zeros(len(pool.all))
-    counts = np.array([len(candidate.specs) for candidate in pool.all], dtype=int)
-    for count in np.unique(counts).tolist():
-        here = np.flatnonzero(counts == count)
-        rows = np.array(pool.starts)[here][:, None] + np.arange(count)
-        scale = np.sqrt(np.maximum(pool.square[rows], 1e-300))
-        taken = view.absorbed[rows] / scale[:, :, None]
-        gram = pool.gram(rows) / (scale[:, :, None] * scale[:, None, :]) - taken @ np.swapaxes(taken, 1, 2)
-        belief = 1.0 / (pool.widths[rows] * scale) ** 2
-        explained[here], size[here] = _quadratic(gram, belief, view.towards[rows] / scale)
+    explained, size = np.zeros(len(view.pool.all)), np.zeros(len(view.pool.all))
+    for alike in view.pool.alike:
+        taken = view.absorbed[alike.rows] / alike.scale[:, :, None]
+        gram = alike.gram - taken @ np.swapaxes(taken, 1, 2)
+        found = _quadratic(gram, alike.belief, view.towards[alike.rows] / alike.scale)
+        explained[alike.here], size[alike.here] = found
     return explained, size
 
 

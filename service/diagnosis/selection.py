@@ -9,12 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.screening import Pool, Screened, View, pooled, screen
+from service.diagnosis.footing import Footing, footing_of
+from service.diagnosis.screening import Pool, Screened, pooled, screen
 from service.effects.causes import Candidate
 from service.identification.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6
+_ROUNDS = 3  # of decisions about gross readings and discrepancy at each refit, from those before
 _READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
 
 
@@ -50,7 +52,7 @@ def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) ->
     pool = pooled(fit, propose(fit))
     for round_number in range(_MOST_REFITS):
         tell(round_number / _MOST_REFITS)
-        new, full = _picked(pool.view())
+        new, full = _picked(pool)
         if not new:
             break
         picks += new
@@ -66,16 +68,17 @@ def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) ->
     return Selected(fit, tuple(picks), pool, full)
 
 
-def _picked(view: View) -> tuple[list[Candidate], bool]:
+def _picked(pool: Pool) -> tuple[list[Candidate], bool]:
+    view, footing = pool.view(), footing_of(pool.fit)
     picks: list[Candidate] = []
     while True:
         best = best_of(screen(view))
         if best is None:
             return picks, False
-        if not _carried(view, view.pool.all[best]):
+        if not _carried(footing, pool.all[best]):
             return picks, True
-        picks.append(view.pool.all[best])
-        view = view.with_pick(best)
+        picks.append(pool.all[best])
+        view, footing = view.with_pick(best, footing)
 
 
 def best_of(screened: Screened) -> int | None:
@@ -86,8 +89,7 @@ def best_of(screened: Screened) -> int | None:
     return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
 
 
-def _carried(view: View, candidate: Candidate) -> bool:
-    footing = view.footing
+def _carried(footing: Footing, candidate: Candidate) -> bool:
     used = footing.basis.shape[1] + len(candidate.specs)
     return bool(footing.observations / footing.alike >= _READINGS_PER_PARAMETER * used)
 
@@ -99,7 +101,7 @@ def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) 
         structure = structure.extended(pick.effect, pick.specs)
     known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
     values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
-    return settled(structure, previous.blocks, values)
+    return settled(structure, previous.blocks, values, rounds=_ROUNDS)
 
 
 def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:

@@ -114,11 +114,11 @@ def _closest(pool: Pool, fit: RobustFit, own: BoolArray, rival: Cause) -> int:
     for index, candidate in enumerate(pool.all):
         if Cause(candidate.effect, candidate.subject) != rival:
             continue
-        rows = slice(pool.starts[index], pool.starts[index] + len(candidate.specs))
-        beside = pool.with_jacobian[rows][:, ~own] * scale
-        towards = pool.with_jacobian[rows][:, own] @ values - beside @ absorbed
-        gram = pool.columns[rows] @ pool.columns[rows].T - beside @ cho_solve(factor, beside.T)
-        gram += np.diag(pool.widths[rows] ** -2.0)
+        products = pool.products.rows(pool.own(index))
+        beside = products.with_jacobian[:, ~own] * scale
+        towards = products.with_jacobian[:, own] @ values - beside @ absorbed
+        gram = products.columns @ products.columns.T - beside @ cho_solve(factor, beside.T)
+        gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
         explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
         if explained > most:
             best, most = index, explained

@@ -107,18 +107,23 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 
 
-def settled(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+def settled(
+    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
+) -> RobustFit:
     """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again."""
-    blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start))
+    blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start), rounds)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 
 
 def _hard_rounds(
-    structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]
+    structure: Structure,
+    blocks: tuple[Block, ...],
+    solution: Solution[Joint],
+    rounds: int = _HARD_ROUNDS,
 ) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[Joint]]:
     gross: tuple[BoolArray, ...] = ()
     seen: set[bytes] = set()
-    for _ in range(_HARD_ROUNDS):
+    for _ in range(rounds):
         judged = tuple(
             _judged(block, result) for block, result in zip(blocks, solution.final.results, strict=True)
         )

@@ -29,6 +29,7 @@ _SMALLEST_PIVOT = 1e-6  # its square is what rounding leaves four good digits of
 # A step may raise the cost by this much, far less than one observation: the torques are balanced to a finite
 # tolerance, so that two neighbouring costs are not of quite the same function.
 _INVISIBLE = 1e-3
+_NOTHING_TO_GAIN = 1e-2  # of cost: where a step promises less and fails, that tolerance is all that is left
 
 
 class Linearised(Protocol):
@@ -99,6 +100,8 @@ def solve(
             values, current, cost = values + step, trial, trial_cost
             damping = damping / 10.0 if damping > 1e-6 else 0.0
             converged = small
+        elif remaining < _NOTHING_TO_GAIN:
+            converged = True
         else:
             damping = max(damping * 10.0, 1e-4)
             if damping > _LARGEST_DAMPING:
