@@ -24,9 +24,9 @@ def power(extent: Extent) -> Study:
     cases = (*REALISTIC, *FOR_INFORMATION)
     trials = [
         trial_of((case,), size, seed)
-        for case in cases
+        for row, case in enumerate(cases)
         for size in extent.sizes
-        for seed in extent.seeds(extent.campaigns)
+        for seed in extent.seeds(extent.campaigns, row)
     ]
     return Study(
         key="power",
@@ -59,10 +59,10 @@ def amplitudes(extent: Extent) -> Study:
     """Half and twice the realistic amplitudes."""
     trials = [
         replace(trial_of((case,), size, seed, factor), label=f"{case.label}, times {factor:g}")
-        for case in REALISTIC
+        for row, case in enumerate(REALISTIC)
         for factor in _FACTORS
         for size in extent.sizes
-        for seed in extent.seeds(max(extent.campaigns // 3, 1))
+        for seed in extent.seeds(max(extent.campaigns // 3, 1), row)
     ]
     return Study(
         key="amplitudes",
@@ -84,9 +84,9 @@ def left_out(extent: Extent) -> Study:
     """Each effect taken out of the library in turn."""
     trials = [
         _without_itself(trial_of((case,), size, seed))
-        for case in REALISTIC
+        for row, case in enumerate(REALISTIC)
         for size in _middle(extent.sizes)
-        for seed in extent.seeds(max(extent.campaigns // 2, 1))
+        for seed in extent.seeds(max(extent.campaigns // 2, 1), row)
     ]
     return Study(
         key="left-out",
@@ -116,9 +116,9 @@ def barely_visible(extent: Extent) -> Study:
     """Effects that hardly show."""
     trials = [
         trial_of((case,), size, seed)
-        for case in BARELY_VISIBLE
+        for row, case in enumerate(BARELY_VISIBLE)
         for size in _middle(extent.sizes)
-        for seed in extent.seeds(max(extent.campaigns // 2, 1))
+        for seed in extent.seeds(max(extent.campaigns // 2, 1), row)
     ]
     return Study(
         key="barely-visible",

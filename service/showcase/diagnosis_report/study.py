@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from service.reports.table_report import Row
 from service.showcase.diagnosis_report import tallies
@@ -11,6 +12,8 @@ from service.showcase.diagnosis_report.rows import informing
 from service.showcase.diagnosis_report.trials import Trial
 
 Rows = tuple[Row, ...]
+
+_ROW: Final = 1_000  # more campaigns than a row has
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +26,13 @@ class Extent:
     sizes: tuple[int, ...] = (50, 100, 200)
     first_seed: int = 1
 
-    def seeds(self, n: int) -> range:
-        """Return the seeds of n campaigns."""
-        return range(self.first_seed, self.first_seed + n)
+    def seeds(self, n: int, row: int = 0) -> range:
+        """Return the seeds of n campaigns of one row of a table.
+
+        Rows share no cell: one odd draw of the noise would count in all of them.
+        """
+        first = self.first_seed + _ROW * row
+        return range(first, first + n)
 
 
 def wrong_names_note(outcomes: Sequence[Outcome]) -> str:

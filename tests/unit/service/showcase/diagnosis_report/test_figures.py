@@ -91,6 +91,14 @@ def test_an_error_in_a_diagnosis_fails_and_is_quoted():
     assert said.measured == "1; gain, 100 readings, seed 7: KeyError: 'x'"
 
 
+def test_the_rows_of_a_table_share_no_cell():
+    cells = {}
+    for trial in power(SMALL).trials:
+        cells.setdefault(trial.label, set()).add(trial.seed)
+
+    assert len(set.union(*cells.values())) == sum(len(seeds) for seeds in cells.values())
+
+
 def test_detection_is_judged_at_each_size_by_its_own_limit():
     study = power(SMALL)
     label = study.trials[0].label
