@@ -73,7 +73,7 @@ def _picked(pool: Pool) -> tuple[list[Candidate], bool]:
     picks: list[Candidate] = []
     while True:
         best = best_of(screen(view))
-        if best is None:
+        if best is None or pool.all[best] in picks:  # rounding may leave a little of what is fitted
             return picks, False
         if not _carried(footing, pool.all[best]):
             return picks, True
