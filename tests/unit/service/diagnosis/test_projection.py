@@ -1,0 +1,184 @@
+"""What the present parameters absorb, by a basis and by normal equations, against plain least squares."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.footing import design_effect, footing_of
+from service.diagnosis.normal import normal_of, products_of
+from service.domain.campaign import Stops
+from service.identification.robust import fit
+from tests.selections import make_selected, make_start
+
+GAIN = ("joint_gain", "joint 4")
+
+
+@pytest.fixture(scope="module")
+def start():
+    return make_start({"joint_gain": {"gain_4": 3e-4}})
+
+
+@pytest.fixture(scope="module")
+def extended(start):
+    """The model with the gain of joint 4."""
+    return make_selected(start, [GAIN], [("joint_gain", "joint 2"), ("joint_coupling", "joint 6")])
+
+
+def stacked(fitted):
+    """Derivatives and residuals of observations and priors."""
+    structure, final = fitted.structure, fitted.solution.final
+    matrix = np.vstack([final.jacobian.T, np.diag(1.0 / structure.prior_widths)])
+    return matrix, np.append(final.residual, (structure.prior_means - fitted.values) / structure.prior_widths)
+
+
+def left_square(matrix, residual):
+    """Sum of squares that a least-squares fit leaves, columns scaled so that rounding stays small."""
+    unit = matrix / np.linalg.norm(matrix, axis=0)
+    return float(np.sum((residual - unit @ np.linalg.lstsq(unit, residual, rcond=None)[0]) ** 2))
+
+
+def trial_columns(selected):
+    return selected.pool.products.columns[1:]  # all but the pick's own
+
+
+def test_the_present_model_is_projected_out(extended):
+    footing = footing_of(extended.fit)
+
+    assert footing.basis.T @ footing.basis == pytest.approx(np.eye(footing.basis.shape[1]), abs=1e-10)
+    assert np.abs(footing.basis.T @ footing.residual).max() < 1e-9
+    assert footing.residual_square == pytest.approx(left_square(*stacked(extended.fit)), rel=1e-9)
+
+
+def test_priors_count_as_observations_so_that_their_parameters_cost_no_degree(extended):
+    footing = footing_of(extended.fit)
+
+    # P parameters with P priors; 80 readings of a nest and 18 of fixed nests, all of them good
+    assert footing.degrees == 3 * (80 + 18)
+
+
+def test_further_parameters_leave_what_a_fit_with_them_would_leave(extended):
+    footing, columns = footing_of(extended.fit), trial_columns(extended)
+    matrix, residual = stacked(extended.fit)
+    wider = np.hstack([matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])])
+
+    after = footing.extended(footing.directions(columns))
+
+    assert after.residual_square == pytest.approx(left_square(wider, residual), rel=1e-9)
+    assert after.degrees == footing.degrees - len(columns)
+
+
+def test_new_directions_are_orthonormal_and_what_is_there_already_adds_none(extended):
+    footing, columns = footing_of(extended.fit), trial_columns(extended)
+
+    new = footing.directions(np.vstack([columns, columns[:1], np.zeros_like(columns[:1])]))
+
+    assert new.shape[1] == len(columns)
+    assert new.T @ new == pytest.approx(np.eye(len(columns)), abs=1e-10)
+    assert np.abs(footing.basis.T @ new).max() < 1e-10
+
+
+def test_normal_equations_leave_the_same_as_the_basis(extended):
+    columns = trial_columns(extended)
+    footing, past = footing_of(extended.fit), normal_of(extended.fit).past()
+    products = products_of(extended.fit, columns)
+
+    absorbed = past.absorbed(products)
+
+    # normal equations square the condition of the derivatives: half of the sixteen digits remain
+    assert past.sums.residual_square == pytest.approx(footing.residual_square, rel=1e-6)
+    taken = footing.absorbed(columns)
+    assert absorbed @ absorbed.T == pytest.approx(taken @ taken.T, rel=1e-6)
+    towards = columns @ footing.residual[: footing.size]
+    assert past.towards(products, absorbed) == pytest.approx(towards, rel=1e-5)
+
+
+def test_a_parameter_taken_out_of_the_linear_problem_is_as_if_it_had_never_been_fitted(extended):
+    matrix, residual = stacked(extended.fit)
+    out = extended.fit.structure.index_of("gain_4")
+    m = extended.fit.solution.final.residual.size
+    rows, columns = np.arange(len(residual)) != m + out, np.arange(matrix.shape[1]) != out
+    raw = residual + matrix[:, out] * extended.fit.values[out]  # the residual with a gain of zero
+
+    past = normal_of(extended.fit).past(without=("gain_4",))
+
+    expected = left_square(matrix[np.ix_(rows, columns)], raw[rows])
+    assert past.sums.residual_square == pytest.approx(expected, rel=1e-6)
+
+
+def test_without_a_parameter_the_linear_problem_is_that_of_a_fit_without_it(start, extended):
+    without = start.fit.structure
+    values = [extended.fit.values[extended.fit.structure.index_of(name)] for name in without.names]
+    again = fit(without, extended.fit.blocks, np.array(values))  # weights and discrepancy as they are
+    priors = (without.prior_means - again.values) / without.prior_widths
+
+    past = normal_of(extended.fit).past(without=("gain_4",))
+
+    square = float(again.final.residual @ again.final.residual + priors @ priors)
+    # to first order: the gain turns the joint by up to 0.8 mrad, so derivatives change by a thousandth
+    assert past.sums.residual_square == pytest.approx(square, rel=2e-3)
+    assert square > 2.0 * normal_of(extended.fit).past().sums.residual_square
+
+
+def test_random_effects_besides_are_parameters_with_a_prior(extended):
+    columns = trial_columns(extended)
+    widths = np.geomspace(1e-5, 1e-3, len(columns))
+    matrix, residual = stacked(extended.fit)
+    wider = np.block([[matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])],
+                      [np.zeros((len(columns), matrix.shape[1])), np.diag(1.0 / widths)]])  # fmt: skip
+
+    past = normal_of(extended.fit).beside(products_of(extended.fit, columns), widths).past()
+
+    expected = left_square(wider, np.append(residual, np.zeros(len(columns))))
+    assert past.sums.residual_square == pytest.approx(expected, rel=1e-6)
+
+
+@dataclass
+class Plain:
+    """Readings of equal, independent components: all that counting them looks at."""
+
+    residual: np.ndarray
+    direction: None = None
+
+    @property
+    def whitening(self):
+        return SimpleNamespace(apply=lambda residual: residual)
+
+
+def block_of(config, weights=None):
+    config = np.asarray(config)
+    stops = Stops(config, np.zeros((len(config), 6)))
+    weights = np.ones(len(config)) if weights is None else weights
+    return SimpleNamespace(weights=weights, targets=SimpleNamespace(stops=stops))
+
+
+def vectors(n, seed=0):
+    return np.random.default_rng(seed).standard_normal((n, 3))
+
+
+def test_single_readings_of_a_stop_are_worth_one_each():
+    assert design_effect(block_of(np.arange(40)), Plain(vectors(40))) == 1.0
+
+
+@pytest.mark.parametrize("copies", [2, 3, 5])
+def test_copies_of_a_reading_are_worth_one_together(copies):
+    config = np.repeat(np.arange(40), copies)
+
+    alike = design_effect(block_of(config), Plain(np.repeat(vectors(40), copies, axis=0)))
+
+    assert alike == pytest.approx(copies)
+
+
+def test_independent_readings_of_a_stop_are_worth_nearly_one_each():
+    alike = design_effect(block_of(np.repeat(np.arange(200), 3)), Plain(vectors(600)))
+
+    # 1800 pairs of components: the correlation has a standard deviation of 0.024, its clip at 0 helps
+    assert 1.0 <= alike <= 1.0 + 2 * 3 * 0.024
+
+
+def test_readings_without_weight_do_not_count():
+    config = np.repeat(np.arange(40), 2)
+    weights = np.tile([1.0, 0.0], 40)
+
+    assert design_effect(block_of(config, weights), Plain(np.repeat(vectors(40), 2, axis=0))) == 1.0
