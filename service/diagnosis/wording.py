@@ -5,6 +5,7 @@ from service.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from service.domain.results import Statistics
 
 _CLEARLY_OTHER = 1.15  # of the stated noise
+_OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 
 def first_line(
@@ -19,6 +20,9 @@ def first_line(
         return "The present model explains the data: nothing else was found."
     if not findings:
         return f"Something is wrong that no known cause explains. {remaining.sentence}"
+    if findings[0].effect in _OF_READINGS:
+        rest = "" if verdict is Verdict.EXPLAINED else f" {remaining.sentence}"
+        return f"Some readings are wrong: {findings[0].sentence}{rest}"
     lead = findings[0]
     others = len(findings) - 1
     more = "" if others == 0 else f", and {others} more cause{'s' if others > 1 else ''}"
