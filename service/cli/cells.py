@@ -11,13 +11,13 @@ Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
 
 
 def demo_command(
-    out: Annotated[Path, typer.Option(help="Folder for result.json and report.html.")] = Path(
+    out: Annotated[Path, typer.Option(help="Folder for result.json and the reports.")] = Path(
         "truepose-demo"
     ),
     seed: Seed = 0,
     scenario: Annotated[str, typer.Option(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
 ) -> int:
-    """Measure, identify and validate a simulated robot through the real drivers and the REST API.
+    """Measure, identify, validate and diagnose a simulated robot through real drivers and the REST API.
 
     Example: truepose demo --out demo --seed 3
     """

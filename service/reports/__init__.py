@@ -3,13 +3,14 @@
 from service.reports.causes import VerdictWords, verdict_words
 from service.reports.conditions import Instrument, Period, ReportConditions
 from service.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
-from service.reports.identification_report import ReportInput, write_identification_report
+from service.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
 from service.reports.pages import page_styles, verdict_shape
 from service.reports.table_report import Row, Section, Verdict, write_table_report
 from service.reports.truth import TrueParameter, Truth
 
 __all__ = [
     "DiagnosisInput",
+    "DiagnosisLink",
     "Instrument",
     "Period",
     "ReportConditions",

@@ -23,6 +23,14 @@ from service.reports.truth import Truth, truth_row
 
 
 @dataclass(frozen=True, slots=True)
+class DiagnosisLink:
+    """Where the report of a diagnosis of the same readings lies, and its first line."""
+
+    href: str  # relative to the report that links it
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
 class ReportInput:
     """What a report is made from; only the identification and its campaign are needed."""
 
@@ -30,6 +38,7 @@ class ReportInput:
     campaign: Campaign
     conditions: ReportConditions = field(default_factory=ReportConditions)
     truth: Truth | None = None
+    diagnosis: DiagnosisLink | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +87,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         draws=DRAWS,
         parameters=parameter_rows(identification, campaign),
         truth=report.truth,
+        diagnosis=report.diagnosis,
         truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
         **_evidence(shown, identification.model),
         **_correlation(identification),

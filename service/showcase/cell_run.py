@@ -1,4 +1,4 @@
-"""One simulated cell from start to judgement: measured, identified, validated, and compared with its truth.
+"""One simulated cell from start to judgement: measured, modelled, diagnosed, and compared with its truth.
 
 Everything that a user of a real cell does goes through the service's REST interface, and through its
 drivers to the instruments; the truth endpoint, which no real cell has, is asked directly.
@@ -56,6 +56,7 @@ class CellRun:
     request: CellRequest
     identification: dict[str, Any]
     validation: dict[str, Any] | None  # None: there is no model
+    diagnosis: dict[str, Any]  # the service's record of it, with the document
     campaign: Campaign
     model: Model | None
     true: TrueReadings
@@ -95,6 +96,7 @@ async def run_cell(request: CellRequest, out: Path, progress: RunProgress) -> Ce
             request=request,
             identification=identified["document"],
             validation=await _validate(client, identified["model_id"], campaign_id, request, progress),
+            diagnosis=await _diagnose(client, campaign_id, progress),
             campaign=campaign,
             model=await _model(client, identified["model_id"], out / MODEL_FILE),
             true=await _truth(endpoints["truth"], campaign),
@@ -130,6 +132,13 @@ async def _validate(
         number = await client.finish_job(await client.validate(model_id, campaign_id, request.limit_mm), told)
     document: dict[str, Any] = (await client.get(f"/validations/{number}"))["document"]
     return document
+
+
+async def _diagnose(client: ServiceClient, campaign_id: int, progress: RunProgress) -> dict[str, Any]:
+    with progress.phase("diagnosing") as told:
+        number = await client.finish_job(await client.diagnose(campaign_id), told)
+    answer: dict[str, Any] = await client.get(f"/diagnoses/{number}")
+    return answer
 
 
 async def _records(client: ServiceClient, calibration_id: int, validation_id: int) -> SessionRecords:

@@ -79,6 +79,10 @@ class ServiceClient:
         request = {"model_id": model_id, "campaign_id": campaign_id, "limit_mm": limit_mm}
         return int((await self._post("/validations", request))["id"])
 
+    async def diagnose(self, campaign_id: int) -> int:
+        """Queue a diagnosis; returns the job's number."""
+        return int((await self._post("/diagnoses", {"campaign_id": campaign_id}))["id"])
+
     async def make_campaign(self, name: str, calibration_id: int, validation_id: int) -> int:
         """Make a campaign of two sessions; returns its number."""
         request = {"name": name, "validation_session_id": validation_id}

@@ -8,6 +8,7 @@ from typing import Final
 
 from service.showcase.cell_run import DATABASE, CellRequest, run_cell
 from service.showcase.comparison import JudgedRun, judge
+from service.showcase.demo_diagnosis import write_diagnosis
 from service.showcase.demo_report import REPORT, write_report
 from service.showcase.demo_result import RESULT, show_result, write_result
 from service.showcase.errors import ShowcaseError, UnusableScenarioError
@@ -28,7 +29,7 @@ class DemoSize:
 
 
 def run_demo(out: Path, seed: int, scenario: str, size: DemoSize | None = None) -> int:
-    """Measure, identify and validate a simulated robot; leave result.json and report.html in `out`.
+    """Measure, identify, validate and diagnose a simulated robot; leave result.json and report.html in `out`.
 
     Parameters
     ----------
@@ -68,8 +69,9 @@ def _run(request: CellRequest, out: Path, progress: RunProgress) -> JudgedRun:
     run = asyncio.run(run_cell(request, out, progress))
     with progress.phase("comparing with the truth"):
         judged = judge(run)
-    with progress.phase("writing the report"):
+    with progress.phase("writing the reports"):
         write_report(judged, out / REPORT)
+        write_diagnosis(run, out)
     write_result(judged, time.perf_counter() - began_s, out / RESULT)
     return judged
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 from service.domain.cell import Cell
 from service.exchange.cell_file import simulated_cell
 from service.reports import (
+    DiagnosisLink,
     Instrument,
     Period,
     ReportConditions,
@@ -20,6 +21,7 @@ from service.showcase.client import PERSON
 from service.showcase.comparison import JudgedRun
 
 REPORT: Final = "report.html"
+DIAGNOSIS_REPORT: Final = "diagnosis.html"
 _ROLES: Final = {"tracker": "laser tracker", "robot": "robot controller"}
 
 
@@ -32,6 +34,7 @@ def write_report(judged: JudgedRun, file: Path) -> None:
         campaign=run.campaign,
         conditions=report_conditions(run.records, cell),
         truth=_truth(judged),
+        diagnosis=DiagnosisLink(DIAGNOSIS_REPORT, run.diagnosis["document"]["message"]),
     )
     write_identification_report(file, report)
 

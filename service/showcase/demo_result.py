@@ -13,6 +13,7 @@ from service.reports.rounding import millimetres
 from service.reports.summary import figures_table, truth_table
 from service.showcase.cell_run import CAMPAIGN_FOLDER, MODEL_FILE, CellRun
 from service.showcase.comparison import JudgedRun, TrueErrors
+from service.showcase.demo_diagnosis import diagnosis_lines
 
 RESULT: Final = "result.json"
 
@@ -26,7 +27,7 @@ def write_result(judged: JudgedRun, wall_s: float, file: Path) -> None:
         "version": __version__,
         "identification": run.identification,
         "validation": run.validation,
-        "diagnosis": None,
+        "diagnosis": run.diagnosis["document"],
         "truth": None if judged.errors is None else _truth(judged, judged.errors),
         "campaign": CAMPAIGN_FOLDER,
         "model": None if run.model is None else MODEL_FILE,
@@ -61,8 +62,10 @@ def show_result(judged: JudgedRun, out: Path) -> None:
     else:
         console.print(_errors_table(judged.errors))
         console.print(truth_table(judged.parameters))
+    for line in diagnosis_lines(judged.run.diagnosis["document"]):
+        console.print(line, soft_wrap=True, markup=False)
     console.print(
-        f"{_verdict(judged.run)} Report, result, campaign and model are in {out}.",
+        f"{_verdict(judged.run)} Reports, result, campaign and model are in {out}.",
         soft_wrap=True,
         markup=False,
     )

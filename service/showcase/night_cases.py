@@ -9,7 +9,7 @@ them; the measured mean, most of it the tracker's noise at that robot's distance
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from service.reports import Verdict
 from service.showcase.cell_run import CellRequest
@@ -36,6 +36,17 @@ name = "joint_gain"
 subject = "joint 3"
 amplitude = 1e-3
 from_s = {from_s}
+"""
+# A wave of the size that strain-wave gears have, on a robot that has nothing else the model does not know.
+_WAVE_DEG: Final = 0.05
+_WAVY_GEAR: Final = f"""# irb120-clean, whose joint 6 has a wave of two periods per turn.
+extends = "irb120-clean"
+
+[[effect]]
+name = "joint_harmonics"
+subject = "joint 6"
+amplitude = {_WAVE_DEG}
+order = 2
 """
 
 
@@ -73,10 +84,10 @@ class NightCase:
 
 
 def night_cases(seed: int) -> list[NightCase]:
-    """Return the cases of a night: every shipped scenario, and one whose robot goes wrong."""
+    """Return the cases of a night: every shipped scenario, one gone wrong, and one with a hidden effect."""
     sound = [shipped_case(name, seed) for name in _SHIPPED]
     everyday = [everyday_case(name, seed) for name in _EVERYDAY]
-    return [*sound, *everyday, wrong_axis_case(seed)]
+    return [*sound, *everyday, wrong_axis_case(seed), wavy_gear_case(seed)]
 
 
 def shipped_case(
@@ -113,6 +124,14 @@ def wrong_axis_case(
     return NightCase("irb120-wrong-axis", request, _wrong_axis_checks, text)
 
 
+def wavy_gear_case(
+    seed: int, calibration: int = _CALIBRATION, validation: int = _SHORT_VALIDATION
+) -> NightCase:
+    """Return the case of a robot whose joint 6 has a wave, which the diagnosis is to name."""
+    request = CellRequest("irb120-clean", seed, calibration, validation)
+    return NightCase("irb120-wavy-gear", request, _wavy_gear_checks, _WAVY_GEAR)
+
+
 def _converged(judged: JudgedRun) -> Check:
     status = str(judged.run.identification["status"])
     return Check("identification", "converged", status, judged.run.converged)
@@ -129,7 +148,7 @@ def _outcome(judged: JudgedRun) -> str:
 
 
 def _sound_checks(judged: JudgedRun) -> list[Check]:
-    checks = [_converged(judged), _validated(judged)]
+    checks = [_converged(judged), _validated(judged), _nothing_found(judged)]
     if judged.errors is not None:
         checks += _true_error_checks(judged.errors)
     return checks
@@ -154,7 +173,7 @@ def _tilted_checks(judged: JudgedRun) -> list[Check]:
 
 
 def _everyday_checks(judged: JudgedRun) -> list[Check]:
-    checks = [_converged(judged), _validated(judged)]
+    checks = [_converged(judged), _validated(judged), _something_found(judged)]
     if judged.run.validation is not None:
         mean_mm = judged.run.validation["position"]["identified"]["mean_mm"]
         checks.append(_at_most("measured error, mean", mean_mm, _EVERYDAY_MEAN_MM))
@@ -172,6 +191,59 @@ def _wrong_axis_checks(judged: JudgedRun) -> list[Check]:
         _converged(judged),
         Check("validation of a wrong joint 3", "failed", said, found),
     ]
+
+
+def _wavy_gear_checks(judged: JudgedRun) -> list[Check]:
+    # The validation has the wave too, so it judges nothing here: that the model errs is what is to be found.
+    finding = _wave(_findings(judged))
+    checks = [_converged(judged), Check("diagnosis", "wave of joint 6", _found(judged), finding is not None)]
+    return checks if finding is None else [*checks, *_wave_checks(finding)]
+
+
+def _wave(findings: list[dict[str, Any]]) -> dict[str, Any] | None:
+    named = (f for f in findings if (f["effect"], f["subject"]) == ("joint_harmonics", "joint 6"))
+    return next(named, None)
+
+
+def _wave_checks(finding: dict[str, Any]) -> list[Check]:
+    amplitude, uncertainty = finding["amplitude"], finding["amplitude_standard_uncertainty"]
+    gain = finding["gain"]
+    # Four standard uncertainties: once in 16,000 nights by chance.
+    near = abs(amplitude - _WAVE_DEG) <= 4.0 * uncertainty
+    said = f"{amplitude:.4f} deg, standard uncertainty {uncertainty:.4f} deg"
+    helps = gain is not None and gain["interval_95_mm"][0] > 0.0
+    return [
+        Check("amplitude of the wave", f"{_WAVE_DEG:g} deg within 4 standard uncertainties", said, near),
+        Check("its gain on held-out readings", "above 0 mm", _gain(gain), helps),
+    ]
+
+
+def _gain(gain: dict[str, Any] | None) -> str:
+    if gain is None:
+        return "not known"
+    low, high = gain["interval_95_mm"]
+    return f"{low:.4f} to {high:.4f} mm"
+
+
+def _nothing_found(judged: JudgedRun) -> Check:
+    consistent = judged.run.diagnosis["document"]["verdict"] == "consistent"
+    return Check("diagnosis", "consistent", _found(judged), consistent)
+
+
+def _something_found(judged: JudgedRun) -> Check:
+    # Which of the many small effects stand out of 50 configurations differs from robot to robot.
+    found = judged.run.diagnosis["document"]["verdict"] != "consistent"
+    return Check("diagnosis", "anything but consistent", _found(judged), found)
+
+
+def _findings(judged: JudgedRun) -> list[dict[str, Any]]:
+    return list(judged.run.diagnosis["document"]["findings"])
+
+
+def _found(judged: JudgedRun) -> str:
+    verdict = str(judged.run.diagnosis["document"]["verdict"]).replace("_", " ")
+    names = [f"{f['effect']} of {f['subject']} ({f['confidence']})" for f in _findings(judged)]
+    return ": ".join([verdict, ", ".join(names)]) if names else verdict
 
 
 def _at_most(figure: str, measured_mm: float, limit_mm: float) -> Check:

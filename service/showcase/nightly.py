@@ -9,6 +9,7 @@ from typing import Final
 from service.domain.errors import TrueposeError
 from service.showcase.cell_run import run_cell
 from service.showcase.comparison import judge
+from service.showcase.demo_diagnosis import write_diagnosis
 from service.showcase.demo_report import REPORT, write_report
 from service.showcase.demo_result import RESULT, write_result
 from service.showcase.night_cases import Check, NightCase, night_cases
@@ -70,6 +71,7 @@ def _run(case: NightCase, folder: Path, progress: RunProgress) -> list[Check]:
     run = asyncio.run(run_cell(case.request_in(folder), folder, progress))
     judged = judge(run)
     write_report(judged, folder / REPORT)
+    write_diagnosis(run, folder)
     write_result(judged, time.perf_counter() - began_s, folder / RESULT)
     return case.checks(judged)
 

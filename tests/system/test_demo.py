@@ -51,9 +51,11 @@ def test_a_demo_identifies_validates_and_leaves_everything_it_promises(demo):
     assert demo.status == 0
     assert demo.result["identification"]["status"] == "converged"
     assert demo.result["validation"]["pass"] is True
-    assert demo.result["diagnosis"] is None
+    assert demo.result["diagnosis"]["verdict"] == "consistent"
     assert 0 < demo.result["wall_s"] < 60
-    assert {"report.html", "result.json", "model.json", "campaign"} <= set(os.listdir(demo.out))
+    assert {"report.html", "diagnosis.html", "result.json", "model.json", "campaign"} <= set(
+        os.listdir(demo.out)
+    )
 
 
 def test_the_documents_hold_the_promised_blocks(demo):
@@ -114,6 +116,19 @@ def test_the_report_states_who_measured_what_under_which_load(demo):
     assert "robot controller" in report
     assert "2.7 kg at (50, 25, 100) mm" in report
     assert f"Scenario {SCENARIO}, seed 5." in report
+
+
+def test_the_diagnosis_is_the_service_s_and_the_report_beside_it_shows_it(demo):
+    found = demo.result["diagnosis"]
+    page = (demo.out / "diagnosis.html").read_text()
+
+    assert found["findings"] == []
+    assert found["held_out"] == "validation"
+    assert found["after"]["n"] == 40
+    assert found["message"] in page
+    assert f"scenario {SCENARIO}, seed 5" in page
+    assert 'href="diagnosis.html"' in (demo.out / "report.html").read_text()
+    assert f"Diagnosis: {found['message']}" in demo.printed
 
 
 def test_the_tables_show_errors_and_parameters(demo):

@@ -1,6 +1,7 @@
 """The night run with few configurations: it must find a robot that goes wrong, and say what it found."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -8,7 +9,14 @@ import pytest
 import yaml
 
 from service.showcase.cell_run import CellRequest
-from service.showcase.night_cases import Check, NightCase, night_cases, shipped_case, wrong_axis_case
+from service.showcase.night_cases import (
+    Check,
+    NightCase,
+    night_cases,
+    shipped_case,
+    wavy_gear_case,
+    wrong_axis_case,
+)
 from service.showcase.nightly import run_nightly
 from simulators.scenario_file import shipped_scenarios
 
@@ -54,6 +62,27 @@ def test_the_true_positions_follow_the_robot_that_went_wrong(wrong_axis):
     assert true == pytest.approx(measured, rel=0.1)
 
 
+def test_a_wave_that_nobody_told_the_program_of_is_named_with_its_size(tmp_path):
+    status = run_nightly(tmp_path, 3, [wavy_gear_case(3, validation=30)])
+
+    (case,) = json.loads((tmp_path / "result.json").read_text())["cases"]
+    checks = {check["figure"]: check for check in case["checks"]}
+    assert status == 0
+    assert "joint_harmonics of joint 6" in checks["diagnosis"]["measured"]
+    assert checks["amplitude of the wave"]["pass"]
+    assert (tmp_path / "irb120-wavy-gear" / "diagnosis.html").exists()
+
+
+def test_a_diagnosis_that_names_nothing_fails_the_night_with_what_it_said(tmp_path):
+    unplanted = replace(wavy_gear_case(3, 25, 10), scenario_text='extends = "irb120-clean"\n')
+
+    status = run_nightly(tmp_path, 3, [unplanted])
+
+    (failure,) = suites(tmp_path)["irb120-wavy-gear"].iter("failure")
+    assert status == 1
+    assert failure.get("message") == "consistent; to be reached: wave of joint 6"
+
+
 def test_the_junit_document_has_a_suite_per_cell_and_counts_that_agree(wrong_axis):
     suite = suites(wrong_axis[1])["irb120-wrong-axis"]
 
@@ -82,7 +111,11 @@ def test_a_figure_that_is_missed_fails_the_night_and_a_cell_that_fails_does_not_
 def test_every_shipped_scenario_has_its_night():
     cases = night_cases(0)
 
-    assert sorted(case.name for case in cases) == sorted([*shipped_scenarios(), "irb120-wrong-axis"])
+    assert sorted(case.name for case in cases) == sorted([
+        *shipped_scenarios(),
+        "irb120-wrong-axis",
+        "irb120-wavy-gear",
+    ])
 
 
 def test_the_promised_figures_are_checked_at_the_promised_size():

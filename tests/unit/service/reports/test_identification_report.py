@@ -10,6 +10,7 @@ from service.domain.cell import Artefact
 from service.domain.results import Outlier, PureError
 from service.identification import identify, predict
 from service.reports import (
+    DiagnosisLink,
     Instrument,
     Period,
     ReportConditions,
@@ -98,6 +99,16 @@ def test_the_file_asks_nothing_from_anywhere(plain_report):
     assert all(value.startswith(("#", "data:image/png;base64,")) for value in loaded)
     assert "@import" not in plain_report
     assert len(plain_report) < 6_000_000
+
+
+def test_a_diagnosis_of_the_same_readings_stands_in_one_line_with_its_report(tmp_path, campaign):
+    link = DiagnosisLink("diagnosis.html", f"Joint 6 has a wave. {HOSTILE}")
+
+    page = Page(report_of(tmp_path, UNFITTED, campaign, diagnosis=link))
+
+    assert ("a", "diagnosis.html") in {(tag, attributes.get("href")) for tag, attributes in page.elements}
+    assert "Diagnosis: Joint 6 has a wave." in page.text
+    assert "script" not in page.tags
 
 
 def test_text_of_users_stays_text(tmp_path, identification, campaign):
