@@ -1,0 +1,81 @@
+"""Rivals: what these data cannot tell from a pick; wholes and parts are no rivals of each other."""
+
+from dataclasses import replace
+
+import pytest
+
+from service.diagnosis.rivals import weighed
+from service.diagnosis.screening import pooled
+from service.domain.diagnosis import Cause
+from tests.selections import make_selected, make_start
+
+GAIN = ("joint_gain", "joint 4")
+SLOW_WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")
+
+
+def rivals_of(start, pick, *others, structure_left=False):
+    selected = make_selected(start, [pick], others)
+    return weighed(selected, selected.picks, structure_left=structure_left)
+
+
+@pytest.fixture(scope="module")
+def small_gain():
+    """So small that over 300 deg of joint 4 a slow wave is only 15 behind in BIC."""
+    return make_start({"joint_gain": {"gain_4": 6e-5}})
+
+
+@pytest.fixture(scope="module")
+def large_gain():
+    return make_start({"joint_gain": {"gain_4": 2e-3}})
+
+
+def test_a_small_gain_and_a_slow_wave_of_the_same_joint_are_rivals(small_gain):
+    found = rivals_of(small_gain, GAIN, SLOW_WAVE)
+
+    assert found.rivals == (Cause("joint_harmonics", "joint 4"),)
+    assert 8.0 < found.margin < 20.0  # too far behind for causes that differ in more than shape
+
+
+def test_a_gain_that_stands_out_has_no_rival(large_gain):
+    found = rivals_of(large_gain, GAIN, SLOW_WAVE, ("joint_gain", "joint 2"), ("nest_offset", "nest 1"))
+
+    assert found.rivals == ()
+    assert found.p_value < 1e-6
+
+
+@pytest.mark.parametrize(
+    "changes", [{"subject": "joint 6"}, {"variant": 3.0}, {"effect": "nest_offset"}], ids=str
+)
+def test_as_far_behind_what_differs_in_more_than_the_shape_of_a_slow_curve_is_none(small_gain, changes):
+    selected = make_selected(small_gain, [GAIN], [SLOW_WAVE])
+    pick, wave = selected.pool.all
+    renamed = replace(selected.pool, all=(pick, wave._replace(**changes)))  # with the same columns
+
+    found = weighed(replace(selected, pool=renamed), selected.picks, structure_left=False)
+
+    assert found.rivals == ()
+
+
+def test_one_joint_is_no_rival_of_all_joints():
+    start = make_start({"backlash": {"backlash_3": 4e-4}})
+    one, every = ("backlash", "joint 3"), ("backlash", "joints")
+
+    assert Cause(*every) not in rivals_of(start, one, every).rivals
+
+
+def test_a_rival_is_named_once_however_many_of_its_ways_come_close(small_gain):
+    selected = make_selected(small_gain, [GAIN], [SLOW_WAVE])
+    pick, wave = selected.pool.all
+    pool = pooled(selected.fit, (pick, wave, wave._replace(variant=1.5)))
+
+    found = weighed(replace(selected, pool=pool), selected.picks, structure_left=False)
+
+    assert found.rivals == (Cause("joint_harmonics", "joint 4"),)
+
+
+def test_beside_unexplained_structure_a_rival_must_fall_further_behind():
+    # the wave is more than 20 behind, but less than 15 % of what the gain explains
+    start = make_start({"joint_gain": {"gain_4": 9e-5}})
+
+    assert rivals_of(start, GAIN, SLOW_WAVE).rivals == ()
+    assert rivals_of(start, GAIN, SLOW_WAVE, structure_left=True).rivals == (Cause(*SLOW_WAVE[:2]),)

@@ -1,0 +1,141 @@
+"""Selection: what was planted is picked, nothing else, and nothing where nothing is."""
+
+import numpy as np
+import pytest
+
+from service.diagnosis.diagnose import proposed
+from service.diagnosis.scene import scene_of
+from service.diagnosis.screening import Screened
+from service.diagnosis.selection import best_of, refitted, reselected, select
+from tests.selections import make_selected, make_start
+
+BACKLASH = {"gap_3": 4e-4}
+
+
+def everything(start):
+    return lambda fit: proposed(scene_of(start.campaign, start.problem, fit), ())
+
+
+def silent(_share):
+    return None
+
+
+def named(picks):
+    return [(pick.effect, pick.subject) for pick in picks]
+
+
+@pytest.fixture(scope="module")
+def start():
+    return make_start({"joint_gain": {"gain_4": 1e-3}, "backlash": BACKLASH})
+
+
+@pytest.fixture(scope="module")
+def selected(start):
+    return select(start.fit, everything(start), silent)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "subject"),
+    [
+        ("joint_gain", {"gain_5": 1e-3}, "joint 5"),
+        ("backlash", BACKLASH, "joint 3"),
+        ("joint_harmonics", {"wave_6_3_sin": 5e-4}, "joint 6"),
+    ],
+)
+def test_a_planted_cause_is_picked_alone(effect, parameters, subject):
+    start = make_start({effect: parameters})
+
+    assert named(select(start.fit, everything(start), silent).picks) == [(effect, subject)]
+
+
+def test_two_planted_causes_are_both_picked_and_fitted(selected):
+    assert sorted(named(selected.picks)) == [("backlash", "joint 3"), ("joint_gain", "joint 4")]
+    fit = selected.fit
+    for name, true in {"gain_4": 1e-3, **BACKLASH}.items():
+        index = fit.structure.index_of(name)
+        # 80 readings state the uncertainty of each well: four of these
+        assert fit.values[index] == pytest.approx(
+            true, abs=4 * np.sqrt(fit.solution.covariance[index, index])
+        )
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_noise_alone_gives_no_name(seed):
+    start = make_start({}, seed=seed)
+
+    found = select(start.fit, everything(start), silent)
+
+    assert found.picks == ()
+    assert found.fit is start.fit
+    assert not found.full
+
+
+def test_few_readings_do_not_carry_more_parameters_and_that_is_said():
+    start = make_start({"joint_gain": {"gain_4": 1e-3}}, n=18)
+
+    found = select(start.fit, everything(start), silent)
+
+    # 18 readings and 18 of fixed nests have 108 components; every parameter needs two
+    assert 2 * len(found.fit.structure.names) <= 108
+    assert found.full
+
+
+def test_progress_is_told_and_never_goes_back(start):
+    told = []
+
+    select(start.fit, everything(start), told.append)
+
+    assert told[0] == 0.0
+    assert told == sorted(told)
+    assert told[-1] <= 1.0
+
+
+def screened(p_values, scores):
+    ones = np.ones(len(p_values))
+    return Screened(ones, ones, np.array(p_values), np.array(scores))
+
+
+@pytest.mark.parametrize(
+    ("p_values", "scores", "best"),
+    [
+        ([], [], None),
+        ([0.3, 1.0], [5.0, 9.0], None),  # no more than chance
+        ([1e-6, 1e-9], [-1.0, -0.5], None),  # not worth the parameters
+        ([1e-6, 1e-9, 0.3], [8.0, 3.0, 40.0], 0),
+    ],
+)
+def test_the_best_is_the_one_of_best_score_among_those_beyond_chance(p_values, scores, best):
+    assert best_of(screened(p_values, scores)) == best
+
+
+def test_a_kept_pick_is_fitted_again_without_the_others(start, selected):
+    kept = tuple(pick for pick in selected.picks if pick.effect == "backlash")
+
+    again = reselected(start.fit, selected, kept, everything(start))
+
+    assert again.picks == kept
+    assert "gain_4" not in again.fit.structure.names
+    assert "gap_3" in again.fit.structure.names
+
+
+def test_keeping_nothing_is_the_start(start, selected):
+    again = reselected(start.fit, selected, (), everything(start))
+
+    assert again.picks == ()
+    assert again.fit is start.fit
+
+
+def test_a_pick_that_is_not_worth_it_is_not_kept(start):
+    useless = make_selected(start, [("nest_offset", "nest 2"), ("joint_gain", "joint 4")])
+
+    again = reselected(start.fit, useless, useless.picks, everything(start))
+
+    assert named(again.picks) == [("joint_gain", "joint 4")]
+
+
+def test_a_refit_starts_from_what_is_known(start, selected):
+    again = refitted(start.fit, selected.fit, selected.picks)
+
+    # what the solver left open the first time, in units of each uncertainty
+    moved = (again.values - selected.fit.values) / np.sqrt(np.diag(selected.fit.solution.covariance))
+    assert np.abs(moved).max() < 0.1
