@@ -112,7 +112,8 @@ def _cell(settings: Settings) -> Cell:
 async def _simulation(cell: Cell, settings: Settings, stack: contextlib.AsyncExitStack) -> Simulation | None:
     if cell.simulated is None:
         return None
-    return await stack.enter_async_context(running_simulation(cell.simulated, settings.simulated_pace))
+    pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace
+    return await stack.enter_async_context(running_simulation(cell.simulated, pace))
 
 
 def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:

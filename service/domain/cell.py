@@ -38,6 +38,7 @@ class SimulatedCell:
     scenario: str  # shipped name or file
     seed: int
     effects: tuple[PlantedEffect, ...] = ()
+    pace: int | None = None  # wall time per cell time, 1 or 0; None: as the service is started
 
 
 @dataclass(frozen=True, slots=True)

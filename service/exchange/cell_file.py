@@ -30,6 +30,7 @@ _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
     "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect",
 })  # fmt: skip
+_TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
 
 
@@ -41,7 +42,8 @@ def read_cell(path: Path) -> Cell:
     InputFileError
         With file and key, and line where the text is not TOML at all.
     """
-    cell = _read(toml_document(path.name, read_bytes(path)), path.parent)
+    root = toml_document(path.name, read_bytes(path))
+    cell = _read(root if root.optional("simulated") is None else _completed(root), path.parent)
     if cell.simulated is None and not cell.devices:
         raise MissingEntryError(
             "the cell has neither devices nor a simulation; [[device]] entries or [simulated] is required",
@@ -64,12 +66,28 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
     UnknownRobotError
         The name does not say which robot stands in the cell.
     """
-    template = files("service.exchange") / "cells" / "simulated.toml"
-    root = toml_document("simulated.toml", template.read_bytes())
+    root = _template()
     name = f"Simulated cell {Path(scenario).stem}"
     entries = {**root.entries(), "robot": _robot_of_scenario(scenario), "name": name}
     cell = _read(replace(root, value=entries), Path())
     return replace(cell, simulated=SimulatedCell(scenario, seed))
+
+
+def _template() -> Node:
+    template = files("service.exchange") / "cells" / "simulated.toml"
+    return toml_document("simulated.toml", template.read_bytes())
+
+
+def _completed(root: Node) -> Node:
+    """Return a simulated cell's file with what it leaves out: robot, table, tool and tracker are known."""
+    own_table = not _TABLE.isdisjoint(root.entries())  # nests, tracker and paper of one table belong together
+    shipped = {
+        key: entry for key, entry in _template().entries().items() if not (own_table and key in _TABLE)
+    }
+    scenario = root.key("simulated").optional("scenario")
+    if scenario is not None and "robot" not in root.entries():
+        shipped["robot"] = _robot_of_scenario(scenario.text())
+    return replace(root, value={**shipped, **root.entries()})
 
 
 def _robot_of_scenario(scenario: str) -> str:

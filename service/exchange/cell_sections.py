@@ -166,13 +166,21 @@ def read_simulated(root: Node) -> SimulatedCell | None:
         if effects is not None:
             effects.fail("changes can be planted in a simulated cell only; [simulated] is missing")
         return None
-    refuse_unlisted(node, {"scenario", "seed"})
-    seed = node.optional("seed")
+    refuse_unlisted(node, {"scenario", "seed", "pace"})
+    seed, pace = node.optional("seed"), node.optional("pace")
     return SimulatedCell(
         scenario=node.key("scenario").text(),
         seed=0 if seed is None else seed.whole(least=0),
         effects=() if effects is None else tuple(_read_effect(entry) for entry in effects.items()),
+        pace=None if pace is None else _read_pace(pace),
     )
+
+
+def _read_pace(node: Node) -> int:
+    pace = node.whole(least=0)
+    if pace > 1:
+        node.fail("the pace is 1, real time, or 0: waiting costs nothing")
+    return pace
 
 
 def _read_effect(node: Node) -> PlantedEffect:

@@ -61,6 +61,29 @@ def test_the_example_of_a_simulated_cell_is_read_whole(tmp_path):
     assert len(cell.nests) == 3  # the robot file's own tool
 
 
+def test_what_a_simulated_cells_file_leaves_out_is_the_shipped_table(tmp_path):
+    cell = read(tmp_path, '[simulated]\nscenario = "irb120-clean"\npace = 0\n')
+
+    shipped = simulated_cell("irb120-clean", 0)
+    assert (cell.robot.name, cell.simulated.pace) == (shipped.robot.name, 0)
+    assert (cell.fixed_nests, cell.tool) == (shipped.fixed_nests, shipped.tool)
+    assert cell.tracker_position_mm == shipped.tracker_position_mm
+
+
+def test_a_table_of_ones_own_in_a_simulated_cell_gets_nothing_of_the_shipped_one(tmp_path):
+    text = '[[fixed_nest]]\ncentre_mm = [1.0, 2.0, 3.0]\nu_mm = 0.1\n[simulated]\nscenario = "irb120-clean"\n'
+
+    cell = read(tmp_path, text)
+
+    assert len(cell.fixed_nests) == 1
+    assert cell.tracker_position_mm is None
+
+
+def test_a_pace_that_is_neither_real_time_nor_none_is_refused(tmp_path):
+    with pytest.raises(BadValueError, match="the pace is 1, real time, or 0"):
+        read(tmp_path, '[simulated]\nscenario = "irb120-clean"\npace = 2\n')
+
+
 def test_a_tool_of_another_mass_replaces_the_robot_files(tmp_path):
     cell = read(tmp_path, REAL.replace("mass_kg = 2.7", "mass_kg = 1.5"))
 
