@@ -43,7 +43,6 @@ from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
-_BESIDE_STRUCTURE = 0.025  # one-sided level of the help that a finding must give beside structure
 _SMALL_PART = (
     0.2  # of what is wrong: findings that explain less, beside what nothing explains, are not claimed
 )
@@ -69,14 +68,16 @@ def answered(
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
     withdrawn: tuple[str, ...] = ()
+    refuted: frozenset[Cause] = frozenset()
     groups, judged = _judged(start, selected, propose)
-    left = left_by(start, selected, without)
+    left = left_by(start, selected, without, refuted)
     while useless := _useless(selected, groups, judged, left):
         withdrawn += tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
+        refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
         selected = reselected(start.fit, selected, kept, propose)
         groups, judged = _judged(start, selected, propose)
-        left = left_by(start, selected, without)
+        left = left_by(start, selected, without, refuted)
     tell(0.85, "putting it into words")
     left = _with_doubts(start, selected, groups, left)
     scene = scene_of(start.campaign, start.problem, selected.fit)
@@ -100,8 +101,8 @@ def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[G
 def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
     """Return the findings to withdraw: all where they do not help unseen points together, else single ones.
 
-    While something is left that nothing explains, a finding may owe its place to it: then it must help by
-    itself, beyond chance.
+    While something is left that nothing explains, a finding may owe its place to it: then it is tested again
+    beside that, and all of them together must explain a fair part of what is wrong.
     """
     gains = [judged.gain(index) for index in range(len(groups))]
     together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
@@ -109,11 +110,7 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
         return tuple(range(len(groups)))
     owed = owed_to_the_rest(selected, [group for _, group in groups], left)
     return tuple(
-        index
-        for index, gain in enumerate(gains)
-        if gain.rms_before_mm <= gain.rms_after_mm
-        or (left.structure and not judged.helps(index, _BESIDE_STRUCTURE))
-        or owed[index]
+        index for index, gain in enumerate(gains) if gain.rms_before_mm <= gain.rms_after_mm or owed[index]
     )
 
 

@@ -35,10 +35,6 @@ class Judged:
         """Return what one cause gains."""
         return gain_of(self.without[group], self.errors.after_mm, self.site)
 
-    def helps(self, group: int, level: float) -> bool:
-        """Whether one cause makes the errors smaller, beyond chance."""
-        return helps(self.without[group], self.errors.after_mm, self.site, level)
-
 
 def judge(
     campaign: Campaign,
@@ -162,11 +158,6 @@ def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
         float(np.sqrt(total[1] / total[2])),
         (float(low), float(high)),
     )
-
-
-def helps(before: FloatArray, after: FloatArray, site: IntArray, level: float) -> bool:
-    """Whether the errors are smaller after than before, beyond chance at a one-sided level."""
-    return bool(np.quantile(_resampled(_by_site(before, after, site)), level) > 0.0)
 
 
 def _by_site(before: FloatArray, after: FloatArray, site: IntArray) -> FloatArray:

@@ -13,6 +13,7 @@ from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
 from service.domain.arrays import FloatArray
+from service.domain.diagnosis import Cause
 from service.effects.registry import CAUSES
 from service.identification.observations import PositionBlock
 from service.identification.pure_error import pure_error
@@ -53,8 +54,13 @@ class Left:
         return bool(self.depends) or (self.more_than_stated and not self.explained_by_repeats)
 
 
-def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
-    """Test what is left against everything that it might depend on."""
+def left_by(
+    start: Start, selected: Selected, without: tuple[str, ...], refuted: frozenset[Cause] = frozenset()
+) -> Left:
+    """Test what is left against everything that it might depend on.
+
+    Single waves of a cause that was refuted on unseen points are chance and do not count again.
+    """
     fit, past = selected.fit, selected.pool.normal.past()
     found = [
         Depends(
@@ -68,7 +74,11 @@ def left_by(start: Start, selected: Selected, without: tuple[str, ...]) -> Left:
         for one in structured(prepared_families(fit, start.scene), past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
-    found += _waves(start, selected, without)
+    found += [
+        one
+        for one in _waves(start, selected, without)
+        if Cause("joint_harmonics", f"joint {(one.joint or 0) + 1}") not in refuted
+    ]
     found.sort(key=lambda one: one.p_value)
     scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
