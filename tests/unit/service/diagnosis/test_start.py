@@ -1,0 +1,77 @@
+"""The start: labels are put right before anything is judged, and what cannot be fitted is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.start import NUISANCE, Start, started
+from tests.scenes import START, telling_campaign
+from tests.selections import planted
+
+SWAPPED = [10, 40]
+
+
+def with_two_nests_confused(campaign):
+    points = campaign.calibration
+    nest = points.nest.copy()
+    assert set(nest[SWAPPED].tolist()) == {2}
+    nest[SWAPPED] = 3
+    return replace(campaign, calibration=replace(points, nest=nest))
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    return planted({})
+
+
+def test_swapped_labels_are_put_right_and_kept_as_they_were_written(campaign):
+    start = started(with_two_nests_confused(campaign), START, relabel=True)
+
+    assert np.array_equal(start.campaign.calibration.nest, campaign.calibration.nest)
+    assert start.written.calibration.nest[SWAPPED].tolist() == [3, 3]
+    assert not start.fit.gross[0].any()
+
+
+def test_where_labels_are_not_looked_at_they_stay_and_their_readings_are_gross(campaign):
+    start = started(with_two_nests_confused(campaign), START, relabel=False)
+
+    assert start.campaign.calibration.nest[SWAPPED].tolist() == [3, 3]
+    assert np.flatnonzero(start.fit.gross[0]).tolist() == SWAPPED
+
+
+def test_labels_of_validation_readings_are_put_right_too(campaign):
+    confused = with_two_nests_confused(campaign)
+    both = replace(confused, validation=confused.calibration)
+
+    start = started(both, START, relabel=True)
+
+    assert np.array_equal(start.campaign.validation.nest, campaign.calibration.nest)
+
+
+def test_right_labels_leave_the_campaign_as_it_is(campaign):
+    start = started(campaign, START, relabel=True)
+
+    assert isinstance(start, Start)
+    assert start.campaign is campaign
+    assert start.written is campaign
+
+
+def test_certified_and_fixed_nests_may_move_while_a_diagnosis_runs(campaign):
+    structure = started(campaign, START, relabel=False).fit.structure
+
+    assert set(NUISANCE) <= set(structure.effects)
+    certified = [spec for spec in structure.specs if spec.name.startswith("certified_")]
+    assert len(certified) == 9
+    assert {spec.prior_width for spec in certified} == {0.002}  # as the nests' certificates say
+
+
+def test_without_a_choice_the_usual_model_is_the_start(campaign):
+    assert started(campaign, None, relabel=False).effects == ("base", "geometry", "compliance")
+
+
+def test_too_few_configurations_are_said_in_a_sentence():
+    sentence = started(planted({}, campaign=telling_campaign(5)), START, relabel=True)
+
+    assert isinstance(sentence, str)
+    assert "5" in sentence
