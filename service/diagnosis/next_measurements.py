@@ -36,6 +36,8 @@ _PLACES = 300
 _SEED = 20140  # the same data are always answered by the same configurations
 _RIVALS = 3  # the closest of each finding
 _FEW = 5
+_TOLD = 2  # dependences of what is left: those that its sentence names
+_STILL_DEG = 5.0  # a joint that turned by less did not take part
 _REPEATS = (2, 4, 8)
 _SLOW_ORDER = 6.0  # faster waves are stepped through, one period
 _SEEN = "where the instrument sees them"
@@ -91,7 +93,7 @@ def next_measurements(
         rivals = [rival for one, rival in pairs if one == own and action_for(one, rival) is None]
         if group and rivals:
             found += _by_configuration(_Duel(start, selected, group, own), rivals, places, rng)
-    found += [_of_dependence(start, depends, places, rng) for depends in left.depends]
+    found += [_of_dependence(start, depends, places, rng) for depends in left.depends[:_TOLD]]
     return (*found, _revisit(start)) if unseen else tuple(_once(found))
 
 
@@ -142,6 +144,7 @@ def _by_configuration(
         return [_other_poses(duel.own, rivals)]
     limits = joint_limits(duel.start)
     found, left = _exposed(duel, rivals, places, "")
+    found = [*_unbent(duel, rivals), *found]
     if left and limits is not None:
         beyond = drawn(duel.start, duel.selected, limits, _PLACES, rng)
         more, left = _exposed(duel, left, beyond, _BEYOND)
@@ -150,6 +153,24 @@ def _by_configuration(
         more, left = _exposed(duel, left, places, "", repeats)
         found += more
     return [*found, _wider(duel, left)] if left else found
+
+
+def _unbent(duel: _Duel, rivals: Sequence[Cause]) -> list[NextMeasurement]:
+    """Propose to move joints that stood still: loads and errors of several joints went together."""
+    ranges = measured_ranges(duel.start)
+    still = np.flatnonzero(ranges.high_deg - ranges.low_deg < _STILL_DEG) + 1
+    if not still.size:
+        return []
+    sentence = (
+        f"Move {_numbered(still.tolist())} too, over as wide a range as is safe: in these readings the arm "
+        f"kept its shape there, so that {spoken(duel.own)} and {_either(rivals)} go together."
+    )
+    return [NextMeasurement(sentence, (), (duel.own, *rivals))]
+
+
+def _numbered(joints: Sequence[int]) -> str:
+    *most, last = [str(joint) for joint in joints]
+    return f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
 
 
 def _exposed(

@@ -101,6 +101,23 @@ def test_where_the_limits_allow_it_farther_configurations_are_proposed():
     assert (reached.max(axis=0) > np.rad2deg(np.abs(narrow).max(axis=0))).any()
 
 
+def test_joints_that_stood_still_are_to_be_moved_first():
+    joints = configurations(80)
+    joints[:, [2, 4]] = 0.0
+    start = make_start({"joint_gain": {"gain_4": 1e-3}}, campaign=telling_campaign(80, joints_rad=joints))
+
+    first, *_ = proposed(start, [GAIN], [COUPLING])
+
+    assert first.sentence.startswith("Move joints 3 and 5 too")
+    assert set(first.separates) == {Cause(*GAIN), Cause(*COUPLING)}
+
+
+def test_of_many_dependences_the_first_two_are_looked_into(start):
+    left = make_left(*(depends("angle", joint) for joint in (1, 2, 3, 4)))
+
+    assert len(proposed(start, left=left)) == 2
+
+
 @pytest.mark.parametrize(
     ("own", "rival", "said", "again"),
     [

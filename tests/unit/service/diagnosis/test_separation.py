@@ -8,6 +8,7 @@ from service.diagnosis.separation import reading_variance, separation
 from service.domain.diagnosis import Cause
 from service.identification.derivatives import position_jacobian
 from service.identification.trial import candidate_terms, trial_derivatives, tried
+from tests.scenes import START
 from tests.selections import make_selected, make_start
 
 GAIN = ("joint_gain", "joint 4")
@@ -17,7 +18,7 @@ RIVAL = Cause("joint_harmonics", "joint 4")
 
 @pytest.fixture(scope="module")
 def scene():
-    start = make_start({"joint_gain": {"gain_4": 1e-3}})
+    start = make_start({"joint_gain": {"gain_4": 1e-3}}, present=START)
     selected = make_selected(start, [GAIN], [WAVE])
     return start, selected, drawn(start, selected, measured_ranges(start), 40, np.random.default_rng(1))
 
