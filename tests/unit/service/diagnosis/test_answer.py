@@ -1,0 +1,212 @@
+"""The answer as a whole: verdict, findings, what is withdrawn, and the model that it hands over."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.answer import _useless, _verdict, unanswerable
+from service.diagnosis.diagnose import diagnose
+from service.diagnosis.held_out import Judged
+from service.diagnosis.left import left_by
+from service.domain.diagnosis import Confidence, HeldOutErrors, Verdict
+from service.identification.prediction import predict
+from tests.scenes import START, telling_campaign
+from tests.selections import make_selected, make_start, planted
+from tests.synthetic import NOISE_MM, configurations
+
+GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
+NUISANCE = ("frame_", "fixed_", "certified_")
+
+
+def with_unseen(effects):
+    """A campaign with forty validation readings of configurations of their own."""
+    unseen = planted(effects, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11)
+    return replace(planted(effects), validation=unseen.calibration)
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    return with_unseen(GAIN_4)
+
+
+@pytest.fixture(scope="module")
+def explained(campaign):
+    return diagnose(campaign, START)
+
+
+@pytest.fixture(scope="module")
+def consistent():
+    return diagnose(with_unseen({}), START)
+
+
+def test_where_nothing_is_planted_the_model_is_consistent(consistent):
+    assert consistent.verdict is Verdict.CONSISTENT
+    assert (consistent.findings, consistent.withdrawn, consistent.remaining.depends_on) == ((), (), ())
+    assert not consistent.remaining.structure
+    assert np.array_equal(consistent.errors.before_mm, consistent.errors.after_mm)
+
+
+def test_a_planted_cause_is_named_measured_and_certain(explained):
+    (finding,) = explained.findings
+
+    assert explained.verdict is Verdict.EXPLAINED
+    assert (finding.effect, finding.subject, finding.unit) == ("joint_gain", "joint 4", "1")
+    assert finding.amplitude == pytest.approx(1e-3, abs=4 * finding.amplitude_standard_uncertainty)
+    assert finding.confidence is Confidence.CERTAIN
+    assert finding.confusable_with == ()
+    assert finding.gain.interval_95_mm[0] > 0.0
+    assert finding.share == 1.0
+
+
+def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
+    assert explained.held_out == "validation"
+    assert explained.before.n == explained.after.n == 40
+    assert f"{explained.before.mean_mm:.3f}" in explained.message
+    assert f"{explained.after.mean_mm:.3f}" in explained.message
+    # noise of three components, 1.6 of one on average; parameters add a tenth to a sixth
+    assert explained.after.mean_mm < 1.9 * NOISE_MM < explained.before.mean_mm
+
+
+def test_without_validation_the_answer_says_that_it_was_cross_validated(campaign):
+    crossed = diagnose(replace(campaign, validation=None), START)
+
+    assert crossed.held_out == "cross_validation"
+    assert crossed.before.n == 80
+    assert crossed.verdict is Verdict.EXPLAINED
+
+
+def test_the_extended_model_predicts_unseen_points_as_the_answer_says(explained, campaign):
+    points = campaign.validation
+
+    predicted, _ = predict(explained.model, points.stops, points.nest)
+
+    errors = points.position_mm - predicted
+    # nests rest in their certificates again: 2 um that the fit of the diagnosis had free
+    assert errors == pytest.approx(explained.errors.after_mm, abs=4 * 0.002)
+    assert np.linalg.norm(errors, axis=1).mean() == pytest.approx(explained.after.mean_mm, rel=0.1)
+
+
+def test_a_model_holds_what_was_found_and_nothing_that_only_the_diagnosis_needed(explained, consistent):
+    names = [parameter.name for parameter in explained.model.parameters]
+
+    assert set(explained.findings[0].parameters) <= set(names)
+    assert not [name for name in names if name.startswith(NUISANCE)]
+    assert explained.model.effects == (*START, "joint_gain")
+    assert consistent.model.effects == START
+
+
+def test_a_cause_left_out_of_the_library_is_not_named_and_something_is_left(campaign):
+    found = diagnose(campaign, START, without=("joint_gain", "joint_harmonics"))
+
+    assert {"joint_gain", "joint_harmonics"}.isdisjoint(finding.effect for finding in found.findings)
+    assert found.verdict in {Verdict.UNEXPLAINED, Verdict.PARTLY_EXPLAINED}
+    assert any("joint 4" in one.variable for one in found.remaining.depends_on)
+    assert all(finding.confidence is Confidence.LIKELY for finding in found.findings)
+
+
+def test_every_cause_is_found_ruled_out_or_not_visible(explained):
+    mentioned = {one.effect for one in (*explained.findings, *explained.ruled_out)}
+
+    assert {"backlash", "base_drift", "payload", "ballbar_zero", "fixture_shift"} <= mentioned
+    assert all(one.p_value is None for one in explained.ruled_out if not one.visible)
+    assert all(one.p_value is not None for one in explained.ruled_out if one.visible)
+    assert ("joint_gain", "joint 4") not in {(one.effect, one.subject) for one in explained.ruled_out}
+
+
+def test_progress_never_goes_back(campaign):
+    told = []
+
+    diagnose(campaign, START, lambda share, doing: told.append((share, doing)))
+
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert 0.0 < shares[0] < shares[-1] <= 1.0
+    assert all(doing for _, doing in told)
+
+
+@pytest.mark.parametrize(
+    ("found", "structure", "verdict"),
+    [
+        (False, False, Verdict.CONSISTENT),
+        (True, False, Verdict.EXPLAINED),
+        (True, True, Verdict.PARTLY_EXPLAINED),
+        (False, True, Verdict.UNEXPLAINED),
+    ],
+)
+def test_the_verdict_says_whether_causes_were_found_and_whether_something_is_left(found, structure, verdict):
+    assert _verdict(found, structure) is verdict
+
+
+@pytest.fixture(scope="module")
+def picked():
+    """Two picks with their groups, and what they leave."""
+    start = make_start({"joint_gain": {"gain_4": 1e-3, "gain_5": 1e-3}})
+    selected = make_selected(start, [("joint_gain", "joint 4"), ("joint_gain", "joint 5")])
+    groups = tuple((pick.subject, (pick,)) for pick in selected.picks)
+    return selected, groups, left_by(start, selected, ())
+
+
+def judged(before_mm, after_mm, *without_mm, n=60):
+    """Held-out errors of these sizes, the same noise in all of them."""
+    noise = np.random.default_rng(1).standard_normal((n, 3))
+    errors = HeldOutErrors(np.arange(n), np.zeros((n, 3)), before_mm * noise, after_mm * noise)
+    return Judged(errors, tuple(size * noise for size in without_mm), np.arange(n), 0.01, "validation")
+
+
+def test_findings_that_help_stay(picked):
+    assert _useless(*picked[:2], judged(0.10, 0.02, 0.06, 0.07), picked[2]) == ()
+
+
+def test_a_finding_that_makes_unseen_points_worse_is_withdrawn_alone(picked):
+    assert _useless(*picked[:2], judged(0.10, 0.02, 0.06, 0.019), picked[2]) == (1,)
+
+
+def test_findings_that_do_not_help_together_are_all_withdrawn(picked):
+    assert _useless(*picked[:2], judged(0.02, 0.021, 0.06, 0.07), picked[2]) == (0, 1)
+
+
+def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claimed(picked):
+    selected, groups, left = picked
+    small = judged(0.100, 0.095, 0.097, 0.098)
+
+    assert _useless(selected, groups, small, left) == ()
+    assert _useless(selected, groups, small, replace(left, more_than_stated=True)) == (0, 1)
+
+
+def test_what_is_withdrawn_is_said_and_leaves_the_model(campaign):
+    # the validation readings come from a robot without the gain: it cannot help there
+    elsewhere = replace(campaign, validation=with_unseen({}).validation)
+
+    found = diagnose(elsewhere, START)
+
+    assert found.findings == ()
+    assert len(found.withdrawn) >= 1
+    assert "joint_gain (joint 4)" in found.withdrawn[0]
+    assert "is withdrawn" in found.withdrawn[0]
+    assert "gain_4" not in [parameter.name for parameter in found.model.parameters]
+    assert found.verdict is Verdict.UNEXPLAINED
+
+
+def test_what_cannot_be_fitted_is_answered_with_its_reason():
+    few = planted(GAIN_4, telling_campaign(5))
+
+    found = diagnose(few, START)
+
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert "5" in found.message
+    assert found.remaining.sentence == found.message
+    assert (found.findings, found.before, found.after, found.errors, found.model) == (
+        (),
+        None,
+        None,
+        None,
+        None,
+    )
+
+
+def test_an_answer_without_numbers_names_robot_and_quantity(campaign):
+    found = unanswerable(campaign, START, "Nothing can be said.")
+
+    assert (found.robot, found.quantity, found.start_effects) == ("ABB IRB 120", "position", START)
+    assert found.message == "Nothing can be said."
