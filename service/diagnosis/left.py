@@ -18,7 +18,7 @@ from service.effects.registry import CAUSES
 from service.identification.observations import PositionBlock
 from service.identification.pure_error import pure_error
 
-_STRUCTURE_LEVEL = 0.004  # chance that noise alone gives any dependence, over everything tried
+_STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
 _NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
 _AS_REPEATED = 0.01  # lack of fit beside pure error
 _FEW_REVISITS = 5
