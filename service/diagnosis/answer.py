@@ -43,9 +43,8 @@ from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
-_SMALL_PART = (
-    0.2  # of what is wrong: findings that explain less, beside what nothing explains, are not claimed
-)
+# Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
+_SMALL_PART = 0.2
 
 Group = tuple[str, tuple[Candidate, ...]]
 Tell = Callable[[float, str], None]

@@ -21,7 +21,7 @@ from service.domain.arrays import FloatArray
 from service.effects.causes import Candidate
 
 _CLEARLY = 4.0  # in BIC
-_SMALLEST = 1e-9
+_SMALLEST = 1e-9  # mm: a random effect no wider than this changes nothing
 
 
 def owed_to_the_rest(

@@ -34,15 +34,6 @@ class Footing:
         """Sum of squares that the present parameters leave."""
         return float(self.residual @ self.residual)
 
-    @property
-    def variance(self) -> float:
-        """Variance of the whitened residuals: 1 where the weights are right."""
-        return self.residual_square / max(self.degrees, 1.0)
-
-    def absorbed(self, columns: FloatArray) -> FloatArray:
-        """Return coordinates of columns (K, m) in the present parameters, shape (K, q)."""
-        return np.asarray(columns @ self.basis[: self.size])
-
     def directions(self, columns: FloatArray) -> FloatArray:
         """Return what columns (k, m) add to the basis, orthonormal, shape (m + P, <= k)."""
         full = np.zeros((len(self.residual), len(columns)))

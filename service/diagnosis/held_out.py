@@ -17,8 +17,8 @@ from service.identification.rows import sites
 from service.identification.statistics import expected_noise_mm
 from service.identification.structure import Structure
 
-_RESAMPLED = 1000
-_FOLDS = 5
+_RESAMPLED = 1000  # 25 of them lie beyond either end of the interval
+_FOLDS = 5  # four fifths of the configurations choose: nearly as well as all
 
 
 @dataclass(frozen=True, slots=True)

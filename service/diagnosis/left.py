@@ -21,8 +21,8 @@ from service.identification.pure_error import pure_error
 _STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
 _NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
 _AS_REPEATED = 0.01  # lack of fit beside pure error
-_FEW_REVISITS = 5
-_MOST_TOLD = 4
+_FEW_REVISITS = 5  # fewer say too little of the scatter to overrule what is stated
+_MOST_TOLD = 4  # dependences; more are the same structure seen through variables that resemble each other
 
 
 @dataclass(frozen=True, slots=True)

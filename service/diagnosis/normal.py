@@ -1,4 +1,4 @@
-r"""The fitted model by its normal equations: what is left of products once the present parameters took theirs.
+r"""The fitted model by its normal equations: what products keep once the present parameters took theirs.
 
 With A the stacked whitened derivatives of observations and priors, A^T A = R^T R, a column g and the stacked
 residual y keep, after the projection,

@@ -13,6 +13,9 @@ from service.diagnosis.selection import Selected
 from service.domain.diagnosis import Cause
 from service.effects.causes import Candidate
 
+# In BIC. Odds of e^4 between two names is what one may defend (R. E. Kass, A. E. Raftery, J. American
+# Statistical Association 90, 1995, 773-795, call 6 to 10 strong). The shape of a slow curve is a formula that
+# nature need not follow, so it decides only where it is overwhelming.
 _MARGIN = 8.0
 _SHAPE_MARGIN = 20.0
 # Beside structure that nothing explains, what decides between two causes may be that structure: a rival must
@@ -30,7 +33,6 @@ class Weighed:
     p_value: float  # corrected
     explained: float  # sum of squares that it alone explains beside the others
     rivals: tuple[Cause, ...]  # closest first
-    margin: float  # in BIC, to the closest rival
 
 
 def weighed(selected: Selected, group: tuple[Candidate, ...], *, structure_left: bool) -> Weighed:
@@ -54,7 +56,6 @@ def weighed(selected: Selected, group: tuple[Candidate, ...], *, structure_left:
         p_value=float(min(screened.p_value[index] for index in indices)),
         explained=float(screened.explained[indices].sum()),
         rivals=tuple(found),
-        margin=min(found.values(), default=_SHAPE_MARGIN),
     )
 
 

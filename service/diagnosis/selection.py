@@ -15,7 +15,7 @@ from service.effects.causes import Candidate
 from service.identification.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
-_MOST_REFITS = 6
+_MOST_REFITS = 6  # each may add several picks; one or two are usual
 _ROUNDS = 3  # of decisions about gross readings and discrepancy at each refit, from those before
 _READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
 

@@ -4,7 +4,6 @@ from service.diagnosis.left import Left
 from service.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from service.domain.results import Statistics
 
-_CLEARLY_OTHER = 1.15  # of the stated noise
 _OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 

@@ -33,7 +33,6 @@ def test_a_small_gain_and_a_slow_wave_of_the_same_joint_are_rivals(small_gain):
     found = rivals_of(small_gain, GAIN, SLOW_WAVE)
 
     assert found.rivals == (Cause("joint_harmonics", "joint 4"),)
-    assert 8.0 < found.margin < 20.0  # too far behind for causes that differ in more than shape
 
 
 def test_a_gain_that_stands_out_has_no_rival(large_gain):
