@@ -22,8 +22,10 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"{number}. {finding.sentence}"
         yield from (f"   {line}" for line in _evidence(finding))
     yield from (f"Withdrawn: {sentence}" for sentence in diagnosis.withdrawn)
-    if diagnosis.remaining.sentence != diagnosis.message:  # the same where nothing could be fitted
-        yield f"{diagnosis.remaining.sentence}{_depends_on(diagnosis.remaining)}"
+    if diagnosis.remaining.sentence not in diagnosis.message:  # the first line may have said it already
+        yield diagnosis.remaining.sentence
+    if diagnosis.remaining.depends_on:
+        yield f"Depends on: {_depends_on(diagnosis.remaining)}."
     if diagnosis.noise is not None:
         yield f"Noise: {diagnosis.noise.sentence}"
     for entry in diagnosis.next_measurements:
@@ -56,10 +58,7 @@ def _gain(gain: Gain | None) -> str:
 
 
 def _depends_on(remaining: Remaining) -> str:
-    if not remaining.depends_on:
-        return ""
-    named = ", ".join(f"{entry.variable} (p {_p(entry.p_value)})" for entry in remaining.depends_on)
-    return f" It depends on: {named}."
+    return "; ".join(f"{entry.variable} (p {_p(entry.p_value)})" for entry in remaining.depends_on)
 
 
 def _next(entry: NextMeasurement) -> Iterator[str]:

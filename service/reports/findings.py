@@ -63,7 +63,7 @@ def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
     yield (
         "Share of the structure",
         f"{100.0 * finding.share:.0f} %",
-        "of what the start model leaves beyond noise",
+        "of what all findings together explain; structure that is left is not in it",
     )
 
 

@@ -44,7 +44,15 @@ def test_structure_without_a_name_says_what_it_depends_on():
     lines = list(diagnosis_lines(make_unexplained(withdrawn=("A wave of joint 2 did not help.",))))
 
     assert "Withdrawn: A wave of joint 2 did not help." in lines
-    assert lines[2].endswith("It depends on: angle of joint 4 (p = 0.0001).")
+    assert "Depends on: angle of joint 4 (p = 0.0001)." in lines
+
+
+def test_what_the_first_line_says_of_what_is_left_is_not_said_again():
+    left = make_unexplained().remaining.sentence
+
+    lines = list(diagnosis_lines(make_unexplained(message=f"No known cause explains it. {left}")))
+
+    assert sum(left in line for line in lines) == 1
 
 
 @pytest.mark.parametrize("gain", [None, Gain(math.nan, math.nan, (math.nan, math.nan))])
