@@ -86,7 +86,11 @@ def answered(
 def _with_doubts(start: Start, selected: Selected, groups: tuple[Group, ...], left: Left) -> Left:
     """Add the families that tell the story of a finding better than its name."""
     families = prepared_families(selected.fit, start.scene)
-    better = tuple(one for _, group in groups for one in better_families(selected, group, families))
+    together: dict[Cause, tuple[Candidate, ...]] = {}
+    for subject, group in groups:
+        cause = Cause(group[0].effect, subject)
+        together[cause] = (*together.get(cause, ()), *group)
+    better = tuple(one for group in together.values() for one in better_families(selected, group, families))
     known = {one.variable for one in left.depends}
     new = {one.variable: one for one in better if one.variable not in known}
     return replace(left, depends=(*left.depends, *new.values()))

@@ -62,13 +62,22 @@ def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
     )
 
 
+# Causes that are as free as a family is: it tells the same story, and with fewer words.
+_SAME_STORY = {"tool_reseating": ("attachment", "time"), "nest_offset": ("nest",), "backlash": ("direction",)}
+
+
 def better_families(
     selected: Selected, group: tuple[Candidate, ...], families: tuple[Prepared, ...]
 ) -> tuple[Depends, ...]:
     """Return the smooth family that tells a finding's story clearly better than its name, if there is one."""
     past = selected.pool.normal.past(without=_names(group))
     named = _score(selected, group, past)
-    scored = [(as_random_effect(products, past).score, family, products) for family, products in families]
+    same = _SAME_STORY.get(group[0].effect, ())
+    scored = [
+        (as_random_effect(products, past).score, family, products)
+        for family, products in families
+        if family.kind not in same
+    ]
     best = max(scored, key=lambda one: one[0], default=None)
     if best is None or best[0] < named + _CLEARLY:
         return ()

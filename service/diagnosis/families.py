@@ -45,7 +45,7 @@ def families(scene: Scene) -> tuple[Family, ...]:
     joints = [
         j for j in range(scene.setting.robot.n_joints) if np.ptp(scene.turn_rad[:, j]) > np.deg2rad(5.0)
     ]
-    found = [_angle(j) for j in joints]
+    found = [family(j) for j in joints for family in (_angle, _trend)]
     found += [_coupling(j, scene.setting.robot.n_joints) for j in joints]
     found += [_torque(j) for j in _loaded(scene)]
     found += [_direction(j) for j in joints if _has_directions(scene, j)]
@@ -102,6 +102,16 @@ def _angle(joint: int) -> Family:
 
     def build(state: State) -> list[Acting]:
         return [[(port, wave / _LEVER_MM)] for wave in _waves(_turn(state, joint), _FOURIER)]
+
+    return Family(f"angle of joint {joint + 1}", "angle", build, joint)
+
+
+def _trend(joint: int) -> Family:
+    """Return a straight line: the plainest of all shapes, which waves can only patch together."""
+    port = Port(PortKind.THETA, joint)
+
+    def build(state: State) -> list[Acting]:
+        return [[(port, _turn(state, joint) / _LEVER_MM)]]
 
     return Family(f"angle of joint {joint + 1}", "angle", build, joint)
 
