@@ -130,9 +130,9 @@ def _mixture(squared: FloatArray, components: int) -> float:
     largest = max(float(squared.max()) / components, 4.0 * typical)
 
     def negative(p: FloatArray) -> float:
-        share = 1.0 / (1.0 + np.exp(-p[0]))
-        usual = np.log1p(-share) + _log_chi2(squared, components, float(np.exp(p[1])))
-        wild = np.log(share) + _log_chi2(squared, components, float(np.exp(p[2])))
+        # the share of wild readings by its log odds p[0]: both logarithms stay finite
+        usual = _log_chi2(squared, components, float(np.exp(p[1]))) - np.logaddexp(0.0, p[0])
+        wild = _log_chi2(squared, components, float(np.exp(p[2]))) - np.logaddexp(0.0, -p[0])
         return -float(np.logaddexp(usual, wild).sum())
 
     start = np.array([-3.0, np.log(typical), np.log(largest / 2.0)])

@@ -96,6 +96,23 @@ def test_a_model_holds_what_was_found_and_nothing_that_only_the_diagnosis_needed
     assert consistent.model.effects == START
 
 
+def test_a_model_of_a_moving_instrument_keeps_the_fixed_nests_that_hold_its_frame():
+    rate_mm_per_s = 0.4 / 3600.0
+    still = planted({})
+    points, looks = still.calibration, still.reference
+    moving = [
+        replace(rows, position_mm=rows.position_mm + np.outer(rate_mm_per_s * time_s, [1.0, 0.0, 0.0]))
+        for rows, time_s in ((points, points.stops.time_s), (looks, looks.time_s))
+    ]
+
+    found = diagnose(replace(still, calibration=moving[0], reference=moving[1]), START)
+
+    names = [parameter.name for parameter in found.model.parameters]
+    assert [finding.effect for finding in found.findings] == ["instrument_drift"]
+    assert [name for name in names if name.startswith(("frame_", "fixed_"))]
+    assert not [name for name in names if name.startswith("certified_")]
+
+
 def test_a_cause_left_out_of_the_library_is_not_named_and_something_is_left(campaign):
     found = diagnose(campaign, START, without=("joint_gain", "joint_harmonics"))
 

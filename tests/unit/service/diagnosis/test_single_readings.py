@@ -36,6 +36,13 @@ def test_normal_noise_is_neither_heavy_nor_bad(seed):
     assert not found.bad.any()
 
 
+def test_few_normal_readings_seldom_look_heavy_tailed():
+    found = [tails(squared_radius(normal(60, seed)), 3, nobody(60)) for seed in range(100, 140)]
+
+    # five in log likelihood for one parameter: a chi-square of 10, once in a thousand
+    assert sum(one.degrees_of_freedom is not None for one in found) <= 1
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_students_noise_is_heavy_tailed_and_no_reading_of_it_is_bad(seed):
     squared = squared_radius(student(4.0, seed=seed))
