@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
@@ -33,6 +34,7 @@ from service.domain.diagnosis import (
 )
 from service.domain.results import Model
 from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.compliance import NAME as COMPLIANCE
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.identification.considered import considered
@@ -44,6 +46,7 @@ from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
+_FAR_BEYOND = 3.0  # times the stated noise: more than parameters leave that the data determine at all
 _SMALL_PART = 0.2
 
 Group = tuple[str, tuple[Candidate, ...]]
@@ -78,9 +81,22 @@ def answered(
         groups, judged = _judged(start, selected, propose)
         left = left_by(start, selected, without, refuted)
     tell(0.85, "putting it into words")
-    left = _with_doubts(start, selected, groups, left)
+    left = replace(_with_doubts(start, selected, groups, left), worse_unseen=_worse_unseen(judged, start))
     scene = scene_of(start.campaign, start.problem, selected.fit)
     return _told(_Answer(start, selected, scene, groups, judged, left), withdrawn, without)
+
+
+def _worse_unseen(judged: Judged, start: Start) -> float:
+    """Return typical validation errors over the stated noise, where they are far beyond it; else 0.
+
+    What the calibration points cannot show may be wrong all the same.
+    """
+    stated = start.problem.blocks[0].stated_sigma()
+    if judged.source != "validation" or stated == 0.0:
+        return 0.0
+    squared = (judged.errors.after_mm**2).sum(axis=1) / stated**2
+    ratio = float(np.sqrt(np.median(squared) / chi2.median(judged.errors.after_mm.shape[1])))
+    return ratio if ratio > _FAR_BEYOND else 0.0
 
 
 def _with_doubts(start: Start, selected: Selected, groups: tuple[Group, ...], left: Left) -> Left:
@@ -113,13 +129,27 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
         return tuple(range(len(groups)))
     owed = owed_to_the_rest(selected, [group for _, group in groups], left)
     return tuple(
-        index for index, gain in enumerate(gains) if gain.rms_before_mm <= gain.rms_after_mm or owed[index]
+        index
+        for index, gain in enumerate(gains)
+        if gain.rms_before_mm <= gain.rms_after_mm
+        or (owed[index] and _explains_little(gain, judged))
+        or _is_no_spring(selected, groups[index][1])
     )
 
 
-def _explains_little(together: Gain, judged: Judged) -> bool:
-    wrong = together.rms_before_mm**2 - judged.noise_mm**2
-    return together.rms_before_mm**2 - together.rms_after_mm**2 < _SMALL_PART * wrong
+def _is_no_spring(selected: Selected, group: tuple[Candidate, ...]) -> bool:
+    """Whether a finding is a gearbox that turns against its load."""
+    if group[0].effect != COMPLIANCE:
+        return False
+    structure, values = selected.fit.structure, selected.fit.values
+    springs = [name for pick in group for name in pick.names if "*" not in name]
+    return any(values[structure.index_of(name)] < 0.0 for name in springs)
+
+
+def _explains_little(gain: Gain, judged: Judged) -> bool:
+    """Whether it is a small part of what is wrong on unseen points that a gain takes away."""
+    wrong = gain.rms_before_mm**2 - judged.noise_mm**2
+    return gain.rms_before_mm**2 - gain.rms_after_mm**2 < _SMALL_PART * wrong
 
 
 def _withdrawal(group: Group, gain: Gain) -> str:

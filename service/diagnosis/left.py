@@ -47,11 +47,13 @@ class Left:
     more_than_stated: bool
     explained_by_repeats: bool  # revisits scatter as much
     tails: Tails
+    worse_unseen: float = 0.0  # validation errors over the stated noise where far beyond it, else 0
 
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
-        return bool(self.depends) or (self.more_than_stated and not self.explained_by_repeats)
+        lacking = self.more_than_stated and not self.explained_by_repeats
+        return bool(self.depends) or lacking or self.worse_unseen > 0.0
 
 
 def left_by(

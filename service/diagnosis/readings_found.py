@@ -105,7 +105,7 @@ def _shown(effect: str, subject: str, number: int, readings: int, start: Start) 
 
 
 def _finding(effect: str, shown: Shown, p_value: float, gain: Gain | None) -> Finding:
-    sure = gain is None or gain.interval_95_mm[0] > 0.0
+    sure = gain is not None and gain.interval_95_mm[0] > 0.0
     return Finding(
         effect=effect,
         subject=shown.subject,

@@ -39,7 +39,7 @@ def _entry(cause: Cause, size: float, p_value: float) -> RuledOut:
             visible=False,
         )
     reason = (
-        "it explains no more than noise would"
+        "it explains no more than chance would, at the level kept over everything tried"
         if p_value > LEVEL
         else "it explains something, but not what its parameters cost beside the causes found"
     )

@@ -23,6 +23,8 @@ from service.identification.robust import RobustFit
 
 _FITS = 0.2  # another nest must leave less than this share of the residual
 _CLEARLY = 5.0  # in log likelihood
+_HARDLY = 1.5  # in log likelihood: the others show no heavy tails
+_FAR_BEYOND = 150.0  # of the usual variance, twelve standard deviations: t noise of 4 degrees once in 10,000
 _MOST_DEGREES = 30.0  # Student's t beyond is normal for all that a campaign can tell
 
 
@@ -88,6 +90,8 @@ def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
         Readings that the fit gave no weight.
     """
     none = np.zeros(len(squared), dtype=bool)
+    if _stand_apart(squared, components, gross):
+        return Tails(gross, None)
     normal = _normal(squared, components)
     student, degrees = _student(squared, components)
     mixed = _mixture(squared, components)
@@ -95,6 +99,18 @@ def tails(squared: FloatArray, components: int, gross: BoolArray) -> Tails:
         return Tails(gross, None)
     heavy = student - normal > _CLEARLY and degrees < _MOST_DEGREES
     return Tails(none, degrees if heavy else None)
+
+
+def _stand_apart(squared: FloatArray, components: int, gross: BoolArray) -> bool:
+    """Whether gross readings lie so far beyond others that scatter normally that no tail reaches there."""
+    if not gross.any() or gross.all():
+        return False
+    usual = squared[~gross]
+    typical = float(usual.mean()) / components
+    if float(squared[gross].min()) < _FAR_BEYOND * typical:
+        return False
+    student, _ = _student(usual, components)
+    return student - _normal(usual, components) < _HARDLY
 
 
 def _log_chi2(squared: FloatArray, components: int, variance: float) -> FloatArray:

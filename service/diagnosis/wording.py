@@ -48,6 +48,12 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
     if left.depends:
         listed = " and ".join(one.variable for one in left.depends[:2])
         return f"What is left depends on the {listed}.{carried}"
+    if left.worse_unseen > 0.0:
+        return (
+            f"Errors on the validation points are {left.worse_unseen:.1f} times the stated noise although "
+            "the calibration points fit: the calibration does not cover what the validation visits, or "
+            f"something changed between the two.{carried}"
+        )
     if left.more_than_stated and not left.explained_by_repeats:
         return (
             f"What is left is {left.noise_scale:.2g} times the stated noise but depends on nothing that was "
