@@ -10,6 +10,7 @@ from starlette.datastructures import UploadFile
 from service.web.context import Here
 from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
 from service.web.problems import problems
+from service.web.schemas.base import VISIBLE
 from service.web.schemas.campaigns import CampaignReply, CampaignRequest, campaign_reply
 
 router = APIRouter(tags=["campaigns"])
@@ -25,7 +26,7 @@ _ZIP = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
 CampaignName = Annotated[
     str | None,
     Query(
-        min_length=1, max_length=200, pattern=r"\S", description="Else the file's name.", examples=["left"]
+        min_length=1, max_length=200, pattern=VISIBLE, description="Else the file's name.", examples=["left"]
     ),
 ]
 

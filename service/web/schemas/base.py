@@ -5,6 +5,9 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+# A character that no reader of the schema takes for a space: what counts as one differs between them.
+VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
+
 NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
 Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
 RecordId = Annotated[int, Field(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
@@ -17,7 +20,7 @@ PersonName = Annotated[
     Field(
         min_length=1,
         max_length=200,
-        pattern=r"\S",
+        pattern=VISIBLE,
         description="Who looked at the cell.",
         examples=["Ada Byron"],
     ),

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from service.storage.records import CampaignRecord
-from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example
+from service.web.schemas.base import VISIBLE, Number, RecordedAt, RecordId, Reply, Request, example
 
 
 class CampaignRequest(Request):
@@ -11,7 +11,7 @@ class CampaignRequest(Request):
 
     model_config = example({"name": "left arm", "validation_session_id": 2})
 
-    name: str = Field(min_length=1, max_length=200, pattern=r"\S", examples=["left arm"])
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     validation_session_id: Number | None = Field(
         None, description="Its readings never identify, only judge.", examples=[2]
     )

@@ -11,6 +11,7 @@ from service.domain.session import PlannedStop, Progress, Role, SessionPlan, Ses
 from service.storage.records import SessionRecord, StateChange
 from service.web.schemas.base import (
     NUMBER_LIMIT,
+    VISIBLE,
     Number,
     PersonName,
     RecordedAt,
@@ -59,7 +60,7 @@ class SessionRequest(Request):
         "plan": {"method": "choose", "configurations": 50, "seed": 1},
     })
 
-    name: str = Field(min_length=1, max_length=200, pattern=r"\S", examples=["left arm"])
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     role: Role = Field(description="What the readings are for; validation readings never identify.")
     plan: Annotated[GivenStops | ChosenStops, Field(discriminator="method")]
     attachment: Number = Field(1, description="How often the tool has been mounted.")
