@@ -9,7 +9,7 @@ from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 Vector: TypeAlias = tuple[float, float, float]
 Options: TypeAlias = Mapping[str, str | int | float | bool]
-DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar"]
+DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar", "hands"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +61,18 @@ class MotionLimits:
 
     tool_speed_mm_s: float = 500.0
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
+
+
+@dataclass(frozen=True, slots=True)
+class BallbarReading:
+    """What a ballbar or length gauge shows now."""
+
+    deviation_mm: float  # longer is positive; counted from the device's own zero; NaN without a signal
+    signal: Literal["good", "out_of_range", "none"]
+    resolution_mm: float  # of the protocol
+    time_s: float  # cell clock, when the answer arrived
+    temperature_c: float | None = None  # None where the device has no thermometer
+    sequence: int | None = None  # the device's own count of its readings; None where it has none
 
 
 @runtime_checkable
@@ -142,7 +154,23 @@ class RobotController(Device, Protocol):
         ...
 
 
-AnyDevice: TypeAlias = PointTracker | RobotController | Clock
+class Ballbar(Device, Protocol):
+    """A telescoping ballbar, or any gauge that measures the length between two balls."""
+
+    async def read(self) -> BallbarReading:
+        """Return the newest reading; an unplugged device raises a LinkError."""
+        ...
+
+
+class SimulatedHands(Device, Protocol):
+    """The person at a simulated cell: what the service's demonstrations and tests have it do."""
+
+    async def do(self, action: str, details: Options) -> None:
+        """Do one thing, e.g. `connect` with `base` and `tool`; raises DeviceRefusedError."""
+        ...
+
+
+AnyDevice: TypeAlias = PointTracker | RobotController | Clock | Ballbar | SimulatedHands
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,6 +48,7 @@ class Artefact:
     name: str
     serial_number: str = ""
     certificate: str = ""
+    certificate_expires: str = ""  # ISO date; empty where nobody said it
 
 
 @dataclass(frozen=True, slots=True)
