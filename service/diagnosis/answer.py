@@ -45,8 +45,8 @@ from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
-# Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
 _FAR_BEYOND = 3.0  # times the stated noise: more than parameters leave that the data determine at all
+# Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
 _SMALL_PART = 0.2
 
 Group = tuple[str, tuple[Candidate, ...]]
@@ -123,6 +123,8 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     While something is left that nothing explains, a finding may owe its place to it: then it is tested again
     beside that, and all of them together must explain a fair part of what is wrong.
     """
+    if not groups:
+        return ()
     gains = [judged.gain(index) for index in range(len(groups))]
     together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
     if together.interval_95_mm[0] <= 0.0 or (left.structure and _explains_little(together, judged)):
