@@ -10,8 +10,8 @@ from service.domain.errors import ConfigurationError
 from service.domain.robot import FramePlacement
 from service.effects.ports import ParameterSpec, Setting
 from service.identification.evaluation import Targets
+from service.identification.leg_observations import LEG_OFFSET, LegBlock, anchor_name
 from service.identification.legs_start import LegPlacement, place_legs
-from service.identification.observations import LEG_OFFSET, LegBlock, anchor_name
 from service.identification.placement import Placement
 from service.identification.setting import known_placement
 from service.identification.start import started_structure

@@ -8,8 +8,8 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.domain.robot import FramePlacement
+from service.identification.leg_observations import LEG_OFFSET, anchor_name
 from service.identification.missing import spanned
-from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.robust import RobustFit
 from service.identification.rows import sites
 from service.identification.structure import Structure, base_axes

@@ -12,9 +12,9 @@ from service.effects.ports import ParameterSpec
 from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import Targets, evaluate
 from service.identification.leg_lengths import excess_mm, moved_feet
+from service.identification.leg_observations import LEG_OFFSET, anchor_name
 from service.identification.leg_problem import leg_targets
 from service.identification.missing import left_out, left_out_variance, span_of
-from service.identification.observations import LEG_OFFSET, anchor_name
 from service.identification.problem import NOMINAL_EFFECTS
 from service.identification.structure import Structure
 from service.kinematics.frames import placement_rotation, placement_translation, rotation_xyz

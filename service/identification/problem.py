@@ -10,8 +10,9 @@ from service.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from service.domain.errors import ConfigurationError
 from service.effects.ports import Setting
 from service.identification.evaluation import Targets
+from service.identification.leg_observations import LegBlock
 from service.identification.leg_problem import leg_structure
-from service.identification.observations import Block, LegBlock, OrientationBlock, PositionBlock
+from service.identification.observations import Block, OrientationBlock, PositionBlock
 from service.identification.placement import Placement, place
 from service.identification.reference import reference_block, with_reference_parameters
 from service.identification.setting import (
@@ -184,7 +185,7 @@ def _orientation_block(points: PointReadings, quaternion: FloatArray) -> Orienta
     return OrientationBlock(
         targets=Targets(points.stops, points.nest),
         measured=rotation_from_quaternion(quaternion),
-        uncertainty_rad=uncertainty,
+        uncertainty=uncertainty,
         weights=np.ones(len(points)),
         discrepancy=extra,
     )

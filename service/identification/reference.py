@@ -18,23 +18,22 @@ from service.effects.reference import NAME, place_name, reference_specs
 from service.effects.rigid_motion import COMPONENTS
 from service.identification.derivatives import seen_jacobian
 from service.identification.evaluation import State, Targets, evaluate
-from service.identification.observations import BlockResult, targets_subset
+from service.identification.observations import BlockResult, IndependentReadings, targets_subset
 from service.identification.structure import Structure
-from service.identification.whitening import Whitener
 from service.kinematics.frames import cross, turned_axes
 
 _FRAME = tuple(f"frame_{component}" for component in COMPONENTS)
 
 
 @dataclass(frozen=True, slots=True)
-class ReferenceBlock:
+class ReferenceBlock(IndependentReadings):
     """Readings of fixed nests, each a stop of its own that it shares with no configuration of the arm."""
 
     targets: Targets
     fixed_nest: IntArray  # (n,) 1-based
     certified_mm: FloatArray  # (n, 3) place of the nest of each reading
     measured_mm: FloatArray  # (n, 3)
-    uncertainty_mm: FloatArray  # (n,) per axis
+    uncertainty: FloatArray  # (n,) per axis [mm]
     weights: FloatArray  # (n,)
     discrepancy: float = 0.0  # mm per axis
     scatter_mm: float = 0.0  # the arm takes no part
@@ -43,7 +42,7 @@ class ReferenceBlock:
         """Return residuals [mm] and derivatives."""
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
         residual = self.measured_mm - state.seen(self._registered(state)[0])
-        return BlockResult(residual, self.derivatives(state), state, self._whitening())
+        return BlockResult(residual, self.derivatives(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the motions of the predictions, shape (P, n, 3)."""
@@ -75,25 +74,6 @@ class ReferenceBlock:
         arms = places @ turn[0].T
         return arms + frame[:3], turn[0], axes[:, 0], arms
 
-    def component_variance(self) -> FloatArray:
-        """Variance per axis, shape (n,)."""
-        return np.asarray(self.uncertainty_mm**2 + self.discrepancy**2)
-
-    def stated_sigma(self) -> float:
-        """Root mean variance per axis [mm]."""
-        return float(np.sqrt(np.mean(self.uncertainty_mm**2)))
-
-    def whitened(self, result: BlockResult) -> FloatArray:
-        """Return residuals with this block's weights, shape (3 n,)."""
-        return self._whitening().apply(result.residual).reshape(-1)
-
-    def squared(self, result: BlockResult) -> FloatArray:
-        """Return each reading's squared residual over its variance, shape (n,)."""
-        return np.asarray((result.residual**2).sum(axis=1) / self.component_variance())
-
-    def _whitening(self) -> Whitener:
-        return Whitener((), np.sqrt(np.maximum(self.weights, 1e-12) / self.component_variance()))
-
     def weighted(self, weights: FloatArray, discrepancy: float) -> "ReferenceBlock":
         """Return the block with other weights and another discrepancy [mm]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
@@ -106,7 +86,7 @@ class ReferenceBlock:
             fixed_nest=self.fixed_nest[rows],
             certified_mm=self.certified_mm[rows],
             measured_mm=self.measured_mm[rows],
-            uncertainty_mm=self.uncertainty_mm[rows],
+            uncertainty=self.uncertainty[rows],
             weights=self.weights[rows],
         )
 
@@ -133,7 +113,7 @@ def reference_block(campaign: Campaign) -> ReferenceBlock | None:
         fixed_nest=nest,
         certified_mm=places[nest - 1],
         measured_mm=readings.position_mm[certified],
-        uncertainty_mm=readings.standard_uncertainty_mm[certified],
+        uncertainty=readings.standard_uncertainty_mm[certified],
         weights=np.ones(len(certified)),
     )
 

@@ -5,7 +5,8 @@ from scipy.special import elliprg
 
 from service.domain.arrays import FloatArray
 from service.domain.results import Statistics
-from service.identification.observations import Block, LegBlock, PositionBlock
+from service.identification.leg_observations import LegBlock
+from service.identification.observations import Block, PositionBlock
 
 
 def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
