@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.doubts import better_families, owed_to_the_rest
-from service.diagnosis.groups import grouped
+from service.diagnosis.groups import grouped, names_of
 from service.diagnosis.held_out import Judged, gain_of, judge
 from service.diagnosis.left import Left, left_by
 from service.diagnosis.next_measurements import next_measurements
@@ -144,7 +144,7 @@ def _is_no_spring(selected: Selected, group: tuple[Candidate, ...]) -> bool:
     if group[0].effect != COMPLIANCE:
         return False
     structure, values = selected.fit.structure, selected.fit.values
-    springs = [name for pick in group for name in pick.names if "*" not in name]
+    springs = [name for name in names_of(group) if "*" not in name]
     return any(values[structure.index_of(name)] < 0.0 for name in springs)
 
 
@@ -230,7 +230,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         sentence=shown.sentence,
         confusable_with=scale.rivals,
         gain=gain,
-        parameters=tuple(name for pick in group for name in pick.names),
+        parameters=names_of(group),
         share=share,
         curve=finding_curve(answer.selected, answer.start.scene, group),
     )
@@ -238,7 +238,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
 
 def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown:
     fit = answer.selected.fit
-    names = tuple(name for pick in group for name in pick.names)
+    names = names_of(group)
     rows = [fit.structure.index_of(name) for name in names]
     fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
     return CAUSES[group[0].effect].shown(subject, fitted, answer.scene)

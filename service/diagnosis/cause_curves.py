@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from service.diagnosis.axes import Axis, angle_axis, level_axis, time_axis
+from service.diagnosis.groups import names_of
 from service.diagnosis.selection import Selected
 from service.diagnosis.ways import (
     Seen,
@@ -33,10 +34,6 @@ from service.identification.evaluation import rows_of
 _DRAWN = 200  # points of a line
 _Z95 = 1.96
 _LOADS = frozenset({"compliance", "compliance_nonlinear"})
-
-
-def _names(group: Sequence[Candidate]) -> tuple[str, ...]:
-    return tuple(name for pick in group for name in pick.names)
 
 
 def _curve(
@@ -65,7 +62,7 @@ def _line(weights: FloatArray, values: FloatArray, covariance: FloatArray) -> tu
 def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the error of a joint along what it depends on; of several joints, the one that it moves most."""
     by_joint: dict[int, list[str]] = {}
-    for name in _names(group):
+    for name in names_of(group):
         if "*" in name:
             return None  # a product with a moment of mass follows no torque that is known
         by_joint.setdefault(int(name.split("_")[1]) - 1, []).append(name)
@@ -145,7 +142,7 @@ def _by_parameter(terms: Sequence[Term], count: int, size: int) -> FloatArray:
 
 def shape_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift of the tool over time or temperature, where it feels as much as it typically does."""
-    effect, names = group[0].effect, _names(group)
+    effect, names = group[0].effect, names_of(group)
     axis = time_axis(scene, effect)
     if axis is None:
         return None
@@ -194,7 +191,7 @@ def _over_time(selected: Selected, axis: Axis, line_x: FloatArray) -> Rows:
 
 def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift along the axis of the tool that shows most of it, for each nest or mounting."""
-    names = _names(group)
+    names = names_of(group)
     attachment = scene.stops.attachment
     if group[0].effect == "nest_offset":
         axis = level_axis("nest", scene.nest)
@@ -227,7 +224,7 @@ def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
 
 def agreement_curve(selected: Selected, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift that readings show along the way of a cause, against what the cause foretells."""
-    names = _names(group)
+    names = names_of(group)
     effect = effect_of(selected, names)
     size = np.linalg.norm(effect, axis=1)
     unit = effect / np.where(size > 0.0, size, 1.0)[:, None]

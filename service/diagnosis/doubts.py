@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from service.diagnosis.groups import names_of
 from service.diagnosis.left import Depends, Left
 from service.diagnosis.normal import Normal, Products, Projection, products_of
 from service.diagnosis.remaining import Prepared, as_random_effect
@@ -44,12 +45,8 @@ def _is_chance(selected: Selected, group: tuple[Candidate, ...], effects: FloatA
     own = _products_of(selected, group)
     wider = Products(own.columns, np.hstack([own.with_jacobian, own.columns @ effects.T]), own.with_residual)
     believed = np.array([spec.prior_width for pick in group for spec in pick.specs])
-    past = beside.past(without=_names(group))
+    past = beside.past(without=names_of(group))
     return chance_beside(wider, believed, past, len(selected.pool.all)) > LEVEL
-
-
-def _names(group: tuple[Candidate, ...]) -> tuple[str, ...]:
-    return tuple(name for pick in group for name in pick.names)
 
 
 def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
@@ -70,7 +67,7 @@ def better_families(
     selected: Selected, group: tuple[Candidate, ...], families: tuple[Prepared, ...]
 ) -> tuple[Depends, ...]:
     """Return the smooth family that tells a finding's story clearly better than its name, if there is one."""
-    past = selected.pool.normal.past(without=_names(group))
+    past = selected.pool.normal.past(without=names_of(group))
     named = _score(selected, group, past)
     same = _SAME_STORY.get(group[0].effect, ())
     scored = [
@@ -94,4 +91,4 @@ def _score(selected: Selected, group: tuple[Candidate, ...], past: Projection) -
     ]
     counted = max(sums.observations / sums.alike, 2.0)
     gain = sums.degrees / sums.alike * np.log(sums.residual_square / after.residual_square)
-    return float(gain - len(_names(group)) * np.log(counted) - 2.0 * np.log(variants).sum())
+    return float(gain - len(names_of(group)) * np.log(counted) - 2.0 * np.log(variants).sum())

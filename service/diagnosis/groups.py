@@ -1,6 +1,6 @@
 """Groups: picks of one cause on one subject make one finding; many joints that share a cause make one too."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from service.effects.causes import Candidate
 
@@ -20,6 +20,11 @@ def grouped(picks: Sequence[Candidate]) -> tuple[tuple[str, tuple[Candidate, ...
     for pick in picks:
         groups.setdefault((pick.effect, _subject(pick, picks), _apart(pick, picks)), []).append(pick)
     return tuple((key[1], tuple(group)) for key, group in groups.items())
+
+
+def names_of(picks: Iterable[Candidate]) -> tuple[str, ...]:
+    """Return the names of all parameters of some picks."""
+    return tuple(name for pick in picks for name in pick.names)
 
 
 def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from service.diagnosis.groups import names_of
 from service.diagnosis.selection import Propose, Selected, select
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
@@ -85,7 +86,7 @@ def _without(block: Block, selected: Selected, group: tuple[Candidate, ...]) -> 
     The others follow as a normal posterior's mean does where the group is known to be zero.
     """
     full = selected.fit
-    names = {name for pick in group for name in pick.names}
+    names = names_of(group)
     out = np.array([name in names for name in full.structure.names])
     covariance = full.solution.covariance
     values = full.values - covariance[:, out] @ np.linalg.solve(

@@ -14,6 +14,9 @@ from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Cause
+from service.effects.causes import Candidate
+from service.effects.joint_harmonics import NAME as HARMONICS
+from service.effects.names import joint_of_subject
 from service.effects.registry import CAUSES
 from service.identification.observations import PositionBlock
 from service.identification.pure_error import pure_error
@@ -76,11 +79,7 @@ def left_by(
         for one in structured(prepared_families(fit, start.scene), past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
-    found += [
-        one
-        for one in _waves(start, selected, without)
-        if Cause("joint_harmonics", f"joint {(one.joint or 0) + 1}") not in refuted
-    ]
+    found += _waves(start, selected, without, refuted)
     found.sort(key=lambda one: one.p_value)
     scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
@@ -100,26 +99,28 @@ def _distinct(found: list[Depends]) -> tuple[Depends, ...]:
     return tuple(kept.values())
 
 
-def _waves(start: Start, selected: Selected, without: tuple[str, ...]) -> list[Depends]:
+def _waves(
+    start: Start, selected: Selected, without: tuple[str, ...], refuted: frozenset[Cause]
+) -> list[Depends]:
     """Single waves of any order that are left: those that the selection did not try, or could not carry."""
-    if "joint_harmonics" in without:
-        waves = CAUSES["joint_harmonics"].candidates(start.scene)
-        pool = pooled(selected.fit, waves)
+    if HARMONICS in without:
+        pool = pooled(selected.fit, CAUSES[HARMONICS].candidates(start.scene))
     else:
         pool = selected.pool
     if not pool.all:
         return []
     screened = screen(pool.view())
-    found = []
-    for index in np.flatnonzero((screened.p_value <= LEVEL) & (screened.score > 0.0)).tolist():
-        candidate = pool.all[index]
-        if candidate.effect == "joint_harmonics":
-            joint = int(candidate.subject.split()[1]) - 1
-            variable = f"angle of joint {joint + 1}"
-            found.append(
-                Depends(variable, float(screened.p_value[index]), "angle", joint, None, candidate.variant)
-            )
-    return found
+    beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
+    return [
+        _wave(candidate, float(p_value))
+        for candidate, left, p_value in zip(pool.all, beyond, screened.p_value, strict=True)
+        if left and candidate.effect == HARMONICS and Cause(HARMONICS, candidate.subject) not in refuted
+    ]
+
+
+def _wave(candidate: Candidate, p_value: float) -> Depends:
+    joint = joint_of_subject(candidate.subject)
+    return Depends(f"angle of {candidate.subject}", p_value, "angle", joint, None, candidate.variant)
 
 
 def _squared(selected: Selected) -> tuple[FloatArray, int]:

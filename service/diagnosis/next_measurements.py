@@ -14,6 +14,7 @@ from service.diagnosis.actions import (
     Action,
     action_for,
 )
+from service.diagnosis.groups import names_of
 from service.diagnosis.left import Depends, Left
 from service.diagnosis.places import (
     Places,
@@ -89,16 +90,12 @@ def next_measurements(
     found = _by_action(start, pairs)
     for finding in findings:
         own = _cause(finding)
-        group = next((picks for _, picks in groups if _parameters(picks) == set(finding.parameters)), ())
+        group = next((picks for _, picks in groups if set(names_of(picks)) == set(finding.parameters)), ())
         rivals = [rival for one, rival in pairs if one == own and action_for(one, rival) is None]
         if group and rivals:
             found += _by_configuration(_Duel(start, selected, group, own), rivals, places, rng)
     found += [_of_dependence(start, depends, places, rng) for depends in left.depends[:_TOLD]]
     return (*found, _revisit(start)) if unseen else tuple(_once(found))
-
-
-def _parameters(picks: Sequence[Candidate]) -> set[str]:
-    return {name for pick in picks for name in pick.names}
 
 
 def _cause(finding: Finding) -> Cause:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from service.diagnosis.groups import names_of
 from service.diagnosis.screening import screen
 from service.diagnosis.selection import Selected
 from service.domain.diagnosis import Cause
@@ -37,7 +38,7 @@ class Weighed:
 
 def weighed(selected: Selected, group: tuple[Candidate, ...], *, structure_left: bool) -> Weighed:
     """Weigh the picks of one cause and subject against everything else that was tried."""
-    names = tuple(name for pick in group for name in pick.names)
+    names = names_of(group)
     screened = screen(selected.pool.view(without=names))
     indices = [selected.pool.all.index(pick) for pick in group]
     lead = max(indices, key=lambda index: screened.score[index])

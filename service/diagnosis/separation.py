@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
+from service.diagnosis.groups import names_of
 from service.diagnosis.places import Places
 from service.diagnosis.screening import Pool
 from service.diagnosis.selection import Selected
@@ -83,7 +84,7 @@ def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
 
 def _duel(selected: Selected, group: Sequence[Candidate], rival: Cause, places: Places) -> _Duel:
     fit, structure = selected.fit, selected.fit.structure
-    own = np.isin(structure.names, [name for pick in group for name in pick.names])
+    own = np.isin(structure.names, names_of(group))
     pool = selected.pool
     index = _closest(pool, fit, own, rival)
     best = pool.all[index]

@@ -9,7 +9,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
 from service.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
-from service.effects.names import joint_subject
+from service.effects.names import joint_of_subject, joint_subject
 from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "joint_harmonics"
@@ -60,7 +60,7 @@ class JointHarmonics:
         waves = _fitted_waves(fitted)
         details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
         largest = max(waves, key=lambda wave: wave.amplitude_deg)
-        joint = int(subject.split()[1]) - 1
+        joint = joint_of_subject(subject)
         listed = ", ".join(f"{wave.order:g}" for wave in sorted(waves, key=lambda wave: wave.order))
         what = "a wave" if len(waves) == 1 else f"waves of {listed} periods per turn, the largest"
         sentence = (

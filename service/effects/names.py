@@ -27,3 +27,8 @@ def nest_port_index(name: str) -> int:
 def joint_subject(joint: int) -> str:
     """Return e.g. `joint 3` for joint index 2 (0-based)."""
     return f"joint {joint + 1}"
+
+
+def joint_of_subject(subject: str) -> int:
+    """Return the 0-based joint of e.g. `joint 3`."""
+    return int(subject.rsplit(" ", 1)[1]) - 1
