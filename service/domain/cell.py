@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from service.domain.artefacts import Artefact as Artefact
+from service.domain.artefacts import BallbarKit
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 
 Vector = tuple[float, float, float]
@@ -39,16 +41,6 @@ class SimulatedCell:
     seed: int
     effects: tuple[PlantedEffect, ...] = ()
     pace: int | None = None  # wall time per cell time, 1 or 0; None: as the service is started
-
-
-@dataclass(frozen=True, slots=True)
-class Artefact:
-    """Paper of an artefact: what it is, and what says that its numbers hold."""
-
-    name: str
-    serial_number: str = ""
-    certificate: str = ""
-    certificate_expires: str = ""  # ISO date; empty where nobody said it
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +96,4 @@ class Cell:
     conditions: Conditions = field(default_factory=Conditions)
     devices: tuple[DeviceEntry, ...] = ()
     simulated: SimulatedCell | None = None
+    ballbar: BallbarKit | None = None  # None: the cell has none
