@@ -1,8 +1,9 @@
 """What a cell is made of, as a scenario file states it; every size has the value of the shipped cells."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from simulators.air import AirSetup
+from simulators.ballbar_accuracy import BallbarSetup
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults import Fault, check_nest
@@ -88,10 +89,17 @@ class Scenario:
     tool: ToolSetup = field(default_factory=ToolSetup)
     table: TableSetup = field(default_factory=TableSetup)
     tracker: TrackerSetup = field(default_factory=TrackerSetup)
+    ballbar: BallbarSetup = field(default_factory=BallbarSetup)
     air: AirSetup = field(default_factory=AirSetup)
     everyday: EverydaySizes | None = None  # absent: none of the many small effects of any robot
     effects: tuple[PlantedChange, ...] = ()
     faults: tuple[Fault, ...] = ()
+
+    def quiet(self) -> "Scenario":
+        """Return the same robot without what an everyday one does over time: drift and warm-up."""
+        if self.everyday is None:
+            return self
+        return replace(self, everyday=replace(self.everyday, over_time=False))
 
     def check_fault(self, fault: Fault) -> None:
         """Raise ScenarioError when a fault cannot happen in this cell."""

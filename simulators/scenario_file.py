@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from simulators.air import AirSetup
+from simulators.ballbar_accuracy import BallbarSetup
 from simulators.building import nominal_site
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
@@ -37,6 +38,7 @@ _TABLES: Mapping[str, type] = {
     "tool": ToolSetup,
     "table": TableSetup,
     "tracker": TrackerSetup,
+    "ballbar": BallbarSetup,
     "air": AirSetup,
     "everyday": EverydaySizes,
 }

@@ -2,16 +2,8 @@
 
 import asyncio
 
-from drivers.cell_clock.protocol import (
-    Answer,
-    ClockProtocolError,
-    LineReader,
-    Refusal,
-    Sleep,
-    Time,
-    decode_request,
-    encode,
-)
+from drivers.cell_clock.protocol import Answer, Refusal, Sleep, Time, decode_request, encode
+from drivers.json_lines import JsonLineError, LineReader
 from simulators.clock import CellClock
 from simulators.instruments.endpoint import Endpoint
 
@@ -28,7 +20,7 @@ def clock_endpoint(clock: CellClock) -> Endpoint:
             try:
                 while (line := lines.next_line()) is not None:
                     writer.write(encode(await answer(line, clock)))
-            except ClockProtocolError as error:  # no end of line in sight: nothing can be read any more
+            except JsonLineError as error:  # no end of line in sight: nothing can be read any more
                 writer.write(encode(Refusal(str(error))))
                 return
             await writer.drain()
@@ -40,7 +32,7 @@ async def answer(line: bytes, clock: CellClock) -> Answer:
     """Carry out one request line."""
     try:
         request = decode_request(line)
-    except ClockProtocolError as error:
+    except JsonLineError as error:
         return Refusal(str(error))
     if isinstance(request, Sleep):
         await clock.sleep(request.duration_s)

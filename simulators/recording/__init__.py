@@ -1,8 +1,9 @@
 """Campaigns recorded from the simulated cell without a wire, for studies that need very many of them."""
 
-from simulators.recording.campaign import Points, Readings, Recording, References, record
+from simulators.recording.campaign import Points, Recording, References, record
 from simulators.recording.files import write_campaign
 from simulators.recording.plan import NoStopsError, Stops, Wishes
+from simulators.recording.registered_tracker import Readings
 
 __all__ = [
     "NoStopsError",

@@ -3,12 +3,16 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.errors import ReplayError, SimulatorError
 from simulators.model_file import load_model
+from simulators.recording.ballbar import BallbarWishes, record_ballbar
+from simulators.recording.ballbar_files import write_ballbar_campaign
+from simulators.recording.ballbar_plan import read_plan
 from simulators.recording.campaign import record
 from simulators.recording.files import write_campaign
 from simulators.recording.plan import APPROACHES, Wishes
@@ -23,15 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Record one campaign; returns the exit status."""
     options = _parse(arguments)
     try:
-        wishes = Wishes(
-            configurations=options.configurations,
-            validation=options.validation,
-            revisits=options.revisits,
-            approach=options.approach,
-            attachments=options.attachments,
-            reference_every=options.reference_every,
-        )
-        _write(options, load_scenario(options.scenario), wishes)
+        _write(options, load_scenario(options.scenario), _wishes(options))
     except SimulatorError as error:
         return _fail(str(error))
     except OSError as error:
@@ -39,8 +35,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _wishes(options: argparse.Namespace) -> Wishes:
+    """Return what was asked of the tracker campaign; what was not is usual, beside a ballbar or alone."""
+    usual = Wishes() if options.ballbar is None else BallbarWishes().tracker
+    asked = {name: getattr(options, name) for name in Wishes.__dataclass_fields__}
+    return replace(usual, **{name: value for name, value in asked.items() if value is not None})
+
+
 def _write(options: argparse.Namespace, scenario: Scenario, wishes: Wishes) -> None:
     model = None if options.model is None else load_model(options.model)
+    scenario = scenario.quiet() if options.quiet else scenario
+    if options.ballbar is not None:
+        ballbar = BallbarWishes(options.aimed, options.aim_error, options.approach, wishes)
+        plan = read_plan(options.ballbar)
+        write_ballbar_campaign(record_ballbar(scenario, options.seed, plan, ballbar, model), options.out)
+        return
     if model is None or options.replay is None:
         write_campaign(record(scenario, options.seed, wishes, model), options.out)
         return
@@ -53,7 +62,6 @@ def _write(options: argparse.Namespace, scenario: Scenario, wishes: Wishes) -> N
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    usual = Wishes()
     parser = argparse.ArgumentParser(
         prog="python -m simulators.recording",
         description="Record a tracker campaign of a simulated cell and write it as a folder.",
@@ -63,22 +71,35 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     add("scenario", help=f"a scenario file or one of {', '.join(shipped_scenarios())}")
     add("--out", type=Path, required=True, help="folder to write into")
     add("--seed", type=int, default=0, help="which cell of that kind, 0 or more (default: 0)")
-    add("--configurations", type=int, default=usual.configurations, help="default: %(default)s")
-    add("--validation", type=int, default=usual.validation, help="further ones (default: %(default)s)")
-    add("--revisits", type=int, default=usual.revisits, help="visited again (default: %(default)s)")
-    add("--approach", choices=APPROACHES, default=usual.approach, help="default: %(default)s")
-    add("--attachments", type=int, default=usual.attachments, help="mountings (default: %(default)s)")
+    for name, what in (
+        ("configurations", "of the calibration"),
+        ("validation", "further ones"),
+        ("revisits", "visited again"),
+        ("attachments", "mountings of the tool"),
+        ("reference-every", "stops between readings of the fixed nests, 0 for none"),
+    ):
+        alone, beside = (
+            getattr(usual, name.replace("-", "_")) for usual in (Wishes(), BallbarWishes().tracker)
+        )
+        default = f"{alone}" if alone == beside else f"{alone}, beside --ballbar {beside}"
+        add(f"--{name}", type=int, help=f"{what} (default: {default})")
+    add("--approach", choices=APPROACHES, default=Wishes().approach, help="default: %(default)s")
+    add("--quiet", action="store_true", help="leave out the drift and the warm-up of an everyday robot")
+    add("--ballbar", type=Path, metavar="PLAN", help="record a ballbar campaign of this plan (JSON) as well")
+    add("--aimed", action="store_true", help="ballbar: joints corrected as after a pre-calibration")
     add(
-        "--reference-every",
-        type=int,
-        default=usual.reference_every,
-        help="stops between readings of the fixed nests, 0 for none (default: %(default)s)",
+        "--aim-error",
+        type=float,
+        default=BallbarWishes().aim_error_mm,
+        help="by which that misses a length, mm (default: %(default)s)",
     )
     add("--model", type=Path, help="identified model (JSON) that stands in the place of the robot")
     add("--replay", type=Path, help="measured campaign folder whose stops are made again, with --model")
     options = parser.parse_args(arguments)
     if options.replay is not None and options.model is None:
         parser.error("argument --replay: name the model of that robot too, with --model")
+    if options.replay is not None and options.ballbar is not None:
+        parser.error("argument --ballbar: a plan is recorded, a campaign is replayed; not both")
     if options.seed < 0:
         parser.error(f"argument --seed: {options.seed} is negative")
     return options

@@ -4,7 +4,7 @@ The same plant, effects, tracker noise, registration on the fixed nests and repe
 protocols, a thousand times faster.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,22 +12,10 @@ from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.identified import IdentifiedModel
-from simulators.physics.rigid import FloatArray, move
+from simulators.physics.rigid import FloatArray
 from simulators.recording.plan import Stops, Wishes, plan_stops
-from simulators.recording.registration import register
+from simulators.recording.registered_tracker import Readings, RegisteredTracker
 from simulators.scenario import Scenario
-from simulators.tracker import seen_from
-from simulators.tracker_accuracy import covariance_mm2, face_error_mm, noise_mm
-
-_REGISTRATION_READINGS = 20  # of each fixed nest, before the first stop
-
-
-@dataclass(frozen=True, slots=True)
-class Readings:
-    """n readings in the world, as the registered tracker gives them."""
-
-    position_mm: FloatArray  # (n, 3)
-    u_mm: FloatArray  # (n,) standard uncertainty per axis that the accuracy model states, RMS of the three
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,50 +65,34 @@ def record(scenario: Scenario, seed: int, wishes: Wishes, model: IdentifiedModel
     SimulatorError
         The cell cannot be, or its tracker sees too few configurations.
     """
-    cell = Cell(scenario, seed, CellClock(0), model)
-    streams = (np.random.SeedSequence(seed, spawn_key=(key,)) for key in (100, 101))
+    return record_in(Cell(scenario, seed, CellClock(0), model), wishes)[0]
+
+
+def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recording, RegisteredTracker]:
+    """Record a campaign in a cell from a cell time on; the tracker stays for further readings.
+
+    Raises
+    ------
+    NoStopsError
+        The cell's tracker sees too few configurations.
+    """
+    streams = (np.random.SeedSequence(cell.seed, spawn_key=(key,)) for key in (100, 101))
     plan_rng, noise_rng = (np.random.default_rng(stream) for stream in streams)
     stops = plan_stops(cell, wishes, plan_rng)
-    tracker = _RegisteredTracker(cell, noise_rng)
+    stops = replace(stops, time_s=stops.time_s + start_s)
+    tracker = RegisteredTracker(cell, noise_rng)
     points = _read_points(cell, stops, tracker, noise_rng)
     n_calibration = wishes.configurations + wishes.revisits
-    return Recording(
+    recording = Recording(
         cell=cell,
         calibration=points.part(slice(n_calibration)),
         validation=points.part(slice(n_calibration, None)),
         references=_read_references(cell, stops.time_s, wishes.reference_every, tracker),
     )
+    return recording, tracker
 
 
-class _RegisteredTracker:
-    """A tracker that knows its place in the world as well as twenty readings of each fixed nest tell."""
-
-    def __init__(self, cell: Cell, rng: np.random.Generator) -> None:
-        self._cell = cell
-        self._rng = rng
-        nests = cell.fixed_nests_mm()
-        start_s = np.zeros(_REGISTRATION_READINGS * len(nests))
-        raw = self._raw_mm(np.tile(nests, (_REGISTRATION_READINGS, 1)), start_s)
-        means = raw.reshape(_REGISTRATION_READINGS, len(nests), 3).mean(axis=0)
-        self._placement = register(means, np.array(cell.scenario.table.fixed_nests_mm))
-
-    def read(self, true_mm: FloatArray, time_s: FloatArray) -> Readings:
-        """Read points of the world, shape (n, 3), in the world."""
-        raw = self._raw_mm(true_mm, time_s)
-        covariance = covariance_mm2(self._cell.scenario.tracker, raw)
-        u_mm = np.sqrt(np.trace(covariance, axis1=1, axis2=2) / 3.0)
-        return Readings(move(self._placement, raw), u_mm)
-
-    def _raw_mm(self, true_mm: FloatArray, time_s: FloatArray) -> FloatArray:
-        """Read points of the world in the tracker's own frame, shape (n, 3)."""
-        cell, setup = self._cell, self._cell.scenario.tracker
-        seen = seen_from(cell.tracker_frames(time_s), true_mm)
-        if cell.scenario.noise:
-            seen = seen + face_error_mm(setup, seen, face=1) + noise_mm(setup, seen, self._rng)
-        return cell.spoiled(seen, time_s)
-
-
-def _read_points(cell: Cell, stops: Stops, tracker: _RegisteredTracker, rng: np.random.Generator) -> Points:
+def _read_points(cell: Cell, stops: Stops, tracker: RegisteredTracker, rng: np.random.Generator) -> Points:
     joints = np.radians(stops.joints_deg)
     conditions = cell.conditions(joints, stops.direction, stops.time_s, stops.attachment)
     n = len(stops)
@@ -139,7 +111,7 @@ def _read_points(cell: Cell, stops: Stops, tracker: _RegisteredTracker, rng: np.
     )
 
 
-def _read_references(cell: Cell, time_s: FloatArray, every: int, tracker: _RegisteredTracker) -> References:
+def _read_references(cell: Cell, time_s: FloatArray, every: int, tracker: RegisteredTracker) -> References:
     times = time_s[::every] if every else time_s[:0]
     nests = cell.fixed_nests_mm()
     numbers = np.tile(np.arange(1, len(nests) + 1), len(times))

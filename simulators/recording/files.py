@@ -2,17 +2,19 @@
 
 import csv
 import json
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from simulators.cell import Cell
 from simulators.physics.arm import Arm
+from simulators.physics.rigid import FloatArray
 from simulators.recording.campaign import Points, Recording, References
 from simulators.recording.nominal_tables import papers_of_cell
 from simulators.truth_document import plant_document
+
+Columns: TypeAlias = dict[str, list[str]]  # of a table, by name
 
 _FORMAT = 1
 
@@ -21,15 +23,15 @@ def write_campaign(recording: Recording, folder: Path) -> None:
     """Write the folder, which may exist; tables that this campaign does not have are not written."""
     folder.mkdir(parents=True, exist_ok=True)
     files = {"calibration": "calibration.csv"}
-    _write(folder / "calibration.csv", *_points_table(recording.calibration))
+    write_table(folder / "calibration.csv", points_table(recording.calibration))
     if len(recording.validation.stops):
         files["validation"] = "validation.csv"
-        _write(folder / "validation.csv", *_points_table(recording.validation))
+        write_table(folder / "validation.csv", points_table(recording.validation))
     if len(recording.references.time_s):
         files["reference"] = "reference.csv"
-        _write(folder / "reference.csv", *_reference_table(recording.references))
-    _write_json(folder / "campaign.json", campaign_document(recording.cell, files))
-    _write_json(folder / "truth.json", truth_document(recording))
+        write_table(folder / "reference.csv", reference_table(recording.references))
+    write_json(folder / "campaign.json", campaign_document(recording.cell, files))
+    write_json(folder / "truth.json", truth_document(recording))
 
 
 def campaign_document(cell: Cell, files: dict[str, str]) -> dict[str, Any]:
@@ -98,53 +100,59 @@ def truth_document(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _points_table(points: Points) -> tuple[list[str], Iterable[list[str]]]:
+def points_table(points: Points) -> Columns:
+    """Columns of a `calibration` or `validation` file."""
     stops, n = points.stops, len(points.stops)
     n_joints = stops.joints_deg.shape[1]
     columns = {
-        "config": _whole(np.arange(1, n + 1)),
-        **{f"q{j + 1}_deg": _decimals(stops.joints_deg[:, j], 5) for j in range(n_joints)},
-        **{f"dir{j + 1}": _whole(stops.direction[:, j]) for j in range(n_joints)},
-        "time_s": _decimals(stops.time_s, 1),
-        "temperature_C": _decimals(points.temperature_c, 2),
-        "attachment": _whole(stops.attachment),
-        "nest": _whole(points.nest),
-        **_coordinates(points.readings.position_mm),
-        "u_mm": _decimals(points.readings.u_mm, 4),
+        "config": whole(np.arange(1, n + 1)),
+        **{f"q{j + 1}_deg": decimals(stops.joints_deg[:, j], 5) for j in range(n_joints)},
+        **{f"dir{j + 1}": whole(stops.direction[:, j]) for j in range(n_joints)},
+        "time_s": decimals(stops.time_s, 1),
+        "temperature_C": decimals(points.temperature_c, 2),
+        "attachment": whole(stops.attachment),
+        "nest": whole(points.nest),
+        **coordinates(points.readings.position_mm),
+        "u_mm": decimals(points.readings.u_mm, 4),
     }
     if stops.repeat_of.any():
         columns["repeat_of"] = [str(number) if number else "" for number in stops.repeat_of]
-    return list(columns), map(list, zip(*columns.values(), strict=True))
+    return columns
 
 
-def _reference_table(references: References) -> tuple[list[str], Iterable[list[str]]]:
-    columns = {
-        "time_s": _decimals(references.time_s, 1),
-        "fixed_nest": _whole(references.fixed_nest),
-        **_coordinates(references.readings.position_mm),
-        "u_mm": _decimals(references.readings.u_mm, 4),
+def reference_table(references: References) -> Columns:
+    """Columns of a `reference` file."""
+    return {
+        "time_s": decimals(references.time_s, 1),
+        "fixed_nest": whole(references.fixed_nest),
+        **coordinates(references.readings.position_mm),
+        "u_mm": decimals(references.readings.u_mm, 4),
     }
-    return list(columns), map(list, zip(*columns.values(), strict=True))
 
 
-def _coordinates(position_mm: Any) -> dict[str, list[str]]:
-    return {f"{axis}_mm": _decimals(position_mm[:, i], 4) for i, axis in enumerate("xyz")}
+def coordinates(position_mm: FloatArray) -> Columns:
+    """Columns of positions, shape (n, 3)."""
+    return {f"{axis}_mm": decimals(position_mm[:, i], 4) for i, axis in enumerate("xyz")}
 
 
-def _decimals(values: Any, n: int) -> list[str]:
+def decimals(values: Any, n: int) -> list[str]:
+    """Write numbers, shape (m,), with n decimals."""
     return [f"{value:.{n}f}" for value in values]
 
 
-def _whole(values: Any) -> list[str]:
+def whole(values: Any) -> list[str]:
+    """Write numbers, shape (m,), without decimals."""
     return [str(int(value)) for value in values]
 
 
-def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+def write_table(path: Path, columns: Columns) -> None:
+    """Write a table with its header line."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
 
 
-def _write_json(path: Path, document: dict[str, Any]) -> None:
+def write_json(path: Path, document: dict[str, Any]) -> None:
+    """Write a JSON file to be read by people as well."""
     path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -88,7 +88,7 @@ def plan_stops(cell: Cell, wishes: Wishes, rng: np.random.Generator) -> Stops:
     repeat_of[wishes.configurations : n_calibration] = again + 1
     return Stops(
         joints_deg=joints[order],
-        direction=_directions(joints[order], wishes.approach),
+        direction=directions(joints[order], wishes.approach),
         time_s=_times_s(n_calibration, wishes.validation, rng),
         attachment=_attachments(n_calibration, wishes),
         nest=nests[order],
@@ -124,7 +124,8 @@ def _best_nest(cell: Cell, joints_deg: FloatArray) -> tuple[NestNumbers, NestNum
     return cosine.argmax(axis=1) + 1, np.flatnonzero(in_sight & clear)
 
 
-def _directions(joints_deg: FloatArray, approach: str) -> FloatArray:
+def directions(joints_deg: FloatArray, approach: str) -> FloatArray:
+    """Sign of every joint's last motion before each stop, the first coming from zero, shape (n, J)."""
     if approach == "from_below":
         return np.ones_like(joints_deg)
     home = np.zeros((1, joints_deg.shape[1]))
