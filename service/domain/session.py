@@ -23,7 +23,8 @@ class SessionState(StrEnum):
     FAILED = "failed"
 
 
-Role = Literal["calibration", "validation"]
+Role = Literal["calibration", "validation"]  # of readings of points
+SessionRole = Literal["calibration", "validation", "ballbar"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
+from service.domain.ballbar import LedgerEntry
 from service.domain.cell import Cell
 from service.domain.diagnosis import Diagnosis
 from service.domain.results import Identification, Model, Validation
-from service.domain.session import FixedNestTaken, PlannedStop, PointTaken, Role, SessionState
+from service.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionRole, SessionState
 
 ReadingKind = Literal["point", "fixed_nest"]
 
@@ -32,7 +33,7 @@ class SessionRecord:
     id: int
     recorded_at: str
     name: str
-    role: Role
+    role: SessionRole
     state: SessionState
     reason: str  # of the present state
     person: str | None  # who brought it there
@@ -77,6 +78,23 @@ class ReadingRecord:
     def kind(self) -> ReadingKind:
         """Whether a tool nest or a fixed nest was read."""
         return "point" if isinstance(self.reading, PointTaken) else "fixed_nest"
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerRecord:
+    """An entry of a ballbar session's ledger as it was stored."""
+
+    id: int
+    recorded_at: str
+    entry: LedgerEntry
+
+
+@dataclass(frozen=True, slots=True)
+class ActAnswer:
+    """What was answered to an act, and the number of the entry that was kept; None where nothing was."""
+
+    sentence: str
+    entry: int | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,8 +3,9 @@
 import dataclasses
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, exists, func, select
+from sqlalchemy import ColumnElement, Connection, Integer, Row, Select, case, cast, exists, func, select
 
+from service.domain.ballbar import BallbarPlan
 from service.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
 from service.storage.added_stops import stops_added_to
 from service.storage.database import Database
@@ -16,6 +17,7 @@ from service.storage.request_keys import once
 from service.storage.rows import add_row
 from service.storage.tables import (
     added_stops,
+    ballbar_entries,
     events,
     notes,
     readings,
@@ -28,13 +30,15 @@ from service.storage.tables import (
 PROGRESS = "session.progress"
 
 
-def add_session(connection: Connection, name: str, setup: SessionSetup, plan: SessionPlan) -> int:
+def add_session(
+    connection: Connection, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan
+) -> int:
     """Append a planned session inside the caller's transaction and return its number."""
     number = add_row(
         connection,
         sessions,
         name=name,
-        role=plan.role,
+        role="ballbar" if isinstance(plan, BallbarPlan) else plan.role,
         setup=to_document(setup),
         plan=to_document(plan),
     )
@@ -58,7 +62,7 @@ class SessionRepository:
         self._database = database
 
     async def add(
-        self, name: str, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None = None
+        self, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan, key: RequestKey | None = None
     ) -> int:
         """Store a planned session and return its number."""
         return await self._database.write(
@@ -93,6 +97,10 @@ class SessionRepository:
         plan = from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
         added = await self._database.read(lambda c: stops_added_to(c, session_id))
         return dataclasses.replace(plan, stops=plan.stops + added)
+
+    async def ballbar_plan(self, session_id: int) -> BallbarPlan:
+        """Return what a ballbar session does; raises NotFoundError."""
+        return from_document(BallbarPlan, await self._column(sessions.c.plan, session_id))
 
     async def setup(self, session_id: int) -> SessionSetup:
         """Return what the session is measured with; raises NotFoundError."""
@@ -183,19 +191,6 @@ class SessionRepository:
 def _records() -> Select[Any]:
     later = session_states.alias("later")
     newest = ~exists().where(later.c.session_id == sessions.c.id, later.c.id > session_states.c.id)
-    successor = readings.alias("successor")
-    measured = (
-        select(func.count())
-        .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
-        .where(~exists().where(successor.c.supersedes == readings.c.id))
-        .scalar_subquery()
-    )
-    skipped = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
-    added = (
-        select(func.coalesce(func.sum(func.json_array_length(added_stops.c.document)), 0))
-        .where(added_stops.c.session_id == sessions.c.id)
-        .scalar_subquery()
-    )
     return (
         select(
             sessions.c.id,
@@ -206,13 +201,58 @@ def _records() -> Select[Any]:
             session_states.c.reason,
             session_states.c.person,
             session_states.c.recorded_at.label("state_since"),
-            (func.json_array_length(sessions.c.plan, "$.stops") + added).label("planned"),
-            measured.label("measured"),
-            skipped.label("skipped"),
+            _planned().label("planned"),
+            _measured().label("measured"),
+            _skipped().label("skipped"),
         )
         .join(session_states, session_states.c.session_id == sessions.c.id)
         .where(newest)
     )
+
+
+def _planned() -> ColumnElement[int]:
+    added = (
+        select(func.coalesce(func.sum(func.json_array_length(added_stops.c.document)), 0))
+        .where(added_stops.c.session_id == sessions.c.id)
+        .scalar_subquery()
+    )
+    placements = func.json_each(sessions.c.plan, "$.placements").table_valued("value")
+    poses = select(func.sum(func.json_array_length(placements.c.value, "$.poses"))).scalar_subquery()
+    stops = func.json_array_length(sessions.c.plan, "$.stops") + added
+    return _by_role(poses, stops)
+
+
+def _measured() -> ColumnElement[int]:
+    successor = readings.alias("successor")
+    points = (
+        select(func.count())
+        .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
+        .where(~exists().where(successor.c.supersedes == readings.c.id))
+        .scalar_subquery()
+    )
+    return _by_role(_poses_told_of("measured", "/leg-"), points)
+
+
+def _skipped() -> ColumnElement[int]:
+    stops = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
+    return _by_role(_poses_told_of("skipped", "/"), stops)
+
+
+def _poses_told_of(kind: str, part: str) -> Any:
+    """Count the poses with an entry of this kind: "placement-1/pose-12/leg-2-3" is of pose 12."""
+    step = ballbar_entries.c.step_id
+    # SQLite's cast takes the digits that a text begins with.
+    pose = cast(func.substr(step, func.instr(step, "/pose-") + len("/pose-")), Integer)
+    return (
+        select(func.count(func.distinct(pose)))
+        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == kind)
+        .where(step.contains("/pose-"), step.contains(part))
+        .scalar_subquery()
+    )
+
+
+def _by_role(ballbar: Any, points: Any) -> ColumnElement[int]:
+    return case((sessions.c.role == "ballbar", ballbar), else_=points)
 
 
 def _record(row: Row[Any]) -> SessionRecord:

@@ -109,6 +109,35 @@ added_stops = sa.Table(
     sqlite_autoincrement=True,
 )
 
+ballbar_entries = sa.Table(
+    "ballbar_entries",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    sa.Column("step_id", sa.Text, nullable=False),
+    sa.Column("kind", sa.Text, nullable=False),
+    sa.Column("key", sa.Text, nullable=True),  # of the request that caused it
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
+    sa.Index("ix_ballbar_entries_session_id", "session_id", "id"),
+    sqlite_autoincrement=True,
+)
+
+ballbar_answers = sa.Table(
+    "ballbar_answers",
+    metadata,
+    _number(),
+    _recorded(),
+    _reference("session_id", "sessions"),
+    _reference("entry_id", "ballbar_entries", nullable=True),  # what was kept; none: nothing was
+    sa.Column("key", sa.Text, nullable=False),
+    sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
+    sa.Column("sentence", sa.Text, nullable=False),
+    sa.UniqueConstraint("session_id", "key", name="uq_ballbar_answers_key"),
+    sqlite_autoincrement=True,
+)
+
 campaigns = sa.Table(
     "campaigns",
     metadata,

@@ -19,7 +19,7 @@ class Health(Reply):
     fault: str | None = Field(description="One sentence; null where all is well.")
     version: str = Field(description="Of the program.", examples=["0.1.0"])
     simulated: bool = Field(description="True: no robot and no instrument take part.")
-    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0005"])
+    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
 
 
 class EndpointReply(Reply):
