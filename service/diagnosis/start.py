@@ -62,6 +62,8 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
 def _problem(campaign: Campaign, effects: tuple[str, ...]) -> Problem:
     """Build the problem with fixed nests as observations, certified nests free within their certificates."""
     problem = build(campaign, effects, with_reference=True)
+    if CERTIFICATE in problem.structure.effects:
+        return problem
     specs = certificate_specs({
         number: nest.standard_uncertainty_mm
         for number, nest in enumerate(campaign.nests, start=1)

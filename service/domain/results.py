@@ -141,6 +141,14 @@ class NominalAndIdentified:
 
 
 @dataclass(frozen=True, slots=True)
+class PositionsJudged:
+    """A model of lengths against held-out positions, whose frame lengths leave open."""
+
+    tied: NominalAndIdentified | None  # by the base cups, as measured in the frame of the positions
+    aligned: NominalAndIdentified  # after the best rigid alignment
+
+
+@dataclass(frozen=True, slots=True)
 class PureError:
     """What revisited configurations say: repeatability, and whether the model lacks something beyond it."""
 
@@ -170,6 +178,7 @@ class Identification:
     chi2_per_dof: float
     pure_error: PureError | None
     model: Model | None  # None where nothing could be fitted
+    positions: PositionsJudged | None = None  # of a model of lengths
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,12 +76,18 @@ def _pair(pair: NominalAndIdentified) -> dict[str, Json]:
 
 def _statistics_blocks(identification: Identification) -> dict[str, Json]:
     cross_validation = identification.cross_validation if identification.validation is None else None
+    positions = identification.positions
     blocks = {
         "calibration": identification.calibration,
         "calibration_without_outliers": identification.calibration_without_outliers,
         "validation": identification.validation,
         "cross_validation": cross_validation,
+        "validation_position": None if positions is None else positions.tied,
+        "validation_position_aligned": None if positions is None else positions.aligned,
     }
+    # Held-out positions judge a model of lengths where no lengths were held out.
+    if blocks["validation"] is None:
+        blocks["validation"] = blocks["validation_position"] or blocks["validation_position_aligned"]
     return {name: _pair(block) for name, block in blocks.items() if block is not None}
 
 

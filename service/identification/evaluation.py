@@ -132,7 +132,7 @@ def _evaluate_loaded(
     tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
     motions = _motions(moved, len(targets))
     chain = forward(_displaced(nominal, moved), rotation, origin, motions)
-    unscaled = chain.points(_nests(structure, moved, targets.nest))
+    unscaled = chain.points(nest_centres(structure, moved)[targets.nest - 1])
     scale = float(moved.get(Port(PortKind.SCALE, 0), 0.0))
     instrument_motion = six_components(moved, PortKind.INSTRUMENT, 0, len(targets))
     return State(
@@ -251,10 +251,11 @@ def _triple(moved: dict[Port, FloatArray | float], kind: PortKind, first: int) -
     return np.array([moved.get(Port(kind, first + k), 0.0) for k in range(3)], dtype=float)
 
 
-def _nests(structure: Structure, moved: dict[Port, FloatArray | float], nest: IntArray) -> FloatArray:
+def nest_centres(structure: Structure, moved: dict[Port, FloatArray | float]) -> FloatArray:
+    """Return the tool nests with what moves them, last frame, shape (K, 3) [mm]."""
     shifts = np.array([moved.get(Port(PortKind.NEST, k), 0.0) for k in range(structure.nests_mm.size)])
-    moved_nests: FloatArray = structure.nests_mm + shifts.reshape(-1, 3)
-    return moved_nests[nest - 1]
+    centres: FloatArray = structure.nests_mm + shifts.reshape(-1, 3)
+    return centres
 
 
 def instrument_place(structure: Structure) -> FloatArray:

@@ -15,6 +15,7 @@ from service.effects.compliance import compliance_prior
 from service.effects.geometry import is_parallel_to_previous
 from service.effects.ports import Setting
 from service.effects.reference import NAME as REFERENCE
+from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from service.identification.structure import Structure
 
 _UNDETERMINED = 0.25  # square of half a width
@@ -48,9 +49,10 @@ def not_identifiable(
         By construction first, then what these configurations leave open.
     """
     built_in = _by_construction(structure, setting)
-    # What readings of fixed nests leave open of their own places is nobody's question.
-    own = np.array([owner != REFERENCE for owner in structure.owners], dtype=bool)
-    found = _by_data(structure.without((REFERENCE,)), covariance[np.ix_(own, own)], jacobian[own], moved)
+    # What the readings leave open of a place within its certificate is nobody's question.
+    certificates = (REFERENCE, TOOL_CERTIFICATE)
+    own = np.array([owner not in certificates for owner in structure.owners], dtype=bool)
+    found = _by_data(structure.without(certificates), covariance[np.ix_(own, own)], jacobian[own], moved)
     return (*built_in, *found)
 
 

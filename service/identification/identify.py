@@ -28,6 +28,7 @@ from service.identification.observations import PositionBlock
 from service.identification.prediction import predict, predict_lengths, predict_nominal
 from service.identification.problem import (
     NOMINAL_EFFECTS,
+    NUISANCE,
     Problem,
     automatic_effects,
     build,
@@ -38,6 +39,7 @@ from service.identification.robust import RobustFit, fit, robust_fit
 from service.identification.rows import sites
 from service.identification.solver import posterior_covariance
 from service.identification.statistics import expected_noise_mm, statistics
+from service.identification.tied import judged_by_positions
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
 
@@ -136,7 +138,7 @@ def _answer(
     return Identification(
         status=status,
         message=message,
-        effects=problem.structure.effects,
+        effects=tuple(name for name in problem.structure.effects if name not in NUISANCE),
         counts=_counts(problem, identified, len(gross)),
         parameters=model.parameters,
         not_identifiable=named,
@@ -149,6 +151,7 @@ def _answer(
         chi2_per_dof=identified.chi2_per_dof,
         pure_error=_pure_error(identified),
         model=model,
+        positions=judged_by_positions(campaign, model) if problem.quantity == "length" else None,
     )
 
 

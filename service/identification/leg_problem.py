@@ -9,11 +9,15 @@ from service.domain.campaign import Campaign, LegReadings
 from service.domain.errors import ConfigurationError
 from service.domain.robot import FramePlacement
 from service.effects.ports import ParameterSpec, Setting
+from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from service.effects.tool_certificate import certificate_specs
 from service.identification.evaluation import Targets
+from service.identification.fixture_observations import clamp_block, side_block
 from service.identification.leg_observations import LEG_OFFSET, LegBlock, anchor_name
 from service.identification.legs_start import LegPlacement, place_legs
+from service.identification.observations import Block
 from service.identification.placement import Placement
-from service.identification.setting import known_placement
+from service.identification.setting import known_placement, unknown_nests
 from service.identification.start import started_structure
 from service.identification.structure import Structure
 from service.kinematics.chain import nominal_chain
@@ -47,8 +51,10 @@ def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, i
 
 def leg_structure(
     campaign: Campaign, legs: LegReadings, effects: tuple[str, ...], setting: Setting
-) -> tuple[Structure, LegBlock, FloatArray]:
+) -> tuple[Structure, tuple[Block, ...], FloatArray]:
     """Place anchors and unknown nests, and return structure, observations and start values, shape (P,).
+
+    The legs come first; sides of triangles and clamped cups follow as far as the campaign has them.
 
     Raises
     ------
@@ -74,10 +80,37 @@ def leg_structure(
     )
     placement = _at_base(campaign.base_nominal or FramePlacement(), found)
     structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
+    structure, start = _with_certified_nests(structure, start, campaign, legs)
     anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
     offset_mm = found.offset_mm if with_offset else None
     structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
-    return structure, leg_block(legs, campaign, anchors), start
+    return structure, (leg_block(legs, campaign, anchors), *_fixture_blocks(campaign, anchors)), start
+
+
+def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[Block]:
+    """Return what ties the anchors to each other and to the robot, as far as the campaign has it."""
+    fixture, setup, clamped_mm = campaign.fixture, campaign.setup, campaign.setup_uncertainty_mm
+    blocks: list[Block | None] = []
+    if fixture is not None:
+        blocks.append(side_block(fixture, anchors, len(campaign.nests), campaign.robot))
+    if setup is not None and clamped_mm is not None:
+        off_mm = float(np.hypot(clamped_mm, campaign.robot.repeatability_mm))
+        blocks.append(clamp_block(setup, anchors, off_mm))
+    return [block for block in blocks if block is not None]
+
+
+def _with_certified_nests(
+    structure: Structure, start: FloatArray, campaign: Campaign, legs: LegReadings
+) -> tuple[Structure, FloatArray]:
+    """Let certified nests move within their certificates: legs are finer than these."""
+    read = np.unique(legs.nest).tolist()
+    stated = {
+        k: campaign.nests[k - 1].standard_uncertainty_mm for k in read if k not in unknown_nests(campaign)
+    }
+    specs = certificate_specs({k: u for k, u in stated.items() if u})
+    if not specs:
+        return structure, start
+    return structure.extended(TOOL_CERTIFICATE, specs), np.concatenate([start, np.zeros(len(specs))])
 
 
 def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:

@@ -142,7 +142,7 @@ def predict_lengths(model: Model, legs: LegReadings, *, nominal: bool = False) -
     structure = nominal_structure(model) if nominal else structure_of(model)
     values = np.zeros(0) if nominal else values_of(model)
     offset = model.nominal_leg_offset_mm if nominal else _identified_offset(model)
-    feet = _feet(model.nominal_anchors if nominal else _identified_anchors(model), legs)
+    feet = _feet(model.nominal_anchors if nominal else identified_anchors(model), legs)
     state = evaluate(structure, values, leg_targets(legs))
     arm = state.position_mm - moved_feet(state, feet)
     return np.asarray(np.linalg.norm(arm, axis=1) + offset + excess_mm(state))
@@ -161,7 +161,8 @@ def _feet(anchors: tuple[Anchor, ...], legs: LegReadings) -> FloatArray:
     return np.array([places[key] for key in asked])
 
 
-def _identified_anchors(model: Model) -> tuple[Anchor, ...]:
+def identified_anchors(model: Model) -> tuple[Anchor, ...]:
+    """Return the base cups as identified."""
     value = {p.name: p.value for p in model.parameters}
     return tuple(
         Anchor(

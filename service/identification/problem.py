@@ -9,6 +9,8 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from service.domain.errors import ConfigurationError
 from service.effects.ports import Setting
+from service.effects.reference import NAME as REFERENCE
+from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from service.identification.evaluation import Targets
 from service.identification.leg_observations import LegBlock
 from service.identification.leg_problem import leg_structure
@@ -33,6 +35,10 @@ from service.kinematics.frames import (
 
 _UNSTATED_RAD = 1e-3  # first guess of an orientation's uncertainty; the residuals replace it
 NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
+NUISANCE = (
+    REFERENCE,
+    TOOL_CERTIFICATE,
+)  # what certificates leave open: nobody asks for it
 # Effects that move the readings of fixed nests too, and the one that stands for these readings.
 _SEEN_ON_FIXED_NESTS = frozenset({"instrument_drift", "instrument_scale", "reference"})
 
@@ -193,8 +199,8 @@ def _orientation_block(points: PointReadings, quaternion: FloatArray) -> Orienta
 
 def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]) -> Problem:
     setting = setting_of(campaign, legs.stops)
-    structure, block, start = leg_structure(campaign, legs, effects, setting)
+    structure, blocks, start = leg_structure(campaign, legs, effects, setting)
     nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
     keep = [structure.index_of(name) for name in nominal.names]
-    residual = block.result(nominal, start[keep], None).residual
-    return Problem(structure, (block,), start, residual, setting)
+    residual = blocks[0].result(nominal, start[keep], None).residual
+    return Problem(structure, blocks, start, residual, setting)

@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import chi2
 
-from service.domain.arrays import BoolArray, FloatArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.effects.geometry import GEOMETRY_EFFECTS
 from service.identification.observations import Block, BlockResult, Joint, linearise_blocks
 from service.identification.solver import Solution, solve
@@ -183,15 +183,15 @@ def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> S
 
 def _softly(block: Block, result: BlockResult) -> Block:
     length = np.linalg.norm(result.residual, axis=1)
-    typical = float(np.median(length)) / np.sqrt(_median_of_chi2(result.residual.shape[1]))
+    typical = float(np.median(length) / np.sqrt(_median_of_chi2(result.residual.shape[1])))
     stated = block.stated_sigma()
     excess = np.sqrt(max(typical**2 - stated**2, 0.0))
     weights = 1.0 / (1.0 + (length / (_CAUCHY * max(typical, stated))) ** 2)
     return block.weighted(weights, excess)
 
 
-def _median_of_chi2(degrees: int) -> float:
-    return float(chi2.median(degrees))
+def _median_of_chi2(degrees: int | IntArray) -> FloatArray:
+    return np.asarray(chi2.median(degrees))
 
 
 def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
@@ -204,7 +204,7 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     n, d = result.residual.shape
     spread = block.component_variance() + block.scatter_mm**2
     squared = block.squared(result)
-    scale = max(1.0, float(np.median(squared)) / _median_of_chi2(d))
+    scale = max(1.0, float(np.median(squared) / _median_of_chi2(d)))
     lacking = block.discrepancy**2 / float(np.mean(spread))
     limit = (1.0 + lacking) * scale * chi2.isf(_FALSE_ALARM / n, d)
     gross = squared > limit
@@ -235,16 +235,29 @@ def _discrepancy(structure: Structure, block: Block, result: BlockResult, soluti
     largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
     if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
         return smallest
-    return max(
-        smallest, min(float(brentq(excess, smallest, largest, rtol=1e-4)), _by_median(block, result, dof))
-    )
+    mean = float(brentq(excess, smallest, largest, rtol=1e-4))
+    return min(mean, _by_median(block, result, dof, (smallest, largest)))
 
 
-def _by_median(block: Block, result: BlockResult, dof: float) -> float:
-    """Discrepancy that brings the median squared residual to its place: blind to heavy tails."""
+def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[float, float]) -> float:
+    """Discrepancy that brings the median squared residual of a stop to its place: blind to heavy tails.
+
+    Of whitened residuals: what the readings of one stop share is no reason to doubt each of them.
+    """
     n, d = result.residual.shape
-    typical = float(np.median((result.residual**2).sum(axis=1))) / _median_of_chi2(d) * n * d / dof
-    return float(np.sqrt(max(typical - block.stated_sigma() ** 2, 0.0)))
+    kept = block.weights > 0.0
+    _, stop = np.unique(block.targets.stops.config[kept], return_inverse=True)
+    if stop.size == 0:
+        return bounds[0]
+    usual = _median_of_chi2(d * np.bincount(stop)) * dof / (float(block.weights.sum()) * d)
+
+    def excess(extra: float) -> float:
+        white = block.weighted(block.weights, extra).whitened(result).reshape(n, d)[kept]
+        return float(np.median(np.bincount(stop, (white**2).sum(axis=1)) / usual)) - 1.0
+
+    if excess(bounds[0]) <= 0.0:
+        return bounds[0]
+    return bounds[1] if excess(bounds[1]) >= 0.0 else float(brentq(excess, *bounds, rtol=1e-4))
 
 
 def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:

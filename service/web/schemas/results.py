@@ -45,6 +45,12 @@ class BlocksDocument(Document):
     calibration_without_outliers: PairDocument | None = None
     validation: PairDocument | None = None
     cross_validation: PairDocument | None = None
+    validation_position: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions, tied to the world by the measured cups."
+    )
+    validation_position_aligned: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions after the best rigid alignment."
+    )
 
 
 class ParameterDocument(Document):
