@@ -17,7 +17,7 @@ from simulators.errors import ScenarioError
 from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray
-from simulators.recording.ballbar_aiming import BoolArray, aim
+from simulators.recording.ballbar_aiming import BoolArray, aim_balls, aim_legs
 from simulators.recording.ballbar_plan import BallbarPlan, check_plan
 from simulators.recording.ballbar_tour import PlannedLegs, Tour, plan_legs, plan_tour
 from simulators.recording.campaign import Recording, record_in
@@ -132,6 +132,7 @@ def record_ballbar(
     person_rng, arm_rng, instrument_rng = (np.random.default_rng(stream) for stream in streams)
     tour = plan_tour(plan, wishes.approach, person_rng)
     recording, tracker = record_in(cell, wishes.tracker, float(tour.end_s[-1]))
+    tour = _set_up_anew(cell, plan, tour, wishes, arm_rng) if wishes.aimed else tour
     cups = _clamp_cups(cell, tour, tracker, arm_rng)
     _check_cups(plan, cups)
     legs = plan_legs(plan, tour, scenario.ballbar.nominal_mm)
@@ -186,8 +187,8 @@ def _check_cups(plan: BallbarPlan, cups: Cups) -> None:
             off_mm = float(np.linalg.norm(cups.true_mm[mine] - np.array(stated), axis=1).max(initial=0.0))
             if off_mm > _PLACEMENTS_OFF_MM:
                 raise ScenarioError(
-                    f"placement {placement.number}: at the joints of set-up {point} the robot holds the ball"
-                    f" {off_mm:.0f} mm from the cup that the plan states; joints are in deg, cups in the world"
+                    f"placement {placement.number}: at the joints of set-up {point} the ball is"
+                    f" {off_mm:.0f} mm from the cup as planned; joints are in deg, cups in the world"
                 )
 
 
@@ -195,7 +196,32 @@ def _aimed(
     cell: Cell, tour: Tour, legs: PlannedLegs, cups: Cups, wishes: BallbarWishes, rng: np.random.Generator
 ) -> tuple[Tour, BoolArray]:
     wanted = legs.aimed_mm + wishes.aim_error_mm * rng.standard_normal(len(legs.aimed_mm))
-    return aim(cell, tour, legs, _cups_of(legs, tour, cups), wanted, wishes.approach)
+    joints, reached = aim_legs(cell, tour, legs, _cups_of(legs, tour, cups), wanted)
+    return tour.at_joints(joints, wishes.approach), reached
+
+
+def _set_up_anew(
+    cell: Cell, plan: BallbarPlan, tour: Tour, wishes: BallbarWishes, rng: np.random.Generator
+) -> Tour:
+    """Aim the set-ups of later placements: the legs of the first are what the model learnt from."""
+    stated = {
+        (placement.number, point): cup
+        for placement in plan.placements[1:]
+        for point, cup in enumerate(placement.cups_mm, start=1)
+    }
+    stops = np.array(
+        [
+            stop
+            for stop in np.flatnonzero(tour.is_setup)
+            if (int(tour.placement[stop]), int(tour.number[stop])) in stated
+        ],
+        dtype=int,
+    )
+    if not len(stops):
+        return tour
+    wanted = np.array([stated[int(tour.placement[stop]), int(tour.number[stop])] for stop in stops])
+    wanted = wanted + wishes.aim_error_mm * rng.standard_normal(wanted.shape)
+    return tour.at_joints(aim_balls(cell, tour, stops, wanted), wishes.approach)
 
 
 def _cups_of(legs: PlannedLegs, tour: Tour, cups: Cups) -> FloatArray:

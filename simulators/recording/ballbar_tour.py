@@ -35,10 +35,9 @@ class Tour:
     def __len__(self) -> int:
         return len(self.end_s)
 
-    def redirected(self, stops: NestNumbers, joints_deg: FloatArray, approach: str) -> "Tour":
-        """Return the tour with other joints at some of its stops."""
-        joints = self.joints_deg.copy()
-        joints[stops] = np.round(joints_deg, _DECIMALS_DEG)
+    def at_joints(self, joints_deg: FloatArray, approach: str) -> "Tour":
+        """Return the tour with other joints, shape (S, J)."""
+        joints = joints_deg.round(_DECIMALS_DEG)
         return replace(self, joints_deg=joints, direction=directions(joints, approach))
 
     def conditions(self, cell: Cell, stop: NestNumbers, time_s: FloatArray) -> Conditions:
