@@ -1,0 +1,208 @@
+"""The present situation of a session: a pure function of its plan and its ledger.
+
+Nothing else is remembered, so a restart shows the same step and nothing can be done twice. The present
+step is the first one that is open, in the order of the agenda, but for two that come before it where
+they must: the ballbar is taken off before the arm moves, and the setting ball is in its nest before a
+cup is clamped (again).
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import (
+    ArrivalTaken,
+    BallbarPlan,
+    BallbarStep,
+    LedgerEntry,
+    LengthTaken,
+    PoseForecast,
+    StepKind,
+)
+from service.domain.session import SessionState
+from service.sequencing.ballbar import step_ids
+from service.sequencing.ballbar.acts import ActName, acts_allowed
+from service.sequencing.ballbar.agenda import Course, forecast_of, steps
+from service.sequencing.ballbar.pace import BallbarProgress
+from service.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
+from service.sequencing.ballbar.way import way
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Where a session stands."""
+
+    state: SessionState
+    reason: str  # why this state was entered; of a person who is waited for: the question
+    steps: tuple[BallbarStep, ...]  # the whole agenda as it is now, done and skipped ones included
+    outcomes: Mapping[str, Outcome]  # of every step of `steps`
+    step: BallbarStep | None  # the present one; None: nothing is left to do
+    index: int  # of the present step in `steps`, or of the one that it must come before
+    shown: bool  # its prompt is on record
+    confirmed: bool  # of a motion: a person has just said that the cell is clear
+    attached: bool  # the ballbar, as far as known
+    suspicion: OpenSuspicion | None
+    acting: ActingTablet | None
+    initialisations: int  # so far
+    zero: LengthTaken | None  # the initialisation that the present reading counts from
+    forecast: PoseForecast | None  # of the present configuration
+    arm_at: str | None  # the step that brought the arm where it stands; None: not known
+    arrival: ArrivalTaken | None
+    back_to: str | None  # the step that Back reopens; None: there is no way back
+    acts: frozenset[ActName]
+    progress: BallbarProgress
+    last: tuple[str, Outcome] | None  # the step that ended last, and how
+
+    @property
+    def busy(self) -> bool:
+        """Whether the robot moves, or the service computes, as soon as nothing forbids it."""
+        if self.state is not SessionState.RUNNING or self.step is None or self.suspicion is not None:
+            return False
+        return self.confirmed or self.step.kind is StepKind.PRECALIBRATE
+
+    def earlier_legs(self) -> dict[tuple[int, int], float]:
+        """Return the lengths [mm] of the group of the present step that count already, by their points."""
+        if self.step is None:
+            return {}
+        group = step_ids.group_of(self.step.id)
+        return {
+            step.points: outcome.length.length_mm
+            for step in self.steps
+            if step.points is not None and step_ids.group_of(step.id) == group
+            if (outcome := self.outcomes[step.id]).length is not None
+        }
+
+
+def situation(plan: BallbarPlan, kit: BallbarKit, entries: Iterable[LedgerEntry]) -> Situation:
+    """Return where a session stands after these lines of its ledger, oldest first."""
+    record = Record()
+    for entry in entries:
+        record.apply(entry)
+    return situation_of(plan, kit, record)
+
+
+def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situation:
+    """Return where a session stands after what is on record."""
+    agenda = tuple(steps(plan, kit, _course(record)))
+    outcomes = {step.id: record.outcome(step.id) for step in agenda}
+    index = _present_index(agenda, outcomes, record)
+    step = _present(agenda, index, record)
+    back_to = _back_to(agenda, index, record)
+    return Situation(
+        state=record.state,
+        reason=record.reason,
+        steps=agenda,
+        outcomes=MappingProxyType(outcomes),
+        step=step,
+        index=index,
+        shown=step is not None and record.shown == step.id,
+        confirmed=step is not None and record.confirmed == step.id,
+        attached=record.attached,
+        suspicion=record.suspicion,
+        acting=record.acting,
+        initialisations=record.initialisations,
+        zero=_zero(step, record),
+        forecast=forecast_of(record.precalibration, step.config if step else None),
+        arm_at=record.arm_at,
+        arrival=record.arrival,
+        back_to=back_to,
+        acts=acts_allowed(
+            record.state,
+            step,
+            confirmed=step is not None and record.confirmed == step.id,
+            suspected=record.suspicion is not None,
+            can_go_back=back_to is not None,
+        ),
+        progress=_progress(agenda, outcomes, record),
+        last=record.last,
+    )
+
+
+def _course(record: Record) -> Course:
+    """Return what of the past shapes the agenda."""
+    return Course(record.skipped_poses, record.found)
+
+
+def _present_index(agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record) -> int:
+    """Return the place of the first open step, or of the one whose reading is under suspicion."""
+    if record.suspicion is not None:
+        suspected = record.suspicion.step_id
+        return next(i for i, step in enumerate(agenda) if step.id == suspected)
+    return next((i for i, step in enumerate(agenda) if outcomes[step.id].kind == "open"), len(agenda))
+
+
+def _present(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> BallbarStep | None:
+    if index == len(agenda):
+        return None
+    step = agenda[index]
+    if step.kind is StepKind.MOVE and record.attached:
+        return _before(step, step_ids.detach(step.id), StepKind.DETACH)
+    is_of_a_cup = step.base_point is not None and step.kind in {StepKind.MOVE, StepKind.CLAMP_CUP}
+    if is_of_a_cup and not record.ball_fitted:
+        return _before(step, step_ids.ball(step.id), StepKind.FIT_BALL)
+    if step.kind is not StepKind.MOVE:
+        return step
+    moves = [other for other in agenda if other.kind is StepKind.MOVE]
+    return replace(step, via_rad=way(moves, record.last_stop, step.id))
+
+
+def _before(step: BallbarStep, step_id: str, kind: StepKind) -> BallbarStep:
+    """Return the step that has to come before another one."""
+    return BallbarStep(step_id, kind, step.placement, step.config, attempt=step.attempt)
+
+
+def _back_to(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> str | None:
+    """Return the step that Back reopens: the last one a person ended, or the motion to its stop.
+
+    There is no way back behind a pre-calibration, which rests on what came before it, nor to a placement
+    whose fixture has been taken up.
+    """
+    if index < len(agenda) and _begins_a_later_placement(agenda[index], agenda):
+        return None
+    for step in reversed(agenda[:index]):
+        if step.kind is StepKind.PRECALIBRATE:
+            return None
+        if record.outcome(step.id).kind != "skipped":
+            return _with_its_stop(step.id, record)
+        if record.skipped_at(step.id) == step.id:
+            return _with_its_stop(step.id, record)
+    return None
+
+
+def _begins_a_later_placement(step: BallbarStep, agenda: tuple[BallbarStep, ...]) -> bool:
+    if step.kind is not StepKind.PLACE_BASE:
+        return False
+    return any(other.placement not in {None, step.placement} for other in agenda[: agenda.index(step)])
+
+
+def _with_its_stop(step_id: str, record: Record) -> str:
+    """Return the step, or the motion to its stop where the arm stands elsewhere by now."""
+    group = step_ids.group_of(step_id)
+    needs_stop = step_ids.is_of_a_stop(step_id)
+    motion = step_ids.move(group)
+    if not needs_stop or record.arm_at == motion or record.outcome(motion).kind == "skipped":
+        return step_id
+    return motion
+
+
+def _zero(step: BallbarStep | None, record: Record) -> LengthTaken | None:
+    if step is None or step.kind not in READINGS or step.kind is StepKind.INITIALISE:
+        return None
+    return record.outcome(step_ids.initialise(step_ids.group_of(step.id))).length
+
+
+def _progress(
+    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record
+) -> BallbarProgress:
+    readings = [outcomes[step.id].kind for step in agenda if step.kind in READINGS]
+    return BallbarProgress(
+        readings=readings.count("measured"),
+        planned=len(readings),
+        skipped_poses=len(record.skipped_poses),
+        elapsed_s=record.times.elapsed_s,
+        remaining_s=record.times.remaining_s(
+            step.kind for step in agenda if outcomes[step.id].kind == "open"
+        ),
+        pace_s_per_reading=record.times.pace_s_per_reading(),
+    )
