@@ -7,8 +7,11 @@ from typing import Final
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+_HERE: Final = Path(__file__).parent
 _TEMPLATES: Final = Environment(
-    loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined
+    loader=FileSystemLoader([_HERE / "templates", _HERE / "tablet" / "templates"]),
+    autoescape=True,
+    undefined=StrictUndefined,
 )
 
 

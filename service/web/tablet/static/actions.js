@@ -1,0 +1,84 @@
+// The large buttons above the dock: what the screen is for.
+
+import { element } from "./elements.js";
+import { holdButton } from "./hold.js";
+import { can, stepOf } from "./situation.js";
+import { pairInWords } from "./words.js";
+
+const DONE = { act: "confirm", key: "act.done" };
+const STORE = { act: "store", key: "act.store" };
+const OFFERED = {
+  planned: [{ act: "start", key: "act.start" }],
+  initialise: [STORE],
+  measure_side: [STORE],
+  connect_leg: [STORE],
+  place_base: [DONE],
+  fit_ball: [DONE],
+  clamp_cup: [DONE],
+  remove_ball: [DONE],
+  detach: [DONE],
+  move: [{ act: "confirm", key: "act.hold", held: true }],
+  interrupted: [{ act: "confirm", key: "act.looked" }],
+  moving: [{ key: "act.moving" }],
+  precalibrate: [{ key: "act.wait" }],
+  waiting: [{ key: "act.wait" }],
+  loading: [{ key: "act.wait" }],
+  pausing: [{ key: "act.wait" }],
+  paused: [{ act: "resume", key: "act.resume" }],
+  doubt: [
+    { act: "answer", answer: "reconnected", key: "doubt.reconnected", exchanged: "doubt.read_again", plain: true },
+    { act: "answer", answer: "right_pair", key: "doubt.right" },
+  ],
+  finished: [],
+  aborted: [],
+  failed: [],
+};
+
+function label(offer, model, texts) {
+  if (offer.act && model.queue.holds(offer.act, stepOf(model.session, offer.act))) return texts.say("queue.waits");
+  const { step, suspicion } = model.session ?? {};
+  const key = (suspicion && offer[suspicion.kind]) || offer.key;
+  return texts.say(key, { pair: step?.points ? pairInWords(step.points) : texts.say("initialise.names") });
+}
+
+export class Actions {
+  #place;
+  #tapped;
+  #shown = "";
+  #buttons = [];
+
+  // `tapped(act, { answer })`
+  constructor(place, tapped) {
+    this.#place = place;
+    this.#tapped = tapped;
+  }
+
+  show(screen, model, texts) {
+    const offers = OFFERED[screen];
+    // Built anew for a new step only: a finger may rest on a button while the rest of the page changes.
+    const shown = `${screen} ${model.session?.step?.id}`;
+    if (shown !== this.#shown) this.#build(offers, texts);
+    this.#shown = shown;
+    offers.forEach((offer, i) => {
+      const button = this.#buttons[i];
+      button.disabled = !offer.act || !can(model, offer.act);
+      const text = button.classList.contains("holding") ? texts.say("act.hold_more") : label(offer, model, texts);
+      if (button.lastChild.textContent !== text) button.lastChild.textContent = text;
+    });
+  }
+
+  #build(offers, texts) {
+    this.#buttons = offers.map((offer) => this.#button(offer, texts));
+    this.#place.replaceChildren(...this.#buttons);
+  }
+
+  #button(offer, texts) {
+    const kind = offer.held ? "main hold" : `main${offer.plain ? " plain" : ""}`;
+    const fill = element("i", { class: "fill", "aria-hidden": "true" });
+    const button = element("button", { type: "button", class: kind, "data-act": offer.act }, fill, element("span"));
+    const tapped = () => this.#tapped(offer.act, { answer: offer.answer });
+    if (!offer.held) button.addEventListener("click", tapped);
+    else holdButton(button, { held: tapped, changed: (holding) => (button.lastChild.textContent = texts.say(holding ? "act.hold_more" : "act.hold")) });
+    return button;
+  }
+}

@@ -1,0 +1,39 @@
+// Requests to the public API. A refusal and a silence are two things: one is an answer.
+
+const PATIENCE_MS = 8000;
+const GATEWAY = [502, 504]; // said by something between here and the service
+
+export class Unreached extends Error {}
+
+export class Refused extends Error {
+  constructor(status, sentence) {
+    super(sentence ?? "");
+    this.status = status;
+  }
+}
+
+async function reached(path, request, patience_ms) {
+  const patience = new AbortController();
+  const timer = setTimeout(() => patience.abort(), patience_ms);
+  try {
+    const reply = await fetch(path, { ...request, cache: "no-store", signal: patience.signal });
+    return [reply, reply.status === 204 ? null : await reply.json().catch(() => null)];
+  } catch (error) {
+    throw new Unreached(error.message);
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
+export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
+  const [reply, answer] = await reached(path, request, patience_ms);
+  if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));
+  if (!reply.ok) throw new Refused(reply.status, answer?.detail);
+  return answer;
+}
+
+export function post(path, body, key = null, patience_ms = PATIENCE_MS) {
+  const headers = { "Content-Type": "application/json" };
+  if (key) headers["Idempotency-Key"] = key;
+  return ask(path, { method: "POST", headers, body: JSON.stringify(body) }, patience_ms);
+}

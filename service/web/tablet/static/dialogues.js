@@ -1,0 +1,116 @@
+// Questions the page itself asks. They lie over the picture and never over the dock: STOP stays in reach.
+
+import { element } from "./elements.js";
+
+const POSE_REASONS = ["skip.short", "skip.long", "skip.blocked", "skip.reach", "skip.unstable", "skip.other"];
+const OTHER = "skip.other";
+const OUT = { out_low: "skip.short", out_high: "skip.long", unstable: "skip.unstable" };
+
+export class Dialogues {
+  #place;
+  #texts;
+  #before = null;
+  #ask = null;
+
+  constructor(place, texts) {
+    this.#place = place;
+    this.#texts = texts;
+    place.addEventListener("keydown", (event) => event.key === "Escape" && this.close());
+  }
+
+  get open() {
+    return !this.#place.hidden;
+  }
+
+  close() {
+    if (!this.open || this.#ask?.must) return;
+    this.#leave();
+  }
+
+  // Shows the question again, in the language of now.
+  again() {
+    if (this.open) this.#show();
+  }
+
+  name(present, kept) {
+    const keep = (form) => {
+      const name = form.elements.person.value.trim();
+      if (!name) return;
+      this.#leave();
+      kept(name);
+    };
+    const input = () =>
+      element("label", { class: "field" }, this.#texts.say("name.label"),
+        element("input", { name: "person", value: present ?? "", maxlength: 100, required: true, autocomplete: "name" }));
+    this.#put({ must: !present, title: "name.title", text: "name.text", parts: () => [input()], does: "name.keep", submitted: keep });
+  }
+
+  skip(inPose, sampleState, chosen) {
+    const given = OUT[sampleState];
+    const submitted = (form) => {
+      const key = form.elements.reason.value;
+      const written = form.elements.written.value.trim();
+      if (!key || (key === OTHER && !written)) return form.elements.written.focus();
+      this.#leave();
+      return chosen([key === OTHER ? "" : this.#texts.record(key), written].filter(Boolean).join(": "));
+    };
+    const title = inPose ? "skip.title" : "skip.title_step";
+    this.#put({ title, text: inPose ? "skip.text" : null, parts: () => this.#reasons(given), does: "skip.do", submitted });
+  }
+
+  abort(meant) {
+    this.#put({ title: "abort.title", text: "abort.text", parts: () => [], does: "abort.do", danger: true,
+      submitted: () => (this.#leave(), meant()) });
+  }
+
+  takeOver(person, meant) {
+    const text = person ? "who.take_text" : "who.take_nobody";
+    this.#put({ title: "who.take_title", text, values: { person }, parts: () => [], does: "who.take_over",
+      submitted: () => (this.#leave(), meant()) });
+  }
+
+  // `pairs`: [base, tool] each; the simulated hands connect the one that is tapped.
+  pairs(pairs, chosen) {
+    const button = ([base, tool]) =>
+      element("button", { type: "button", class: "pair", onclick: () => (this.#leave(), chosen(base, tool)) }, `B${base}–T${tool}`);
+    this.#put({ title: "hands.pick", parts: () => [element("div", { class: "pairs" }, ...pairs.map(button))] });
+  }
+
+  #reasons(given) {
+    const choice = (key) =>
+      element("label", { class: "choice" },
+        element("input", { type: "radio", name: "reason", value: key, required: true, checked: key === given }),
+        element("span", {}, this.#texts.say(key)));
+    const written = element("input", { name: "written", maxlength: 300, "aria-label": this.#texts.say("skip.write"), placeholder: this.#texts.say("skip.write") });
+    written.addEventListener("input", () => this.#place.querySelector("input:checked") ?? (this.#place.querySelector(`[value="${OTHER}"]`).checked = true));
+    return [element("div", { class: "reasons" }, ...POSE_REASONS.map(choice)), element("label", { class: "field" }, written)];
+  }
+
+  #put(ask) {
+    this.#ask = ask;
+    this.#before = document.activeElement;
+    this.#show();
+  }
+
+  #show() {
+    const { title, text, values, parts, does, danger, must, submitted } = this.#ask;
+    const say = (key) => this.#texts.say(key, values);
+    const buttons = [
+      must ? null : element("button", { type: "button", class: "main plain", onclick: () => this.close() }, say("dialogue.cancel")),
+      does ? element("button", { class: danger ? "main danger" : "main" }, say(does)) : null,
+    ];
+    const form = element("form", { novalidate: true },
+      element("h2", { id: "dialogue-title" }, say(title)), text ? element("p", {}, say(text)) : null,
+      ...parts(), element("div", { class: "answers" }, ...buttons));
+    form.addEventListener("submit", (event) => (event.preventDefault(), submitted?.(form)));
+    this.#place.replaceChildren(form);
+    this.#place.hidden = false;
+    (form.querySelector("input[name=person]") ?? this.#place).focus();
+  }
+
+  #leave() {
+    this.#place.hidden = true;
+    this.#place.replaceChildren();
+    this.#before?.focus?.();
+  }
+}

@@ -1,0 +1,121 @@
+// The live length: number, colour, word, shape, a scale, and how long it has stood still.
+
+import { drawn, write } from "./elements.js";
+import { stateShape } from "./shapes.js";
+import { barsInWords } from "./words.js";
+
+const WORDS = {
+  in_range: "state.in_range",
+  out_low: "state.out_low",
+  out_high: "state.out_high",
+  unstable: "state.unstable",
+  no_signal: "state.no_signal",
+};
+const ADVICE = { unstable: "advice.unstable", no_signal: "advice.no_signal" };
+const OUT = {
+  pose: { out_low: "advice.out_low", out_high: "advice.out_high" },
+  set: { out_low: "advice.out_low_set", out_high: "advice.out_high_set" },
+};
+const RANGE_MM = 1.0; // of the ballbar, either way of its nominal length
+const SHOWN_MM = 1.25; // the scale goes so far either way
+const SCALE = { width: 720, top: 14, height: 28 };
+
+const onScale = (deviation_mm) => {
+  const share = Math.max(-1, Math.min(1, deviation_mm / SHOWN_MM));
+  return (SCALE.width / 2) * (1 + 0.985 * share);
+};
+
+function ticks() {
+  const marks = [];
+  for (let tenth = -10; tenth <= 10; tenth += 2) {
+    const x = onScale(tenth / 10);
+    const long = tenth % 10 === 0;
+    marks.push(`M${x} ${SCALE.top + SCALE.height}v${long ? 16 : 9}`);
+  }
+  return marks.join("");
+}
+
+// What the ballbar is off its nominal length; its own word where the service computed no length.
+function deviationOf(sample, step) {
+  if (sample.deviation_mm !== null) return sample.deviation_mm;
+  if (sample.length_mm !== null && step?.nominal_mm) return sample.length_mm - step.nominal_mm;
+  return { out_low: -SHOWN_MM, out_high: SHOWN_MM }[sample.state] ?? null;
+}
+
+export class Gauge {
+  #nodes;
+  #texts;
+  #state = null;
+
+  constructor(nodes, texts) {
+    this.#nodes = nodes;
+    this.#texts = texts;
+  }
+
+  // `sample` is null where nothing was received for the present step.
+  show(sample, step) {
+    const shown = sample ?? { state: "no_signal", length_mm: null, deviation_mm: null, stable_share: 0, robot_still: true };
+    const { gauge, word, length, deviation, advice } = this.#nodes;
+    this.#showState(shown.state);
+    gauge.style.setProperty("--stable", shown.stable_share);
+    write(word, this.#texts.say(WORDS[shown.state]));
+    write(length, this.#length(shown, step));
+    write(deviation, this.#deviation(shown, step));
+    write(advice, this.#advice(shown, step));
+    this.#drawScale(shown, step);
+    // For whoever measures how old the number on the screen is.
+    gauge.dataset.sampledAtMs = shown.sampled_at_ms ?? "";
+  }
+
+  word(state) {
+    return this.#texts.say(WORDS[state]);
+  }
+
+  #showState(state) {
+    if (state === this.#state) return;
+    this.#state = state;
+    this.#nodes.gauge.dataset.state = state;
+    this.#nodes.shape.replaceChildren(stateShape(state));
+  }
+
+  #length(sample, step) {
+    const texts = this.#texts;
+    if (sample.length_mm !== null) return texts.say("length.mm", { length: texts.number(sample.length_mm, 3) });
+    if (sample.deviation_mm !== null && step?.kind === "initialise")
+      return texts.say("length.mm", { length: texts.signed(sample.deviation_mm, 3) });
+    return texts.say("length.none");
+  }
+
+  #deviation(sample, step) {
+    const texts = this.#texts;
+    const expected_mm = step?.expected_mm ?? step?.nominal_mm;
+    if (sample.length_mm === null || !expected_mm) return "";
+    const deviation = texts.signed(sample.length_mm - expected_mm, 3);
+    return texts.say("length.deviation", { deviation, expected: texts.number(expected_mm, 3) });
+  }
+
+  #advice(sample, step) {
+    if (sample.state === "in_range") return this.#texts.say(sample.robot_still ? "advice.stable" : "advice.robot");
+    const key = ADVICE[sample.state] ?? OUT[step?.kind === "connect_leg" ? "pose" : "set"][sample.state];
+    return this.#texts.say(key, { bars: barsInWords(step?.bars_mm, this.#texts) });
+  }
+
+  #drawScale(sample, step) {
+    const [low, high] = [onScale(-RANGE_MM), onScale(RANGE_MM)];
+    const { top, height, width } = SCALE;
+    const marks = [
+      drawn("rect", { class: "beyond", x: 0, y: top, width, height }),
+      drawn("rect", { class: "within", x: low, y: top, width: high - low, height }),
+      drawn("path", { class: "ticks", d: ticks() }),
+    ];
+    const aim_mm = (step?.expected_mm ?? NaN) - (step?.nominal_mm ?? NaN);
+    if (Math.abs(aim_mm) < SHOWN_MM) {
+      const x = onScale(aim_mm);
+      marks.push(drawn("path", { class: "aim", d: `M${x} ${top - 2}l-8-12h16Z` }));
+    }
+    const deviation_mm = deviationOf(sample, step);
+    if (deviation_mm !== null)
+      marks.push(drawn("rect", { class: "needle", x: onScale(deviation_mm) - 4, y: top - 4, width: 8, height: height + 8, rx: 3 }));
+    this.#nodes.scale.replaceChildren(...marks);
+  }
+}

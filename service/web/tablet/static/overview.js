@@ -1,0 +1,57 @@
+// The steps listed beforehand: what will be done, how many readings, how long.
+
+import { element } from "./elements.js";
+import { READ } from "./situation.js";
+import { stepInWords } from "./words.js";
+
+const HEADS = {
+  tool: "overview.tool",
+  placement: "overview.placement",
+  pose: "overview.pose",
+  compute: "overview.compute",
+};
+
+function group(step) {
+  const { placement, config, attempt } = step;
+  if (step.kind === "precalibrate") return { head: "compute", placement, config: step.id };
+  if (config !== null) return { head: "pose", placement, config: `${config}`, attempt };
+  return placement === null ? { head: "tool" } : { head: "placement", placement };
+}
+
+// Steps that belong together, in the order of the session.
+export function grouped(steps) {
+  const groups = [];
+  for (const step of steps) {
+    const mine = group(step);
+    const last = groups.at(-1);
+    const same = last && JSON.stringify(last.of) === JSON.stringify(mine);
+    if (same) last.steps.push(step);
+    else groups.push({ of: mine, steps: [step] });
+  }
+  return groups;
+}
+
+function amounts(steps, texts) {
+  const readings = steps.filter((step) => READ.includes(step.kind)).length;
+  const counted = (count, one, many) => (count === 1 ? texts.say(one) : texts.say(many, { count }));
+  const said = [counted(steps.length, "overview.step", "overview.steps")];
+  if (readings) said.push(counted(readings, "overview.reading", "overview.readings"));
+  return said.join(", ");
+}
+
+function card({ of, steps }, texts) {
+  const head = texts.say(HEADS[of.head], of);
+  const rows = () => steps.map((step) => element("li", {}, stepInWords(step, texts)));
+  const list = element("ol");
+  const opened = (event) => event.target.open && !list.children.length && list.append(...rows());
+  return element("details", { ontoggle: opened }, element("summary", {}, element("b", {}, head), element("span", {}, amounts(steps, texts))), list);
+}
+
+export function showOverview(panel, session, steps, texts) {
+  const { planned, remaining_s } = session.progress;
+  const facts = { readings: planned, steps: steps.length, time: texts.duration(remaining_s ?? 0) };
+  panel.replaceChildren(
+    element("p", { class: "facts" }, texts.say("overview.facts", facts)),
+    element("div", { class: "groups" }, ...grouped(steps).map((found) => card(found, texts))),
+  );
+}

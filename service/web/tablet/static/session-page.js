@@ -1,0 +1,273 @@
+// One session, a step a screen: everything is joined here.
+
+import { Actions } from "./actions.js";
+import { Refused, ask } from "./api.js";
+import { Dialogues } from "./dialogues.js";
+import { Dock } from "./dock.js";
+import { showIf, write } from "./elements.js";
+import { Gauge } from "./gauge.js";
+import { Hands } from "./hands.js";
+import { Live } from "./live.js";
+import { Queue } from "./queue.js";
+import { Sender } from "./sender.js";
+import { READ, onlyNow, screenOf, stepOf } from "./situation.js";
+import { Sound } from "./sound.js";
+import { Stage } from "./stage.js";
+import { Storage, Tablet } from "./tablet.js";
+import { Texts } from "./texts.js";
+import { Top } from "./top.js";
+import { stayAwake } from "./wake.js";
+import { stepInWords } from "./words.js";
+
+const SAID_MS = 9000; // a sentence of the service stays so long
+const STORED_MS = 2600;
+const SPOKEN_MS = 700; // a state is spoken once it has lasted
+const ACTS = {
+  start: "act.start", confirm: "act.done", store: "act.store", answer: "act.answer", hand_over: "act.hand_over",
+  resume: "dock.resume", back: "dock.back", retry: "dock.retry", skip: "dock.skip", pause: "dock.pause",
+  abort: "dock.abort", stop: "dock.stop",
+};
+
+class SessionPage {
+  #at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
+  #id = document.body.dataset.session;
+  #path = `/api/v1/ballbar-sessions/${this.#id}`;
+  #drawing = false;
+  #speaking = null;
+  #saying = null;
+
+  constructor(texts, storage) {
+    this.texts = texts;
+    this.tablet = new Tablet(storage);
+    this.model = {
+      session: null, steps: [], stepsById: new Map(), scene: null, sceneOf: null, sample: null, sampleOf: null,
+      up: false, opened: false, storedNow: false, tablet: this.tablet, queue: new Queue(storage, this.#id),
+    };
+    this.sound = new Sound(() => this.tablet.muted);
+    this.sender = new Sender(this.#id, this.model.queue, {
+      changed: () => this.draw(),
+      answered: (session) => this.accept(session),
+      dropped: (tap, error) => this.#dropped(tap, error),
+      unreached: (tap) => this.say(this.texts.say(tap.act === "confirm" ? "lost.motion" : "lost.only_now")),
+    });
+    this.live = new Live(`${this.#path}/live?tablet=${encodeURIComponent(this.tablet.id)}`, {
+      state: (up) => this.#linked(up),
+      sample: (sample) => this.#sampled(sample),
+      situation: (session) => this.accept(session),
+    });
+    this.#furnish();
+  }
+
+  open() {
+    this.texts.translate(document);
+    this.draw();
+    if (!this.tablet.person) this.#askName();
+    this.live.open();
+    stayAwake(() => this.live.restart());
+    this.refresh().catch((error) => this.#missing(error));
+    this.hands.exist().then((simulated) => this.#showHands(simulated));
+  }
+
+  #furnish() {
+    const at = this.#at;
+    this.top = new Top(at);
+    this.stage = new Stage(at, () => this.draw());
+    this.gauge = new Gauge(at, this.texts);
+    this.dialogues = new Dialogues(at.dialogue, this.texts);
+    this.dock = new Dock(at.dock, (act) => this.#tapped(act));
+    this.actions = new Actions(at.actions, (act, more) => this.act(act, more));
+    this.hands = new Hands(at.hands, {
+      present: () => this.model.session,
+      other: (chosen) => this.dialogues.pairs(this.#pairs(), chosen),
+      failed: (sentence) => this.say(sentence || this.texts.say("hands.unreached")),
+    });
+    at.language.addEventListener("click", () => this.#switchLanguage());
+    at.mute.addEventListener("click", () => ((this.tablet.muted = !this.tablet.muted), this.draw()));
+    at.person.addEventListener("click", () => this.#askName());
+    at["take-over"].addEventListener("click", () => this.#takeOver());
+    at.said.addEventListener("click", () => showIf(at.said, false));
+  }
+
+  // Everything is drawn once a frame at most, whatever changed.
+  draw() {
+    if (this.#drawing) return;
+    this.#drawing = true;
+    requestAnimationFrame(() => {
+      this.#drawing = false;
+      const screen = screenOf(this.model.session);
+      this.top.show(this.model, this.texts);
+      this.stage.show(screen, this.model, this.texts);
+      this.dock.show(this.model, this.texts);
+      this.actions.show(screen, this.model, this.texts);
+      this.#showLength();
+      if (!this.#at.simulated.hidden) this.hands.show(this.texts);
+    });
+  }
+
+  // Takes what the service says of the session, unless something newer is known.
+  accept(session) {
+    const before = this.model.session;
+    if (before && session.ledger_number < before.ledger_number) return;
+    this.model.session = session;
+    if (before) this.#news(before, session);
+    if (before?.step?.id !== session.step?.id || before?.robot_moving !== session.robot_moving) this.#newStep(session);
+    this.draw();
+  }
+
+  async refresh() {
+    this.accept(await ask(this.#path));
+    await this.#loadSteps();
+    await this.#loadScene();
+  }
+
+  // A tap: kept until it is answered, or, where it sets something going, sent now or never.
+  act(act, more = {}) {
+    const { session, sample } = this.model;
+    const tap = { act, step_id: stepOf(session, act), person: this.tablet.person, tablet: this.tablet.id, ...more };
+    if (!tap.person) return this.#askName();
+    if (onlyNow(session, act)) return this.sender.now(act === "confirm" ? { ...tap, seen_time_s: sample?.time_s } : tap);
+    if (!this.sender.queue(tap)) this.say(this.texts.say("queue.full"));
+    if (act === "stop" && !this.model.up) this.say(this.texts.say("lost.stop"));
+    return undefined;
+  }
+
+  say(sentence) {
+    const { said } = this.#at;
+    write(said, sentence);
+    showIf(said, true);
+    clearTimeout(this.#saying);
+    this.#saying = setTimeout(() => showIf(said, false), SAID_MS);
+  }
+
+  #tapped(act) {
+    const { session, sample } = this.model;
+    if (act === "abort") return this.dialogues.abort(() => this.act("abort"));
+    if (act !== "skip") return this.act(act);
+    const step = session.step.id;
+    const chosen = (reason) => this.act("skip", { reason, step_id: step });
+    return this.dialogues.skip(session.step.config !== null, sample?.state, chosen);
+  }
+
+  #askName() {
+    this.dialogues.name(this.tablet.person, (name) => {
+      this.tablet.person = name;
+      this.draw();
+    });
+  }
+
+  #takeOver() {
+    const { session } = this.model;
+    this.dialogues.takeOver(session.acting?.person, () => this.act("hand_over"));
+  }
+
+  #pairs() {
+    const points = this.model.scene?.points ?? [];
+    const numbers = (kind) => points.filter((point) => point.kind === kind).map((point) => Number(point.name.slice(1)));
+    return numbers("cup").flatMap((base) => numbers("nest").map((tool) => [base, tool]));
+  }
+
+  #switchLanguage() {
+    this.texts.switchLanguage();
+    this.texts.translate(document);
+    this.dialogues.again();
+    this.draw();
+  }
+
+  #showHands(simulated) {
+    showIf(this.#at.simulated, simulated);
+    document.body.classList.toggle("is-simulated", simulated);
+    this.draw();
+  }
+
+  #news(before, session) {
+    const told = JSON.stringify(session.last_outcome) !== JSON.stringify(before.last_outcome);
+    if (told && session.last_outcome?.kind === "measured") this.#stored();
+    if (!before.suspicion && session.suspicion) this.sound.play("doubt");
+    if (before.step?.id !== session.step?.id && session.step?.kind === "move") this.sound.play("move");
+  }
+
+  #stored() {
+    this.sound.play("stored");
+    this.model.storedNow = true;
+    this.#speak(this.texts.say("stored.now"));
+    setTimeout(() => {
+      this.model.storedNow = false;
+      this.draw();
+    }, STORED_MS);
+  }
+
+  #newStep(session) {
+    this.dialogues.close();
+    if (session.step && !this.model.stepsById.has(session.step.id)) this.#loadSteps().catch(() => null);
+    this.#loadScene().catch(() => null);
+  }
+
+  async #loadSteps() {
+    const { steps } = await ask(`${this.#path}/steps`);
+    this.model.steps = steps;
+    this.model.stepsById = new Map(steps.map((step) => [step.id, step]));
+    this.draw();
+  }
+
+  async #loadScene() {
+    const of = this.model.session.step?.id ?? null;
+    const scene = await ask(`${this.#path}/scene`);
+    if (of !== (this.model.session.step?.id ?? null)) return; // a newer one is on its way
+    this.model.scene = scene;
+    this.model.sceneOf = of;
+    this.draw();
+  }
+
+  #linked(up) {
+    this.model.up = up;
+    if (!up && this.model.opened) this.sound.play("lost");
+    this.model.opened ||= up;
+    if (!up) this.model.sample = null;
+    if (up) this.refresh().then(() => this.sender.flush(), () => this.sender.flush());
+    this.draw();
+  }
+
+  // Not through `draw`: a length is on the screen as soon as it is here.
+  #sampled(sample) {
+    this.model.sample = sample;
+    this.model.sampleOf = this.model.session?.step?.id;
+    this.#showLength();
+  }
+
+  #showLength() {
+    const { session, sample } = this.model;
+    const screen = screenOf(session);
+    this.gauge.show(sample, session?.step);
+    const state = READ.includes(screen) && sample ? sample.state : null;
+    this.sound.state(state);
+    if (state !== null) this.#speakState(state);
+  }
+
+  #speakState(state) {
+    if (state === this.#speaking?.state) return;
+    clearTimeout(this.#speaking?.timer);
+    const timer = setTimeout(() => this.#speak(this.gauge.word(state)), SPOKEN_MS);
+    this.#speaking = { state, timer };
+  }
+
+  #speak(text) {
+    write(this.#at.spoken, text);
+  }
+
+  async #dropped(tap, error) {
+    await this.refresh().catch(() => null);
+    const name = this.texts.say(ACTS[tap.act]);
+    const gone = tap.step_id !== null && tap.step_id !== this.model.session?.step?.id;
+    const step = this.model.stepsById.get(tap.step_id);
+    if (gone) return this.say(this.texts.say("queue.dropped", { tap: name, step: step ? stepInWords(step, this.texts) : tap.step_id }));
+    const reason = error.message || this.texts.say("queue.failed", { status: error.status });
+    return this.say(this.texts.say("queue.refused", { tap: name, reason }));
+  }
+
+  #missing(error) {
+    if (error instanceof Refused) this.say(error.message || this.texts.say("queue.failed", { status: error.status }));
+  }
+}
+
+const storage = new Storage();
+new SessionPage(await Texts.load(storage), storage).open();

@@ -1,0 +1,124 @@
+// The middle of the screen: what is asked, the picture, what was stored last, the length.
+
+import { element, drawn, showIf, write } from "./elements.js";
+import { showOverview } from "./overview.js";
+import { drawPicture } from "./picture.js";
+import { READ } from "./situation.js";
+import { pairInWords, pointsOf, wordsOf } from "./words.js";
+
+const CHECKS = ["move.check_people", "move.check_bar", "move.check_stop"];
+const BALL = ["fit_ball", "remove_ball"]; // the setting ball sits in tool nest 1
+const UNSEEN = ["planned", "finished", "aborted", "failed"]; // screens without a picture
+const BAR = "M2 20H78M18 20H54"; // the ballbar between two names
+
+function nameBlocks(points) {
+  const block = (name) => element("span", { class: name.startsWith("B") ? "cup" : "nest" }, name);
+  const bar = () => drawn("svg", { class: "between", viewBox: "0 0 80 40", "aria-hidden": "true" }, drawn("path", { d: BAR }), drawn("path", { class: "tube", d: "M20 20H52" }));
+  return points.flatMap((name, i) => (i ? [bar(), block(name)] : [block(name)]));
+}
+
+function doubtInWords({ step, suspicion }, texts) {
+  const pair = suspicion.suspected && pairInWords(suspicion.suspected);
+  const asked = step.points ? pairInWords(step.points) : texts.say("initialise.names");
+  const expected = suspicion.expected_mm !== null && texts.number(suspicion.expected_mm, 3);
+  const said = { pair, asked, expected };
+  const keys = {
+    same_pair: pair ? "doubt.same_pair" : "doubt.same_pair_unknown",
+    other_pair: "doubt.other_pair",
+    exchanged: "doubt.exchanged",
+    unlikely: expected ? "doubt.unlikely" : "doubt.unlikely_plain",
+  };
+  const read = { pair: asked, length: texts.number(suspicion.length_mm, 3) };
+  return [texts.say("doubt.asked", read), texts.say(keys[suspicion.kind], said)];
+}
+
+function caption(screen, points) {
+  if (screen === "move" || screen === "moving") return "picture.move";
+  if (points.length < 2) return "picture.plain";
+  return points[0][0] === points[1][0] ? "picture.side" : "picture.pair";
+}
+
+export class Stage {
+  #at;
+  #drawn = null;
+  #scene = null;
+
+  constructor(at, redraw) {
+    this.#at = at;
+    new ResizeObserver(redraw).observe(at.picture);
+  }
+
+  show(screen, model, texts) {
+    const { session } = model;
+    document.body.dataset.screen = screen;
+    this.#showWords(screen, session, texts);
+    this.#showPanel(screen, model, texts);
+    this.#showPicture(screen, model, texts);
+    this.#showLast(model, texts);
+    showIf(this.#at.gauge, READ.includes(session?.step?.kind) && [...READ, "doubt"].includes(screen));
+  }
+
+  #showWords(screen, session, texts) {
+    const { kicker, points, names, instruction } = wordsOf(screen, session, texts);
+    const at = this.#at;
+    write(at.kicker, kicker);
+    write(at.instruction, instruction);
+    const shown = points.length ? points.join(" ") : (names ?? session.name);
+    if (at.names.dataset.shown !== shown) at.names.replaceChildren(...(points.length ? nameBlocks(points) : [shown]));
+    at.names.dataset.shown = shown;
+    at.names.classList.toggle("words", !points.length);
+    const unseen = screen === "connect_leg" && !session.swaps_can_be_seen;
+    showIf(at.hint, unseen);
+    write(at.hint, unseen ? texts.say("hint.swap") : "");
+  }
+
+  #showPanel(screen, model, texts) {
+    const { panel } = this.#at;
+    const { session, steps } = model;
+    const shown = [screen, texts.language, session?.suspicion?.kind, session?.ballbar_attached, model.up, steps.length].join();
+    showIf(panel, ["planned", "move", "doubt"].includes(screen));
+    if (panel.dataset.shown === shown) return;
+    panel.dataset.shown = shown;
+    if (screen === "planned") showOverview(panel, session, steps, texts);
+    else if (screen === "move") panel.replaceChildren(...this.#checks(model, texts));
+    else if (screen === "doubt") panel.replaceChildren(...doubtInWords(session, texts).map((text) => element("p", {}, text)));
+    else panel.replaceChildren();
+  }
+
+  #checks({ session, up }, texts) {
+    const checks = element("ul", { class: "checks" }, ...CHECKS.map((key) => element("li", {}, texts.say(key))));
+    const why = session.ballbar_attached ? "move.attached" : up ? null : "move.offline";
+    return [checks, why && element("p", { class: "why" }, texts.say(why))].filter(Boolean);
+  }
+
+  #showPicture(screen, { session, scene, sceneOf }, texts) {
+    const { picture } = this.#at;
+    const fits = scene !== null && sceneOf === session?.step?.id;
+    showIf(picture, fits && !UNSEEN.includes(screen));
+    const size = { width: picture.clientWidth, height: picture.clientHeight };
+    if (picture.hidden || size.width < 50 || size.height < 50) return;
+    const points = pointsOf(screen, session);
+    const asked = points.length || !BALL.includes(session.step.kind) ? points : ["T1"];
+    const suspected = session.suspicion?.suspected ?? [];
+    const shown = JSON.stringify([session.step.id, screen, asked, suspected, size, texts.language]);
+    if (shown === this.#drawn && scene === this.#scene) return;
+    this.#drawn = shown;
+    this.#scene = scene;
+    const svg = picture.querySelector("svg");
+    drawPicture(svg, scene, { asked, suspected }, size);
+    const [first, second] = asked;
+    svg.setAttribute("aria-label", texts.say(caption(screen, asked), { first, second }));
+  }
+
+  #showLast({ session, stepsById, storedNow }, texts) {
+    const { last } = this.#at;
+    const outcome = session?.last_outcome;
+    const stored = outcome?.kind === "measured" && outcome.length_mm !== null;
+    last.classList.toggle("fresh", stored && storedNow);
+    if (!stored) return write(last, session ? texts.say("stored.none") : "");
+    const step = stepsById.get(outcome.step_id);
+    const what = step?.points ? pairInWords(step.points) : texts.say("initialise.names");
+    const length = texts.say("length.mm", { length: texts.number(outcome.length_mm, 3) });
+    return write(last, `${texts.say(storedNow ? "stored.now" : "stored.last")}: ${what}  ${length}`);
+  }
+}

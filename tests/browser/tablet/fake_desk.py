@@ -1,0 +1,208 @@
+"""A session as the public API shows it, told by a test what to be: for states that are hard to reach.
+
+It follows the routes and documents of the real service; whatever it is not told stays dull.
+"""
+
+import asyncio
+import copy
+import json
+import math
+import time
+
+from fastapi import FastAPI, Header, Request
+from fastapi.responses import JSONResponse, Response, StreamingResponse
+
+from service.web.tablet import routes
+
+ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm", "answer", "resume"]
+CUPS = {"B1": (380.0, -150.0, 60.0), "B2": (640.0, 0.0, 60.0), "B3": (380.0, 150.0, 60.0)}
+NESTS = {"T1": (470.0, 5.0, 305.0), "T2": (545.0, 95.0, 372.0), "T3": (590.0, -55.0, 330.0)}
+ARM = [(0, 0, 0), (0, 0, 330), (75, 0, 330), (190, 0, 607), (420, 0, 640), (500, 0, 560), (520, 5, 430)]
+ARM_BEFORE = [(0, 0, 0), (0, 0, 330), (70, 28, 330), (110, 45, 628), (330, 130, 760), (405, 160, 700), (430, 165, 640)]
+
+
+def scene(leg=None, *, before=None):
+    points = [{"name": name, "position_mm": at, "kind": "cup"} for name, at in CUPS.items()]
+    points += [{"name": name, "position_mm": at, "kind": "nest"} for name, at in NESTS.items()]
+    return {
+        "points": points,
+        "arm_mm": ARM,
+        "leg": leg,
+        "stand_mm": (1500.0, -900.0, 1000.0),
+        "look_at_mm": (470.0, 0.0, 200.0),
+        "before_move_arm_mm": before,
+    }
+
+
+def step(kind="connect_leg", **said):
+    dull = {
+        "id": f"placement-1/{kind}",
+        "kind": kind,
+        "placement": 1,
+        "config": None,
+        "artefact": None,
+        "points": None,
+        "base_point": None,
+        "expected_mm": None,
+        "attempt": 1,
+        "bars_mm": [150, 50],
+        "nominal_mm": 300.0,
+        "target_deg": None,
+        "index": 57,
+        "count": 431,
+        "confirmed": False,
+        "leg_number": None,
+        "leg_count": None,
+    }
+    return {**dull, **said}
+
+
+def leg(base=2, tool=3, *, pose=12, number=4, **said):
+    """Return the step that connects cup `base` with nest `tool`."""
+    id = f"placement-1/pose-{pose}/leg-{base}-{tool}"
+    told = {"points": [f"B{base}", f"T{tool}"], "expected_mm": 300.42, "config": pose}
+    return step(id=id, leg_number=number, leg_count=6, **{**told, **said})
+
+
+def move(pose=12, **said):
+    id = f"placement-1/pose-{pose}/move"
+    return step("move", id=id, config=pose, target_deg=[0, 45, -30, 0, 30, 0], nominal_mm=None, **said)
+
+
+def sample(state="in_range", length_mm=300.4213, *, stable=0.6, still=True):
+    return {
+        "time_s": 512.5,
+        "length_mm": length_mm,
+        "deviation_mm": None if length_mm is None else round(length_mm - 300.0, 4),
+        "state": state,
+        "stable_share": stable,
+        "spread_mm": 0.0008,
+        "robot_still": still,
+    }
+
+
+class FakeDesk:
+    """One session, number 3; acts are kept in the order in which they arrived, each key once."""
+
+    def __init__(self):
+        self.arrived = []  # every request of an act, repeated keys too
+        self.acts = []  # what was carried out
+        self.hands = []
+        self.simulated = True
+        self.sample = sample()
+        self.scene = scene(["B2", "T3"])
+        self.steps = [leg(1, 1), leg(2, 3), leg(3, 1)]
+        self.sessions = []
+        self.planned = []
+        self.lost_answers = 0  # so many acts are carried out, and their answers lost
+        self.session = {
+            "id": 3,
+            "name": "LR Mate, bay 2",
+            "state": "running",
+            "simulated": True,
+            "robot": "FANUC LR Mate 200iC",
+            "question": None,
+            "ledger_number": 1,
+            "step": leg(),
+            "suspicion": None,
+            "swaps_can_be_seen": True,
+            "ballbar_attached": True,
+            "robot_moving": False,
+            "acts": ALL_ACTS,
+            "progress": {
+                "readings": 57,
+                "planned": 431,
+                "skipped_poses": 1,
+                "elapsed_s": 600.0,
+                "remaining_s": 5400.0,
+                "pace_s_per_reading": 9.8,
+            },
+            "acting": None,
+            "watching": 1,
+            "last_outcome": None,
+        }
+
+    def show(self, **changed):
+        """Change the session; every tablet hears of it."""
+        number = self.session["ledger_number"] + 1
+        self.session = {**copy.deepcopy(self.session), "ledger_number": number, **changed}
+
+    def carried_out(self, *kinds):
+        return [act for act in self.acts if act["act"] in kinds]
+
+    def application(self):
+        app = FastAPI()
+        app.include_router(routes.router)
+        api = "/api/v1/ballbar-sessions"
+        app.add_api_route(api, self._plan, methods=["POST"])
+        app.add_api_route(f"{api}/3", lambda: self.session)
+        app.add_api_route(f"{api}/3/steps", lambda: {"steps": [{**s, **_OPEN} for s in self.steps]})
+        app.add_api_route(f"{api}/3/scene", lambda: self.scene)
+        app.add_api_route(f"{api}/3/live", self._live)
+        app.add_api_route(f"{api}/3/acts", self._act, methods=["POST"])
+        app.add_api_route("/api/v1/sessions", self._listed)
+        app.add_api_route("/api/v1/simulated-hands", self._has_hands)
+        app.add_api_route("/api/v1/simulated-hands", self._do, methods=["POST"])
+        return app
+
+    async def _plan(self, request: Request):
+        self.planned.append(await request.json())
+        return JSONResponse(self.session, 201)
+
+    async def _listed(self, after: int = 0):
+        return [session for session in self.sessions if session["id"] > after]
+
+    async def _has_hands(self):
+        if not self.simulated:
+            return _problem(409, "This cell is a real one; nobody simulates hands there.")
+        return {"simulated": True, "actions": [], "holding": ""}
+
+    async def _do(self, request: Request):
+        self.hands.append(await request.json())
+        return Response(status_code=204)
+
+    async def _act(self, request: Request, idempotency_key: str = Header()):
+        act = {**await request.json(), "key": idempotency_key}
+        self.arrived.append(act)
+        refusal = self._carry_out(act)
+        if self.lost_answers:
+            self.lost_answers -= 1
+            await asyncio.sleep(0.05)
+            return _problem(504, "The answer was lost on its way.")
+        return refusal or {"sentence": "Done.", "entry": len(self.acts), "session": self.session}
+
+    def _carry_out(self, act):
+        if any(act["key"] == known["key"] for known in self.acts):
+            return None
+        if act.get("step_id") not in {None, self.session["step"]["id"]}:
+            return _problem(409, "That step is no longer the present one.")
+        self.acts.append(act)
+        self.show(acting={"tablet": act["tablet"], "person": act["person"]})
+        return None
+
+    async def _live(self):
+        return StreamingResponse(self._told(), media_type="text/event-stream")
+
+    async def _told(self):
+        said, heard_s = None, -math.inf
+        while True:
+            if said != self.session["ledger_number"]:
+                said = self.session["ledger_number"]
+                yield _event("situation", self.session)
+            if self.sample is not None:
+                yield _event("sample", {**self.sample, "sampled_at_ms": time.time() * 1000})
+            if time.monotonic() - heard_s > 1:
+                heard_s = time.monotonic()
+                yield ": still here\n\n"
+            await asyncio.sleep(0.05)
+
+
+_OPEN = {"outcome": "open", "length_mm": None, "text": ""}
+
+
+def _event(name, document):
+    return f"event: {name}\ndata: {json.dumps(document)}\n\n"
+
+
+def _problem(status, detail):
+    return JSONResponse({"status": status, "detail": detail}, status, media_type="application/problem+json")
