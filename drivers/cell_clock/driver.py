@@ -8,7 +8,6 @@ from drivers.api import Clock, DriverPlugin, Options
 from drivers.cell_clock.protocol import (
     Answer,
     ClockProtocolError,
-    LineReader,
     Now,
     Refusal,
     Request,
@@ -18,6 +17,7 @@ from drivers.cell_clock.protocol import (
     encode,
 )
 from drivers.errors import DeviceRefusedError, NoReplyError
+from drivers.json_lines import LineReader
 from drivers.transports.link import Link
 from drivers.transports.tcp import TcpLink
 

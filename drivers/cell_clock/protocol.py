@@ -4,17 +4,14 @@
 ``{"error": "..."}`` with a sentence.
 """
 
-import json
 import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drivers.errors import RemoteProtocolError
-
-LONGEST_LINE_BYTES = 1_024  # a request or answer of this protocol is shorter than 100 bytes
+from drivers.json_lines import JsonLineError, decode_object, encode_object
 
 
-class ClockProtocolError(RemoteProtocolError):
+class ClockProtocolError(JsonLineError):
     """A line that is no request and no answer of the clock."""
 
 
@@ -59,12 +56,12 @@ def encode(message: Request | Answer) -> bytes:
             document = {"now_s": now_s}
         case Refusal(sentence):
             document = {"error": sentence}
-    return json.dumps(document, allow_nan=False).encode() + b"\n"
+    return encode_object(document)
 
 
 def decode_request(line: bytes) -> Request:
-    """Read a request; raises ClockProtocolError with a sentence for its sender."""
-    match _decode_object(line):
+    """Read a request; raises JsonLineError with a sentence for its sender."""
+    match decode_object(line):
         case {"op": "now"}:
             return Now()
         case {"op": "sleep", "s": duration}:
@@ -81,56 +78,14 @@ def decode_request(line: bytes) -> Request:
 
 
 def decode_answer(line: bytes) -> Answer:
-    """Read an answer; raises ClockProtocolError."""
-    match _decode_object(line):
+    """Read an answer; raises JsonLineError."""
+    match decode_object(line):
         case {"now_s": now}:
             return Time(_finite(now, "now_s"))
         case {"error": str(sentence)}:
             return Refusal(sentence)
         case other:
             raise ClockProtocolError(f"the clock answered {other!r}; now_s or error was expected")
-
-
-class LineReader:
-    """Reassembles lines from a byte stream; serves both sides of the wire."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    @property
-    def inside_line(self) -> bool:
-        """Whether the stream stands in the middle of a line."""
-        return bool(self._buffer)
-
-    def receive_data(self, data: bytes) -> None:
-        """Append what the stream delivered."""
-        self._buffer += data
-
-    def next_line(self) -> bytes | None:
-        """Take the oldest whole line without its end, None until more bytes arrive.
-
-        Raises ClockProtocolError when a line does not end.
-        """
-        end = self._buffer.find(b"\n")
-        if (end if end >= 0 else len(self._buffer)) > LONGEST_LINE_BYTES:
-            raise ClockProtocolError(
-                f"a line of more than {LONGEST_LINE_BYTES} bytes: is this the clock's port?"
-            )
-        if end < 0:
-            return None
-        line = bytes(self._buffer[:end])
-        del self._buffer[: end + 1]
-        return line
-
-
-def _decode_object(line: bytes) -> dict[str, object]:
-    try:
-        document = json.loads(line)
-    except ValueError as error:
-        raise ClockProtocolError(f"{line[:80]!r} is no JSON: {error}") from error
-    if not isinstance(document, dict):
-        raise ClockProtocolError(f"{line[:80]!r} is no JSON object")
-    return document
 
 
 def _finite(value: object, key: str) -> float:

@@ -11,6 +11,8 @@ import numpy as np
 from drivers.abb_open_abb.driver import OpenAbbRobot
 from drivers.api import Clock
 from drivers.cell_clock.driver import CellClock
+from drivers.cell_hands.driver import CellHands
+from drivers.heidenhain_nd.driver import HeidenhainCounter
 from drivers.leica_emscon.driver import LaserTracker
 from drivers.monotonic_clock import MonotonicClock
 from drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
@@ -20,17 +22,22 @@ from simulators.cell import Cell
 from simulators.clock import CellClock as SimulatedClock
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
+from simulators.instruments.hands import hands_endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import robot_endpoint
 from simulators.scenario_file import load_scenario
 from simulators.tracker import seen_from
+from tests.length_sources import FakeBar, FakeHands
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
+    "cell_hands": lambda new_link, clock: CellHands(new_link()),
+    "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=0.5),
 }
 WITHOUT_A_DEVICE = frozenset({"monotonic_clock"})
 
@@ -87,10 +94,14 @@ class Bench:
     def __init__(self, way: str) -> None:
         self.cell = Cell(load_scenario("irb120-clean"), 1, SimulatedClock(0))
         self.clock = MonotonicClock()
+        self.bar = FakeBar()
+        self.hands = FakeHands()
         self.endpoints = {
             "leica_emscon": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
             "cell_clock": clock_endpoint(self.cell.clock),
+            "cell_hands": hands_endpoint(self.hands),
+            "heidenhain_nd": nd28x_endpoint(self.bar, self.cell.clock),
         }
         self._way = way
         self._ports: dict[str, int] = {}

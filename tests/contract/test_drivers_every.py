@@ -5,18 +5,25 @@ import socket
 
 import pytest
 
-from drivers.api import PointTracker, RobotController
+from drivers.api import Ballbar, PointTracker, RobotController, SimulatedHands
 from drivers.errors import ConnectFailedError, DriverError, LinkError
 from tests.contract.benches import LINKS, WITHOUT_A_DEVICE, registry
 
 DEVICES = sorted(name for name in registry().names() if registry().plugin(name).kind != "clock")
 PORTED = sorted(name for name in registry().names() if "port" in registry().plugin(name).options)
-PROTOCOLS = {"tracker": PointTracker, "robot": RobotController}
+PROTOCOLS = {
+    "tracker": PointTracker,
+    "robot": RobotController,
+    "ballbar": Ballbar,
+    "hands": SimulatedHands,
+}
 ARGUMENTS = {
     "find_reflector": {"near_mm": (1000.0, 0.0, 0.0), "search_radius_mm": 5.0},
     "measure_point": {"duration_s": 0.1},
     "set_limits": None,
     "move_joints": {"target_rad": (0.0,) * 6},
+    "read": {},
+    "do": {"action": "detach", "details": {}},
 }
 
 
@@ -35,7 +42,7 @@ def test_a_driver_offers_all_of_its_kind(name):
     plugin = registry().plugin(name)
     protocol = PROTOCOLS[plugin.kind]
 
-    driver = plugin.open({"host": "127.0.0.1"}, None)
+    driver = plugin.open({"host": "127.0.0.1", "port": 4001}, None)
 
     missing = [
         member

@@ -5,8 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.cell_clock.protocol import (
-    ClockProtocolError,
-    LineReader,
     Now,
     Refusal,
     Sleep,
@@ -15,6 +13,7 @@ from drivers.cell_clock.protocol import (
     decode_request,
     encode,
 )
+from drivers.json_lines import JsonLineError, LineReader
 
 
 def test_requests_and_answers_have_the_published_form():
@@ -51,7 +50,7 @@ def test_answers_make_the_round_trip(message):
     ],
 )
 def test_a_request_that_is_none_is_refused_with_a_sentence(line):
-    with pytest.raises(ClockProtocolError, match=r"\w+ \w+"):
+    with pytest.raises(JsonLineError, match=r"\w+ \w+"):
         decode_request(line)
 
 
@@ -59,7 +58,7 @@ def test_a_request_that_is_none_is_refused_with_a_sentence(line):
     "line", [b"{}", b'{"now_s": null}', b'{"now_s": Infinity}', b"12.5", b'{"error": 3}']
 )
 def test_an_answer_that_is_none_is_refused(line):
-    with pytest.raises(ClockProtocolError):
+    with pytest.raises(JsonLineError):
         decode_answer(line)
 
 
@@ -86,5 +85,5 @@ def test_a_line_without_end_is_refused():
     reader = LineReader()
     reader.receive_data(b"x" * 1025)
 
-    with pytest.raises(ClockProtocolError, match="1024"):
+    with pytest.raises(JsonLineError, match="1024"):
         reader.next_line()

@@ -6,8 +6,9 @@ import pytest
 
 from drivers.api import Clock
 from drivers.cell_clock.driver import CellClock
-from drivers.cell_clock.protocol import LineReader, Now, Refusal, Sleep, Time, decode_request, encode
+from drivers.cell_clock.protocol import Now, Refusal, Sleep, Time, decode_request, encode
 from drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
+from drivers.json_lines import LineReader
 from drivers.monotonic_clock import MonotonicClock
 from drivers.transports.memory import MemoryEnd, MemoryLink
 

@@ -18,6 +18,7 @@ SHIPPED = [
     EntryPoint(name, value, ENTRY_POINT_GROUP)
     for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
 ]
+INSTEAD_OF_A_HOST = frozenset({"serial", "baud", "usb"})
 
 
 class FakeEntryPoint:
@@ -43,7 +44,7 @@ def test_every_shipped_driver_loads():
     registry = load_registry(SHIPPED)
 
     assert registry.broken == {}
-    assert registry.names() == ("abb_open_abb", "cell_clock", "leica_emscon", "monotonic_clock")
+    assert registry.names() == tuple(sorted(entry.name for entry in SHIPPED))
     assert registry.names("clock") == ("cell_clock", "monotonic_clock")
 
 
@@ -67,7 +68,9 @@ def test_every_shipped_driver_opens_with_its_own_options():
 
     for name in registry.names():
         options = {
-            option: 5000 if option == "port" else "127.0.0.1" for option in registry.plugin(name).options
+            option: 5000 if option == "port" else "127.0.0.1"
+            for option in registry.plugin(name).options
+            if option not in INSTEAD_OF_A_HOST
         }
         registry.open(name, options)
 

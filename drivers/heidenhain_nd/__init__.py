@@ -1,0 +1,1 @@
+"""Length gauges and ballbars behind a Heidenhain ND 2xx counter."""

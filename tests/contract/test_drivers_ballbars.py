@@ -1,0 +1,119 @@
+"""What a ballbar driver promises, against the simulated instrument."""
+
+import math
+
+import pytest
+
+from drivers.errors import ConnectFailedError, DriverError, LinkError
+from tests.contract.benches import registry
+
+ballbars = pytest.mark.parametrize("name", registry().names("ballbar"))
+
+
+async def ready(bench, name):
+    ballbar = bench.driver(name)
+    await ballbar.connect()
+    return ballbar
+
+
+@ballbars
+@pytest.mark.parametrize("deviation_mm", [0.0, 0.4321, -0.9876, 1.0])
+async def test_a_length_is_read_as_the_bar_shows_it(bench, name, deviation_mm):
+    bench.bar.deviation_mm = deviation_mm
+    ballbar = await ready(bench, name)
+
+    reading = await ballbar.read()
+
+    # half a step of the protocol, and doubles
+    assert reading.deviation_mm == pytest.approx(deviation_mm, abs=0.5 * reading.resolution_mm + 1e-12)
+    assert reading.signal == "good"
+    assert 0.0 < reading.resolution_mm <= 0.001
+
+
+@ballbars
+async def test_a_reading_is_fresh_however_long_nobody_asked(bench, name):
+    ballbar = await ready(bench, name)
+    await ballbar.read()
+
+    for deviation_mm in (0.5, -0.5, 0.25):
+        bench.bar.deviation_mm = deviation_mm
+        reading = await ballbar.read()
+
+        assert reading.deviation_mm == pytest.approx(deviation_mm, abs=0.5 * reading.resolution_mm + 1e-12)
+
+
+@ballbars
+async def test_a_reading_is_stamped_by_the_cells_clock(bench, name):
+    bench.clock = bench.driver("cell_clock")
+    ballbar = await ready(bench, name)
+    await bench.clock.sleep(100.0)
+
+    first = await ballbar.read()
+    await bench.clock.sleep(2.5)
+    second = await ballbar.read()
+
+    assert first.time_s == pytest.approx(100.0)
+    assert second.time_s - first.time_s == pytest.approx(2.5)
+
+
+@ballbars
+@pytest.mark.parametrize("deviation_mm", [1.05, -1.05])
+async def test_a_bar_at_its_stop_is_out_of_range(bench, name, deviation_mm):
+    bench.bar.deviation_mm, bench.bar.signal = deviation_mm, "out_of_range"
+    ballbar = await ready(bench, name)
+
+    reading = await ballbar.read()
+
+    assert reading.signal == "out_of_range"
+    assert reading.deviation_mm == pytest.approx(deviation_mm, abs=0.001)
+
+
+@ballbars
+async def test_without_a_signal_there_is_no_length(bench, name):
+    bench.bar.signal = "none"
+    ballbar = await ready(bench, name)
+
+    reading = await ballbar.read()
+    bench.bar.signal = "good"
+    afterwards = await ballbar.read()
+
+    assert reading.signal == "none"
+    assert math.isnan(reading.deviation_mm)
+    assert afterwards.signal == "good"
+
+
+@ballbars
+async def test_sequence_numbers_grow_where_there_are_any(bench, name):
+    ballbar = await ready(bench, name)
+
+    numbers = [(await ballbar.read()).sequence for _ in range(5)]
+
+    assert numbers == [None] * 5 or numbers == sorted(set(numbers))
+
+
+@ballbars
+async def test_a_pulled_cable_is_a_link_error_and_reading_goes_on_after_it(bench, name):
+    ballbar = await ready(bench, name)
+    await ballbar.read()
+
+    bench.bar.plugged = False
+    with pytest.raises(LinkError, match="check"):
+        for _ in range(100):
+            await ballbar.read()
+    assert not ballbar.connected
+    with pytest.raises(ConnectFailedError, match="check"):
+        await ballbar.connect()
+    bench.bar.plugged = True
+    await ballbar.connect()
+
+    assert (await ballbar.read()).signal == "good"
+
+
+@ballbars
+async def test_nothing_is_read_after_closing(bench, name):
+    ballbar = await ready(bench, name)
+
+    await ballbar.close()
+
+    with pytest.raises(DriverError, match="connect first"):
+        await ballbar.read()

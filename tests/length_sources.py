@@ -1,0 +1,48 @@
+"""Hand-written stand-ins for the bar and the hands of a simulated cell."""
+
+import math
+from dataclasses import dataclass
+
+from simulators.errors import SimulatorError
+
+
+@dataclass(frozen=True)
+class FakeSample:
+    deviation_mm: float
+    signal: str
+    temperature_c: float
+    sequence: int
+
+
+class FakeBar:
+    """Shows what the test sets; counts how often it was asked."""
+
+    def __init__(self) -> None:
+        self.plugged = True
+        self.deviation_mm = 0.1234
+        self.signal = "good"
+        self.temperature_c = 21.37
+        self.asked = 0
+
+    def sample(self, time_s: float) -> FakeSample:
+        self.asked += 1
+        deviation_mm = math.nan if self.signal == "none" else self.deviation_mm
+        return FakeSample(deviation_mm, self.signal, self.temperature_c, self.asked)
+
+
+class FakeHands:
+    """Does whatever is asked and keeps it, but refuses to juggle."""
+
+    def __init__(self) -> None:
+        self.deeds: list[tuple[str, dict]] = []
+
+    def do(self, action: str, details) -> None:
+        if action == "juggle":
+            raise SimulatorError("two balls are not enough to juggle")
+        self.deeds.append((action, dict(details)))
+
+
+class StandingClock:
+    """Cell time that the test moves."""
+
+    now_s = 0.0

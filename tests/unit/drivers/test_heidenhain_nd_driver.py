@@ -1,0 +1,181 @@
+"""The counter's conversation, against a scripted counter that lives in memory."""
+
+import math
+
+import pytest
+
+from drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    LinkError,
+    NoReplyError,
+    RemoteProtocolError,
+)
+from drivers.heidenhain_nd.driver import PLUGIN, HeidenhainCounter
+from drivers.heidenhain_nd.protocol import (
+    Command,
+    Lamps,
+    Line,
+    Refused,
+    RequestReader,
+    encode_reply,
+    error_line,
+    identity_lines,
+    lamps_line,
+    value_line,
+)
+from drivers.monotonic_clock import MonotonicClock
+from drivers.transports.memory import MemoryEnd, MemoryLink
+
+PATIENCE_S = 0.05  # the fake answers within microseconds or never
+
+
+class FakeCounter:
+    """Answers each command by what the test put there; by nothing where there is None."""
+
+    def __init__(self, **answers) -> None:
+        self.answers = {
+            "A0000": identity_lines("ND-287", "349797-04", "2001-05-04"),
+            "A0301": [Refused()],
+            "A0200": [value_line(1234)],
+            "A0800": [lamps_line(Lamps(inside=True))],
+            **answers,
+        }
+        self.said_by_itself = b""
+
+    async def serve(self, end: MemoryEnd) -> None:
+        reader = RequestReader()
+        while data := await end.receive():
+            end.write(self.said_by_itself)
+            reader.receive_data(data)
+            while (request := reader.next_request()) is not None:
+                assert isinstance(request, Command)
+                for reply in self.answers[request.code] or ():
+                    await end.send(encode_reply(reply))
+
+    async def connected(self, chunk_bytes: int = 65_536) -> HeidenhainCounter:
+        link = MemoryLink(self.serve, chunk_bytes=chunk_bytes)
+        driver = HeidenhainCounter(link, MonotonicClock(), reply_timeout_s=PATIENCE_S)
+        await driver.connect()
+        return driver
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 5, 65_536])
+async def test_a_value_is_read_whatever_the_line_does_to_it(chunk_bytes):
+    driver = await FakeCounter().connected(chunk_bytes)
+
+    reading = await driver.read()
+
+    assert (reading.deviation_mm, reading.signal, reading.resolution_mm) == (0.1234, "good", 1e-4)
+    await driver.close()
+
+
+async def test_inches_are_converted():
+    driver = await FakeCounter(A0800=[lamps_line(Lamps(inch=True))]).connected()
+
+    reading = await driver.read()
+
+    assert reading.deviation_mm == pytest.approx(0.01234 * 25.4, rel=1e-14)
+    assert reading.resolution_mm == pytest.approx(1e-5 * 25.4, rel=1e-14)
+    await driver.close()
+
+
+@pytest.mark.parametrize("lamps", [Lamps(below=True), Lamps(above=True)])
+async def test_what_the_counter_sorts_out_is_out_of_range(lamps):
+    driver = await FakeCounter(A0800=[lamps_line(lamps)]).connected()
+
+    assert (await driver.read()).signal == "out_of_range"
+    await driver.close()
+
+
+@pytest.mark.parametrize("error", [[Refused()], None, []], ids=["refused", "ignored", "empty"])
+async def test_without_an_error_the_question_for_it_may_be_refused_or_ignored(error):
+    driver = await FakeCounter(A0301=error).connected()
+
+    assert (await driver.read()).signal == "good"
+    await driver.close()
+
+
+@pytest.mark.parametrize(
+    "value", [[value_line(1234)], [Refused()], None], ids=["frozen", "refused", "silent"]
+)
+async def test_a_displayed_error_is_never_a_length(value):
+    driver = await FakeCounter(A0301=[error_line("SIGNAL ERROR")], A0200=value).connected()
+
+    reading = await driver.read()
+
+    assert reading.signal == "none"
+    assert math.isnan(reading.deviation_mm)
+    await driver.close()
+
+
+async def test_a_refused_value_is_no_length_either():
+    driver = await FakeCounter(A0200=[Refused()]).connected()
+
+    assert (await driver.read()).signal == "none"
+    await driver.close()
+
+
+async def test_a_counter_without_status_indicators_is_said_to_be_another():
+    driver = await FakeCounter(A0800=[Refused()]).connected()
+
+    with pytest.raises(RemoteProtocolError, match="none of the ND"):
+        await driver.read()
+    assert not driver.connected
+
+
+async def test_what_the_person_prints_at_the_counter_is_ignored():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.said_by_itself = b"+    9.9999  =\r\n"
+
+    readings = [await driver.read() for _ in range(3)]
+
+    assert [reading.deviation_mm for reading in readings] == [0.1234] * 3
+    await driver.close()
+
+
+async def test_silence_closes_the_link_and_says_what_to_check():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.answers |= {"A0301": None, "A0200": None, "A0800": None}
+
+    with pytest.raises(NoReplyError, match="check cable"):
+        await driver.read()
+    assert not driver.connected
+    with pytest.raises(LinkError, match="connect first"):
+        await driver.read()
+
+
+async def test_a_dead_line_is_told_when_connecting():
+    with pytest.raises(ConnectFailedError, match="check cable"):
+        await FakeCounter(A0000=None).connected()
+
+
+async def test_a_line_of_another_device_is_told_when_connecting():
+    with pytest.raises(RemoteProtocolError):
+        await FakeCounter(A0000=[Refused()]).connected()
+    with pytest.raises(RemoteProtocolError):
+        await FakeCounter(A0000=[Line("x" * 200)]).connected()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "host"),
+        ({"serial": "/dev/ttyUSB0", "host": "127.0.0.1", "port": 4001}, "one of them"),
+        ({"serial": "/dev/ttyUSB0", "baud": 9601}, "9600"),
+        ({"serial": "/dev/ttyUSB0", "baud": True}, "9600"),
+        ({"serial": 3}, "serial"),
+    ],
+)
+def test_an_option_that_does_not_fit_is_named(options, said):
+    with pytest.raises(ConfigurationError, match=said):
+        PLUGIN.open(options, None)
+
+
+async def test_a_slow_line_is_given_the_time_that_it_needs():
+    driver = PLUGIN.open({"serial": "loop://", "baud": 110}, None)
+
+    # 80 characters of 11 bits at 110 baud take 8 s; the loop answers with what was asked, which is no reply
+    assert driver._reply_timeout_s == pytest.approx(9.0)

@@ -1,0 +1,154 @@
+"""A serial port as a link, on a pseudo terminal: the real pyserial, no hardware."""
+
+import asyncio
+import contextlib
+import os
+import time
+import tty
+
+import pytest
+
+from drivers.errors import ConnectFailedError, ConnectionLostError
+from drivers.transports.serial import Framing, SerialLink
+
+COUNTER = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2, xon_xoff=True)
+
+
+class Terminal:
+    """A pseudo terminal whose master end plays the device."""
+
+    def __init__(self) -> None:
+        self.master, slave = os.openpty()
+        tty.setraw(slave)
+        self.name = os.ttyname(slave)
+        self._slave = slave
+
+    def unplug(self) -> None:
+        os.close(self._slave)
+        os.close(self.master)
+
+
+@pytest.fixture
+def terminal():
+    made = Terminal()
+    yield made
+    for end in (made.master, made._slave):
+        with contextlib.suppress(OSError):  # unplugged by the test
+            os.close(end)
+
+
+async def test_bytes_go_there_and_back(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    await link.open()
+
+    await link.send(b"\x1bA0200\r")
+    heard = os.read(terminal.master, 100)
+    os.write(terminal.master, b"\x02+000001234\r\n")
+    answer = b""
+    while len(answer) < 13:
+        answer += await link.receive(1.0)
+
+    assert (heard, answer) == (b"\x1bA0200\r", b"\x02+000001234\r\n")
+    await link.close()
+    assert not link.is_open
+
+
+async def test_a_port_can_be_opened_again_and_again(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+
+    for _ in range(3):
+        await link.open()
+        await link.close()
+    await link.open()
+
+    assert link.is_open
+    await link.close()
+
+
+async def test_silence_is_none_after_the_time_allowed(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    await link.open()
+    start_s = time.monotonic()
+
+    assert await link.receive(0.12) is None
+
+    # no sooner, and no more than a slice of 50 ms and scheduling on a busy machine later
+    assert 0.11 < time.monotonic() - start_s < 1.0
+    assert await link.receive(0.0) is None
+    await link.close()
+
+
+async def test_a_pulled_adapter_is_a_lost_connection(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    await link.open()
+
+    terminal.unplug()
+
+    with pytest.raises(ConnectionLostError, match="check cable"):
+        await link.receive(1.0)
+    assert not link.is_open
+    with pytest.raises(ConnectionLostError, match="connect first"):
+        await link.send(b"x")
+
+
+async def test_a_pulled_adapter_is_noticed_by_sending_too(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    await link.open()
+
+    terminal.unplug()
+
+    with pytest.raises(ConnectionLostError):
+        await link.send(b"x")
+
+
+@pytest.mark.parametrize("port", ["/dev/there-is-no-such-port", "nonsense://x", "socket://127.0.0.1:1"])
+async def test_a_port_that_is_not_there_is_said_by_name(port):
+    link = SerialLink(port, COUNTER)
+
+    with pytest.raises(ConnectFailedError, match=r"(?s)cannot be opened.*check its name"):
+        await link.open()
+    assert not link.is_open
+
+
+async def test_what_lay_in_the_port_from_before_is_dropped(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    os.write(terminal.master, b"stale")
+    await link.open()
+
+    assert await link.receive(0.0) is None
+    await link.close()
+
+
+async def test_a_read_that_is_given_up_leaves_the_port_usable(terminal):
+    link = SerialLink(terminal.name, COUNTER)
+    await link.open()
+    with pytest.raises(TimeoutError):
+        async with asyncio.timeout(0.02):
+            await link.receive(5.0)
+
+    await asyncio.sleep(0.1)  # two slices: the thread has let go
+    os.write(terminal.master, b"x")
+
+    assert await link.receive(1.0) == b"x"
+    await link.close()
+    await link.close()
+
+
+async def test_a_socket_url_is_a_port_like_any_other():
+    async def echo(reader, writer):
+        writer.write(await reader.read(100))
+        await writer.drain()
+        writer.close()
+
+    server = await asyncio.start_server(echo, "127.0.0.1", 0)
+    link = SerialLink(f"socket://127.0.0.1:{server.sockets[0].getsockname()[1]}", COUNTER)
+    await link.open()
+
+    await link.send(b"hello")
+    heard = b""
+    with pytest.raises(ConnectionLostError):
+        while (data := await link.receive(1.0)) is not None:
+            heard += data
+
+    assert heard == b"hello"
+    server.close()
