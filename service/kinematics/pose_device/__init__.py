@@ -1,0 +1,41 @@
+"""The pose device: six ballbar lengths between three cups and three nests give the pose of the tool."""
+
+from service.kinematics.pose_device.assemblies import Assembly, assemblies, distinct, measurable
+from service.kinematics.pose_device.cascade import (
+    base_triangle,
+    fourth_cup,
+    points_covariance,
+    solution_gradient,
+    solve,
+)
+from service.kinematics.pose_device.designs import DESIGNS, Design, designs
+from service.kinematics.pose_device.least_squares import (
+    Fixtures,
+    PoseEstimate,
+    fitting_poses,
+    least_squares_pose,
+)
+from service.kinematics.pose_device.poses import Pose, pose_covariance, pose_of, turn_between
+
+__all__ = [
+    "DESIGNS",
+    "Assembly",
+    "Design",
+    "Fixtures",
+    "Pose",
+    "PoseEstimate",
+    "assemblies",
+    "base_triangle",
+    "designs",
+    "distinct",
+    "fitting_poses",
+    "fourth_cup",
+    "least_squares_pose",
+    "measurable",
+    "points_covariance",
+    "pose_covariance",
+    "pose_of",
+    "solution_gradient",
+    "solve",
+    "turn_between",
+]
