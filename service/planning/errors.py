@@ -2,7 +2,9 @@
 
 PlanningError
 ├── WorkSpaceError           what is said of the cell does not allow any configuration
-└── TooFewCandidatesError    fewer configurations are feasible than were asked for
+├── TooFewCandidatesError    fewer configurations are feasible than were asked for
+├── AimError                 no joints near a pose give its legs the wanted lengths
+└── NoWayError               no clear way was found from one stop to the next
 """
 
 from service.domain.errors import TrueposeError
@@ -18,3 +20,11 @@ class WorkSpaceError(PlanningError):
 
 class TooFewCandidatesError(PlanningError):
     """Fewer configurations are feasible than were asked for."""
+
+
+class AimError(PlanningError):
+    """No joints near a pose give its legs the wanted lengths."""
+
+
+class NoWayError(PlanningError):
+    """No clear way was found from one stop to the next."""

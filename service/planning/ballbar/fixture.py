@@ -1,8 +1,8 @@
 """The base fixture: three cups 300 mm apart, or four at the corners of a regular tetrahedron, on a stand.
 
 Cup 4 lies below the plane of cups 1, 2, 3 (in the frame of the fixture), because above it, at 300 mm from
-all three, is where a tool nest comes. Every face of the tetrahedron that does not look down on the table carries poses,
-and each cup opens halfway between those of its faces.
+all three, is where a tool nest comes. Every face of the tetrahedron that does not look down on the table carries
+poses, and each cup opens halfway between those of its faces.
 """
 
 from dataclasses import dataclass

@@ -120,8 +120,8 @@ class _Search:
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
                 raise TooFewCandidatesError(
-                    f"From none of {self.wish.draws} places that were tried can {self.fewest} configurations be "
-                    "measured with the ballbar: ask for fewer, or widen the joint ranges."
+                    f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations "
+                    "be measured with the ballbar: ask for fewer, or widen the joint ranges."
                 )
             chosen.append(best)
         return chosen

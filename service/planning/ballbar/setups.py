@@ -104,7 +104,7 @@ def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray
 
 
 def _room(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int) -> FloatArray:
-    """Free space about arm and tool [mm], but for the two cups that hold the ball between them, shape (n,)."""
+    """Free space about arm and tool [mm], but for the two cups that hold the ball, shape (n,)."""
     bodies = scene(cell, fixture, joints_rad)
     tool = bodies.tool.some(range(1, len(bodies.tool)))
     others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
