@@ -16,6 +16,7 @@ from service.kinematics.pose_device.least_squares import (
     least_squares_pose,
 )
 from service.kinematics.pose_device.poses import Pose, pose_covariance, pose_of, turn_between
+from service.kinematics.pose_device.recognition import RecognisedAssembly, recognise_assembly
 
 __all__ = [
     "DESIGNS",
@@ -24,6 +25,7 @@ __all__ = [
     "Fixtures",
     "Pose",
     "PoseEstimate",
+    "RecognisedAssembly",
     "assemblies",
     "base_triangle",
     "designs",
@@ -35,6 +37,7 @@ __all__ = [
     "points_covariance",
     "pose_covariance",
     "pose_of",
+    "recognise_assembly",
     "solution_gradient",
     "solve",
     "turn_between",

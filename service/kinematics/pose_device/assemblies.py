@@ -30,7 +30,7 @@ _SAME_TURN_RAD = float(np.deg2rad(30.0))  # thesis section 3.2: poses closer tha
 _SAME_PLACE_MM = 50.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Assembly:
     """One way to put the pose device together."""
 

@@ -40,7 +40,7 @@ _FREE = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class PoseEstimate:
     """A pose with what it rests on."""
 
@@ -51,7 +51,7 @@ class PoseEstimate:
     degrees_of_freedom: int  # n - 6
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Fixtures:
     """Cups and nests as they are known, and how well."""
 

@@ -9,7 +9,7 @@ from service.domain.errors import UnderdeterminedError
 from service.kinematics.frames import cross_matrix, rigid_alignment
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
 class Pose:
     """Where the last frame of the arm is, in the frame in which the cups are given."""
 
