@@ -133,6 +133,14 @@ class Cell:
         spoiled: FloatArray = reading_mm * scale + self.planted.displacement_mm(time_s, self._spoil_rng)
         return spoiled
 
+    def length_errors_mm(
+        self, true_mm: FloatArray, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray
+    ) -> FloatArray:
+        """Return what planted effects add to lengths of the ballbar since its initialisations, shape (n,)."""
+        errors: FloatArray = true_mm * self.planted.relative_length(time_s)
+        errors = errors + self.planted.zero_mm(initialisation, since_s, time_s)
+        return errors + self.planted.length_error_mm(time_s, self._spoil_rng)
+
     def nests_read(self, nest: NestNumbers, time_s: FloatArray) -> NestNumbers:
         """Nests (1-based) that are truly read under the labels `nest`, shape (n,)."""
         return self.planted.nests_read(nest, time_s, self._spoil_rng)

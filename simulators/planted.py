@@ -9,16 +9,19 @@ from simulators.physics.effects import Conditions, Effect, PlantedChange, Site, 
 from simulators.physics.effects.ports import (
     AirEffect,
     ArmEffect,
+    FixtureEffect,
     FrameEffect,
     LabelEffect,
+    LengthEffect,
     MassEffect,
     NestEffect,
     NestNumbers,
     ReadingEffect,
     ScaleEffect,
+    ZeroEffect,
 )
 from simulators.physics.loads import MassChange
-from simulators.physics.rigid import FloatArray
+from simulators.physics.rigid import FloatArray, inverse, move, small_motion
 
 
 class PlantedEffects:
@@ -43,6 +46,9 @@ class PlantedEffects:
         self._nests = [effect for effect in effects if isinstance(effect, NestEffect)]
         self._frame = [effect for effect in effects if isinstance(effect, FrameEffect)]
         self._scale = [effect for effect in effects if isinstance(effect, ScaleEffect)]
+        self._lengths = [effect for effect in effects if isinstance(effect, LengthEffect)]
+        self._zeros = [effect for effect in effects if isinstance(effect, ZeroEffect)]
+        self._fixtures = [effect for effect in effects if isinstance(effect, FixtureEffect)]
         self._air = [effect for effect in effects if isinstance(effect, AirEffect)]
         self._labels = [effect for effect in effects if isinstance(effect, LabelEffect)]
         self._readings = [effect for effect in effects if isinstance(effect, ReadingEffect)]
@@ -70,6 +76,33 @@ class PlantedEffects:
     def relative_scale(self, time_s: FloatArray) -> FloatArray:
         """Share by which the instrument reads lengths too long, shape (n,)."""
         return sum((effect.relative_scale(time_s) for effect in self._scale), start=np.zeros(len(time_s)))
+
+    def relative_length(self, time_s: FloatArray) -> FloatArray:
+        """Share by which the ballbar reads lengths too long, shape (n,)."""
+        return sum((effect.relative_length(time_s) for effect in self._lengths), start=np.zeros(len(time_s)))
+
+    def zero_mm(self, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray) -> FloatArray:
+        """By how much the ballbar reads lengths too long since its initialisations, shape (n,)."""
+        good = np.zeros(len(time_s))
+        return sum((effect.zero_mm(initialisation, since_s, time_s) for effect in self._zeros), start=good)
+
+    def fixture_motion(self, placement: NestNumbers, time_s: FloatArray) -> FloatArray:
+        """Motion of base fixtures about the world's origin [mm, rad], shape (n, 6)."""
+        still = np.zeros((len(time_s), 6))
+        return sum((effect.fixture_motion(placement, time_s) for effect in self._fixtures), start=still)
+
+    def shifted_mm(
+        self, place_mm: FloatArray, placement: NestNumbers, then_s: FloatArray, time_s: FloatArray
+    ) -> FloatArray:
+        """Return where cups are at times that were at `place_mm` (n, 3) [world] `then_s`, shape (n, 3)."""
+        before, now = (small_motion(self.fixture_motion(placement, when)) for when in (then_s, time_s))
+        return move(now @ inverse(before), place_mm)
+
+    def length_error_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """By how much lengths are off where readings are spoiled, either way, shape (n,)."""
+        displaced = self.displacement_mm(time_s, rng)
+        error: FloatArray = np.copysign(np.linalg.norm(displaced, axis=1), displaced[:, 0])
+        return error
 
     def warming_k(self, time_s: FloatArray) -> FloatArray:
         """By how much the air is warmer [K], shape (n,)."""

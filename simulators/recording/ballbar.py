@@ -6,19 +6,17 @@ after the session.
 """
 
 from dataclasses import dataclass, field
-from itertools import combinations
 
 import numpy as np
 
-from simulators.ballbar_accuracy import rounded_mm, walked_zeros_mm
 from simulators.cell import Cell
 from simulators.clock import CellClock
 from simulators.errors import ScenarioError
-from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray
 from simulators.recording.ballbar_aiming import BoolArray, aim_balls, aim_legs
 from simulators.recording.ballbar_plan import BallbarPlan, check_plan
+from simulators.recording.ballbar_readings import BallbarSession, Cups, Legs, Sides
 from simulators.recording.ballbar_tour import PlannedLegs, Tour, plan_legs, plan_tour
 from simulators.recording.campaign import Recording, record_in
 from simulators.recording.plan import APPROACHES, Wishes
@@ -45,53 +43,6 @@ class BallbarWishes:
             raise ScenarioError(f'"aim_error_mm" must be 0 or more, not {self.aim_error_mm}')
         if self.approach not in APPROACHES:
             raise ScenarioError(f'"approach" must be {" or ".join(APPROACHES)}, not "{self.approach}"')
-
-
-@dataclass(frozen=True, slots=True)
-class Legs:
-    """n legs that were read, or that were out of range."""
-
-    placement: NestNumbers  # (n,)
-    config: NestNumbers  # (n,)
-    joints_deg: FloatArray  # (n, J) commanded
-    direction: FloatArray  # (n, J)
-    time_s: FloatArray  # (n,)
-    temperature_c: FloatArray  # (n,) as sensed
-    attachment: FloatArray  # (n,)
-    init: NestNumbers  # (n,) number of the last initialisation
-    base_point: NestNumbers  # (n,)
-    tool_point: NestNumbers  # (n,)
-    length_mm: FloatArray  # (n,)
-    true_mm: FloatArray  # (n,) of the pair that is written down, without noise, scatter and zero
-
-    def __len__(self) -> int:
-        return len(self.length_mm)
-
-    def part(self, rows: NestNumbers) -> "Legs":
-        """Return some of the legs."""
-        return Legs(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
-
-
-@dataclass(frozen=True, slots=True)
-class Sides:
-    """m sides of triangles; placement 0 is the tool's."""
-
-    placement: NestNumbers  # (m,)
-    point_a: NestNumbers  # (m,)
-    point_b: NestNumbers  # (m,)
-    length_mm: FloatArray  # (m,)
-
-
-@dataclass(frozen=True, slots=True)
-class Cups:
-    """k cups, clamped where the robot held the ball."""
-
-    placement: NestNumbers  # (k,)
-    base_point: NestNumbers  # (k,)
-    joints_deg: FloatArray  # (k, J) at which the robot held it
-    true_mm: FloatArray  # (k, 3) world, as clamped
-    read_mm: FloatArray  # (k, 3) by the tracker
-    u_mm: FloatArray  # (k,) of the tracker's readings, per axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +90,7 @@ def record_ballbar(
     tour, reached = _aimed(cell, tour, legs, cups, wishes, arm_rng) if wishes.aimed else (tour, None)
     _check_reach(cell, tour)
     scatter = _drawn(cell, scenario.arm.scatter_mm, (len(tour), 3), arm_rng)
-    instrument = _Instrument(cell, instrument_rng)
-    sides = instrument.read_sides(cups)
-    read = instrument.read_legs(tour, legs, cups, scatter)
+    sides, read = BallbarSession(cell, tour, legs, cups, scatter, instrument_rng).read()
     in_range = np.abs(read.length_mm - scenario.ballbar.nominal_mm) <= scenario.ballbar.range_mm
     kept = np.ones(len(read), dtype=bool) if reached is None else reached
     return BallbarRecording(
@@ -173,6 +122,7 @@ def _clamp_cups(cell: Cell, tour: Tour, tracker: RegisteredTracker, rng: np.rand
         placement=tour.placement[stops],
         base_point=tour.number[stops],
         joints_deg=tour.joints_deg[stops],
+        clamped_s=times,
         true_mm=true,
         read_mm=readings.position_mm.reshape(-1, _CUP_READINGS, 3).mean(axis=1),
         u_mm=readings.u_mm[::_CUP_READINGS] / np.sqrt(_CUP_READINGS),
@@ -196,7 +146,7 @@ def _aimed(
     cell: Cell, tour: Tour, legs: PlannedLegs, cups: Cups, wishes: BallbarWishes, rng: np.random.Generator
 ) -> tuple[Tour, BoolArray]:
     wanted = legs.aimed_mm + wishes.aim_error_mm * rng.standard_normal(len(legs.aimed_mm))
-    joints, reached = aim_legs(cell, tour, legs, _cups_of(legs, tour, cups), wanted)
+    joints, reached = aim_legs(cell, tour, legs, cups.true_mm[cups.of_legs(legs, tour)], wanted)
     return tour.at_joints(joints, wishes.approach), reached
 
 
@@ -224,14 +174,6 @@ def _set_up_anew(
     return tour.at_joints(aim_balls(cell, tour, stops, wanted), wishes.approach)
 
 
-def _cups_of(legs: PlannedLegs, tour: Tour, cups: Cups) -> FloatArray:
-    """Cup of each leg as clamped, shape (n, 3)."""
-    placement = tour.placement[legs.stop]
-    mine = (placement[:, np.newaxis] == cups.placement) & (legs.base_point[:, np.newaxis] == cups.base_point)
-    found: FloatArray = cups.true_mm[mine.argmax(axis=1)]
-    return found
-
-
 def _check_reach(cell: Cell, tour: Tour) -> None:
     for stop in range(len(tour)):
         try:
@@ -241,79 +183,6 @@ def _check_reach(cell: Cell, tour: Tour) -> None:
             raise ScenarioError(
                 f"placement {tour.placement[stop]}, {what} {tour.number[stop]}: {error}"
             ) from error
-
-
-class _Instrument:
-    """The ballbar, initialised before every group of readings."""
-
-    def __init__(self, cell: Cell, rng: np.random.Generator) -> None:
-        self._cell = cell
-        self._setup = cell.scenario.ballbar
-        self._rng = rng
-
-    def read_sides(self, cups: Cups) -> Sides:
-        """Measure the tool's triangle, then that of each placement."""
-        corners = [(0, self._cell.true_nests_mm(self._cell.conditions_now())[0])]
-        for number in dict.fromkeys(cups.placement.tolist()):
-            mine = cups.placement == number
-            corners.append((number, cups.true_mm[mine][np.argsort(cups.base_point[mine])]))
-        rows = []
-        for number, points in corners:
-            pairs = list(combinations(range(len(points)), 2))
-            true = np.array([np.linalg.norm(points[b] - points[a]) for a, b in pairs])
-            nominal = self._setup.nominal_mm if number else self._setup.tool_nominal_mm
-            for (a, b), length in zip(pairs, self._group(true), strict=True):
-                if abs(length - nominal) <= self._setup.range_mm:
-                    rows.append((number, a + 1, b + 1, length))
-        table = np.array(rows).reshape(-1, 4)
-        placement, first, second = (table[:, k].astype(int) for k in range(3))
-        return Sides(placement, first, second, table[:, 3])
-
-    def read_legs(self, tour: Tour, legs: PlannedLegs, cups: Cups, scatter_mm: FloatArray) -> Legs:
-        """Read all legs, in and out of range."""
-        cell, n = self._cell, len(legs.stop)
-        conditions = tour.conditions(cell, legs.stop, legs.time_s)
-        positions = cell.true_positions(conditions)
-        cup = _cups_of(legs, tour, cups)
-        connected = cell.nests_read(legs.tool_point, legs.time_s)
-        stood = positions[np.arange(n), connected - 1] + scatter_mm[legs.stop]
-        stops, group = np.unique(legs.stop, return_inverse=True)
-        true = np.linalg.norm(stood - cup, axis=1)
-        length = np.concatenate([self._group(true[group == k]) for k in range(len(stops))])
-        sensor = cell.scenario.air.sensor_noise_k if cell.scenario.noise else 0.0
-        return Legs(
-            placement=tour.placement[legs.stop],
-            config=tour.number[legs.stop],
-            joints_deg=tour.joints_deg[legs.stop],
-            direction=tour.direction[legs.stop],
-            time_s=legs.time_s,
-            temperature_c=conditions.temperature_c + sensor * self._rng.standard_normal(n),
-            attachment=conditions.attachment,
-            init=_initialisations(tour)[legs.stop],
-            base_point=legs.base_point,
-            tool_point=legs.tool_point,
-            length_mm=length,
-            true_mm=np.linalg.norm(positions[np.arange(n), legs.tool_point - 1] - cup, axis=1),
-        )
-
-    def _group(self, true_mm: FloatArray) -> FloatArray:
-        """Read lengths after one initialisation, shape (n,)."""
-        if not self._cell.scenario.noise:
-            return true_mm
-        noise = self._setup.noise_mm * self._rng.standard_normal(len(true_mm))
-        return rounded_mm(
-            self._setup, true_mm + noise + walked_zeros_mm(self._setup, len(true_mm), self._rng)
-        )
-
-
-def _initialisations(tour: Tour) -> NestNumbers:
-    """Return the number of the last initialisation at every stop.
-
-    The first is the tool's, then there is one for every base triangle and every pose.
-    """
-    first_pose = ~tour.is_setup & np.concatenate([[False], tour.is_setup[:-1]])
-    numbers: NestNumbers = 1 + np.cumsum(~tour.is_setup) + np.cumsum(first_pose)
-    return numbers
 
 
 def _true_validation_mm(cell: Cell, recording: Recording) -> FloatArray:

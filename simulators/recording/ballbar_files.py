@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from simulators.physics.rigid import FloatArray
-from simulators.recording.ballbar import BallbarRecording, Cups, Legs, Sides
+from simulators.recording.ballbar import BallbarRecording
+from simulators.recording.ballbar_readings import Cups, Legs, Sides
 from simulators.recording.files import (
     Columns,
     campaign_document,

@@ -81,6 +81,8 @@ def plan_from(document: object, where: str) -> BallbarPlan:
 
 def check_plan(plan: BallbarPlan, cell: Cell) -> None:
     """Raise ScenarioError where a plan does not go with the cell or contradicts itself."""
+    if not any(pose.legs for placement in plan.placements for pose in placement.poses):
+        raise ScenarioError("the plan has no pose with a leg to measure")
     _check_unique([one.number for one in plan.placements], "placement")
     _check_unique([pose.config for one in plan.placements for pose in one.poses], "config")
     n_nests = len(cell.tool_nests_mm)

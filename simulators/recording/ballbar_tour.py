@@ -14,7 +14,7 @@ from simulators.recording.ballbar_plan import BallbarPlan
 from simulators.recording.plan import directions
 
 _STOP_S = 60.0  # a person, a motion, an initialisation and six readings; or a cup to be clamped
-_TRIANGLE_S = 60.0  # to initialise and to measure the sides of a triangle
+TRIANGLE_S = 60.0  # to initialise and to measure the sides of a triangle
 _TIME_SPREAD = 0.2
 _DECIMALS_DEG = 5  # of joint angles in campaign files
 _MOUNTING = 1.0  # the tool stays on
@@ -71,9 +71,9 @@ def plan_tour(plan: BallbarPlan, approach: str, rng: np.random.Generator) -> Tou
         rows += [(placement.number, number, is_setup) for number, is_setup, _ in stops]
         joints += [angles for _, _, angles in stops]
         # The triangle is measured between the last set-up and the first pose.
-        pauses += [_TRIANGLE_S if k == len(placement.setups) else 0.0 for k in range(len(stops))]
+        pauses += [TRIANGLE_S if k == len(placement.setups) else 0.0 for k in range(len(stops))]
     durations = _STOP_S * (1.0 + _TIME_SPREAD * rng.uniform(-1.0, 1.0, len(rows)))
-    end_s = (_TRIANGLE_S + np.cumsum(durations + np.array(pauses))).round(1)
+    end_s = (TRIANGLE_S + np.cumsum(durations + np.array(pauses))).round(1)
     stated = np.array(joints, dtype=np.float64)
     joints_deg = stated.round(_DECIMALS_DEG)
     return Tour(

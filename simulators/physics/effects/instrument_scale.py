@@ -1,11 +1,11 @@
-"""A tracker whose metre is wrong: wavelength, refraction, a worn distance meter."""
+"""An instrument whose metre is wrong: wavelength and refraction, or the length of a calibrator."""
 
 from dataclasses import dataclass
 
 from simulators.physics.effects.effect import PlantedChange, since
 from simulators.physics.effects.site import NoDetails, Site, read_details
 from simulators.physics.effects.stated import ALWAYS_S, ModelArm, Stated
-from simulators.physics.effects.subject import check_only
+from simulators.physics.effects.subject import check_one_of
 from simulators.physics.rigid import FloatArray
 
 
@@ -21,12 +21,25 @@ class WrongScale:
         return self.share * since(time_s, self.from_s)
 
 
-def plant(change: PlantedChange, site: Site) -> WrongScale:
+@dataclass(frozen=True, slots=True)
+class WrongCalibrator:
+    """Every length of the ballbar is read too long by `share`."""
+
+    share: float
+    from_s: float
+
+    def relative_length(self, time_s: FloatArray) -> FloatArray:
+        """Return the share, from its time on."""
+        return self.share * since(time_s, self.from_s)
+
+
+def plant(change: PlantedChange, site: Site) -> WrongScale | WrongCalibrator:
     """Build the effect; the amplitude is read over true length, less one."""
     del site
-    check_only(change, "tracker")
+    check_one_of(change, "tracker", "ballbar")
     read_details(NoDetails, change)
-    return WrongScale(change.amplitude, change.from_s)
+    kind = WrongScale if change.subject == "tracker" else WrongCalibrator
+    return kind(change.amplitude, change.from_s)
 
 
 def realise(stated: Stated, site: ModelArm) -> tuple[WrongScale, ...]:

@@ -59,6 +59,33 @@ class ScaleEffect(Protocol):
 
 
 @runtime_checkable
+class LengthEffect(Protocol):
+    """Stretches the lengths that a ballbar reads."""
+
+    def relative_length(self, time_s: FloatArray) -> FloatArray:
+        """Return by which share they are read too long, shape (n,)."""
+        ...
+
+
+@runtime_checkable
+class ZeroEffect(Protocol):
+    """Spoils the initialisation of a ballbar."""
+
+    def zero_mm(self, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray) -> FloatArray:
+        """Return by how much lengths are read too long `since_s` after an initialisation, shape (n,)."""
+        ...
+
+
+@runtime_checkable
+class FixtureEffect(Protocol):
+    """Moves a base fixture during its placement."""
+
+    def fixture_motion(self, placement: NestNumbers, time_s: FloatArray) -> FloatArray:
+        """Return `[tx ty tz rx ry rz]` [mm, rad] about the world's origin, shape (n, 6)."""
+        ...
+
+
+@runtime_checkable
 class AirEffect(Protocol):
     """Warms the air of the cell."""
 
@@ -86,5 +113,15 @@ class ReadingEffect(Protocol):
 
 
 Effect: TypeAlias = (
-    ArmEffect | MassEffect | NestEffect | FrameEffect | ScaleEffect | AirEffect | LabelEffect | ReadingEffect
+    ArmEffect
+    | MassEffect
+    | NestEffect
+    | FrameEffect
+    | ScaleEffect
+    | LengthEffect
+    | ZeroEffect
+    | FixtureEffect
+    | AirEffect
+    | LabelEffect
+    | ReadingEffect
 )

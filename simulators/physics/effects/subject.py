@@ -49,6 +49,14 @@ def nest_index(change: PlantedChange, n_nests: int) -> int:
     return number - 1
 
 
+def placement_number(change: PlantedChange) -> int:
+    """Return the number of a subject such as "placement 2"; raises ScenarioError."""
+    number = _number(change.subject, "placement")
+    if number is None:
+        raise _refusal(change, "subject", change.subject, '"placement 1" or another of the base fixture')
+    return number
+
+
 def nest_pair(change: PlantedChange, n_nests: int) -> tuple[int, int]:
     """Both nests of "nest 1, nest 2", ascending, 1-based; raises ScenarioError."""
     numbers = [_number(part, "nest") for part in change.subject.split(", ")]
@@ -64,6 +72,12 @@ def check_only(change: PlantedChange, subject: str) -> None:
     """Raise ScenarioError unless the change is about `subject`, the only thing that it can be about."""
     if change.subject != subject:
         raise _refusal(change, "subject", change.subject, f'"{subject}"')
+
+
+def check_one_of(change: PlantedChange, *subjects: str) -> None:
+    """Raise ScenarioError unless the change is about one of `subjects`."""
+    if change.subject not in subjects:
+        raise _refusal(change, "subject", change.subject, " or ".join(f'"{name}"' for name in subjects))
 
 
 def _number(text: str, kind: str) -> int | None:

@@ -37,6 +37,8 @@ def test_an_everyday_robot_has_all_the_effects_that_a_robot_has_by_itself(make_c
         "instrument_scale",
         "label_swap",
         "outliers",
+        "ballbar_zero",
+        "fixture_shift",
         "tool_reseating",
         "base_shift",
     }

@@ -7,11 +7,13 @@ from simulators.physics.effects import EFFECTS
 SUBJECTS = {
     "axis_parallelism": "joint 3",
     "backlash": "joints",
+    "ballbar_zero": "ballbar",
     "base_compliance": "base",
     "base_drift": "base",
     "base_shift": "base",
     "compliance": "joint 2",
     "compliance_nonlinear": "joints",
+    "fixture_shift": "placement 1",
     "instrument_drift": "tracker",
     "instrument_scale": "tracker",
     "joint_coupling": "joint 6",
@@ -56,7 +58,7 @@ def test_an_amplitude_beyond_all_sense_is_refused_with_what_would_do(bench, name
 
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_an_effect_of_no_amplitude_changes_nothing(bench, at, name):
-    effect = bench.effect(name, SUBJECTS[name], 0.0)
+    effect = bench.effect(name, SUBJECTS[name], 0.0, from_s=1.0)
     stops = at(np.full((4, 6), 20.0), time_s=np.full(4, 5000.0), temperature_c=np.full(4, 30.0))
 
     assert not bench.moved_mm(stops, effect).any()
@@ -104,6 +106,10 @@ def test_a_time_that_never_comes_is_refused(bench, name, from_s):
         ("thermal_growth", "links", 1e-5, {"warm_up_k": 1e9}, 'key "warm_up_k" must be -60 to 60'),
         ("compliance_nonlinear", "joints", 0.3, {"t0_n_mm": 0.0}, 'key "t0_n_mm" must be 1 to'),
         ("outliers", "readings", 0.3, {"size_mm": -1.0}, 'key "size_mm" must be 0 to 1000'),
+        ("ballbar_zero", "ballbar", 0.01, {"course": "up"}, 'key "course" must be constant or growing'),
+        ("ballbar_zero", "ballbar", 0.01, {"grown_s": 0.0}, 'key "grown_s" must be 1 to'),
+        ("fixture_shift", "placement 1", 0.1, {"rotation_rad": 3.0}, 'key "rotation_rad" must be within 0.1'),
+        ("fixture_shift", "placement 1", 0.1, {}, "from_s must say when the fixture moves"),
     ],
 )
 def test_details_that_make_no_sense_are_refused(bench, name, subject, amplitude, details, sentence):
