@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from service.diagnosis.left import left_by
+from service.diagnosis.remaining import prepared_families
 from service.diagnosis.scene import scene_of
 from service.diagnosis.screening import pooled
 from service.diagnosis.selection import Selected, refitted
@@ -47,6 +49,11 @@ def make_selected(start, picked, rivals=()):
     scene = scene_of(start.campaign, start.problem, fit)
     tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
     return Selected(fit, picks, pooled(fit, (*picks, *tried)), full=False)
+
+
+def left_of(start, selected, without=()):
+    """What a selection leaves."""
+    return left_by(start, selected, prepared_families(selected.fit, start.scene), without)
 
 
 def proposed(scene, effect, subject, first=None):

@@ -10,11 +10,11 @@ from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.doubts import better_families, owed_to_the_rest
 from service.diagnosis.groups import grouped, names_of
-from service.diagnosis.held_out import Judged, gain_of, judge
+from service.diagnosis.held_out import Judged, Judging, gain_of
 from service.diagnosis.left import Left, left_by
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.readings_found import readings_found
-from service.diagnosis.remaining import prepared_families
+from service.diagnosis.remaining import Prepared, prepared_families
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
@@ -54,36 +54,53 @@ Tell = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True)
+class _Tested:
+    """A selection, with what unseen points and its own residuals say of it."""
+
+    selected: Selected
+    groups: tuple[Group, ...]
+    judged: Judged
+    families: tuple[Prepared, ...]
+    left: Left
+
+
+@dataclass(frozen=True, slots=True)
 class _Answer:
     """What the parts of an answer are made from."""
 
     start: Start
-    selected: Selected
+    tested: _Tested  # doubts included in what is left
     scene: Scene  # of the extended model
-    groups: tuple[Group, ...]
-    judged: Judged
-    left: Left
 
 
 def answered(
     start: Start, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
+    judging = Judging(start.campaign, start.fit, propose)
     withdrawn: tuple[str, ...] = ()
     refuted: frozenset[Cause] = frozenset()
-    groups, judged = _judged(start, selected, propose)
-    left = left_by(start, selected, without, refuted)
-    while useless := _useless(selected, groups, judged, left):
-        withdrawn += tuple(_withdrawal(groups[index], judged.gain(index)) for index in useless)
+    tested = _tested(start, selected, judging, without, refuted)
+    while useless := _useless(tested.selected, tested.groups, tested.judged, tested.left):
+        groups = tested.groups
+        withdrawn += tuple(_withdrawal(groups[index], tested.judged.gain(index)) for index in useless)
         refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
-        selected = reselected(start.fit, selected, kept, propose)
-        groups, judged = _judged(start, selected, propose)
-        left = left_by(start, selected, without, refuted)
+        selected = reselected(start.fit, tested.selected, kept, propose)
+        tested = _tested(start, selected, judging, without, refuted)
     tell(0.85, "putting it into words")
-    left = replace(_with_doubts(start, selected, groups, left), worse_unseen=_worse_unseen(judged, start))
-    scene = scene_of(start.campaign, start.problem, selected.fit)
-    return _told(_Answer(start, selected, scene, groups, judged, left), withdrawn, without)
+    left = replace(_with_doubts(tested), worse_unseen=_worse_unseen(tested.judged, start))
+    scene = scene_of(start.campaign, start.problem, tested.selected.fit)
+    return _told(_Answer(start, replace(tested, left=left), scene), withdrawn, without)
+
+
+def _tested(
+    start: Start, selected: Selected, judging: Judging, without: tuple[str, ...], refuted: frozenset[Cause]
+) -> _Tested:
+    groups = grouped(selected.picks)
+    judged = judging.of(selected, tuple(group for _, group in groups))
+    families = prepared_families(selected.fit, start.scene)
+    return _Tested(selected, groups, judged, families, left_by(start, selected, families, without, refuted))
 
 
 def _worse_unseen(judged: Judged, start: Start) -> float:
@@ -99,22 +116,19 @@ def _worse_unseen(judged: Judged, start: Start) -> float:
     return ratio if ratio > _FAR_BEYOND else 0.0
 
 
-def _with_doubts(start: Start, selected: Selected, groups: tuple[Group, ...], left: Left) -> Left:
+def _with_doubts(tested: _Tested) -> Left:
     """Add the families that tell the story of a finding better than its name."""
-    families = prepared_families(selected.fit, start.scene)
+    selected, left = tested.selected, tested.left
     together: dict[Cause, tuple[Candidate, ...]] = {}
-    for subject, group in groups:
+    for subject, group in tested.groups:
         cause = Cause(group[0].effect, subject)
         together[cause] = (*together.get(cause, ()), *group)
-    better = tuple(one for group in together.values() for one in better_families(selected, group, families))
+    better = tuple(
+        one for group in together.values() for one in better_families(selected, group, tested.families)
+    )
     known = {one.variable for one in left.depends}
     new = {one.variable: one for one in better if one.variable not in known}
     return replace(left, depends=(*left.depends, *new.values()))
-
-
-def _judged(start: Start, selected: Selected, propose: Propose) -> tuple[tuple[Group, ...], Judged]:
-    groups = grouped(selected.picks)
-    return groups, judge(start.campaign, start.fit, selected, tuple(group for _, group in groups), propose)
 
 
 def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
@@ -164,7 +178,8 @@ def _withdrawal(group: Group, gain: Gain) -> str:
 
 
 def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
-    judged, left, start, selected = answer.judged, answer.left, answer.start, answer.selected
+    start, tested = answer.start, answer.tested
+    selected, judged, left = tested.selected, tested.judged, tested.left
     readings = readings_found(start, selected, left, judged)
     findings = (*_findings(answer), *(one for one in readings if one.effect not in without))
     remaining = Remaining(
@@ -190,7 +205,7 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
         after=after,
         held_out="validation" if judged.source == "validation" else "cross_validation",
         remaining=remaining,
-        next_measurements=next_measurements(start, selected, answer.groups, findings, left),
+        next_measurements=next_measurements(start, selected, tested.groups, findings, left),
         ruled_out=ruled_out(start.scene, selected, found, without),
         withdrawn=withdrawn,
         noise=noise_of(left),
@@ -206,18 +221,20 @@ def _verdict(found: bool, structure: bool) -> Verdict:
 
 
 def _findings(answer: _Answer) -> tuple[Finding, ...]:
-    structured = answer.left.structure
-    scales = [weighed(answer.selected, group, structure_left=structured) for _, group in answer.groups]
+    structured = answer.tested.left.structure
+    scales = [
+        weighed(answer.tested.selected, group, structure_left=structured) for _, group in answer.tested.groups
+    ]
     total = sum(scale.explained for scale in scales) or 1.0
     found = [_finding(answer, index, scale, scale.explained / total) for index, scale in enumerate(scales)]
     return tuple(sorted(found, key=lambda finding: -finding.share))
 
 
 def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
-    subject, group = answer.groups[index]
-    gain = answer.judged.gain(index)
+    subject, group = answer.tested.groups[index]
+    gain = answer.tested.judged.gain(index)
     shown = _shown(answer, subject, group)
-    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not answer.left.structure
+    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
     return Finding(
         effect=group[0].effect,
         subject=shown.subject,
@@ -232,12 +249,12 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         gain=gain,
         parameters=names_of(group),
         share=share,
-        curve=finding_curve(answer.selected, answer.start.scene, group),
+        curve=finding_curve(answer.tested.selected, answer.start.scene, group),
     )
 
 
 def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown:
-    fit = answer.selected.fit
+    fit = answer.tested.selected.fit
     names = names_of(group)
     rows = [fit.structure.index_of(name) for name in names]
     fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
@@ -246,7 +263,7 @@ def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown
 
 def _model(answer: _Answer) -> Model:
     """Return the extended model, fitted without what only the diagnosis needed."""
-    start, full = answer.start, answer.selected.fit
+    start, full = answer.start, answer.tested.selected.fit
     structure = full.structure.without(NUISANCE)
     blocks = tuple(block for block in full.blocks if not isinstance(block, ReferenceBlock))
     if _acts_on_instrument(structure.effects):
@@ -265,7 +282,7 @@ def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
 
 def _discrepancy_mm(answer: _Answer) -> float:
     """Return what the usual held-out residuals show per axis beyond the readings' noise [mm]."""
-    squared = (answer.judged.errors.after_mm**2).mean(axis=1)
+    squared = (answer.tested.judged.errors.after_mm**2).mean(axis=1)
     usual = squared <= 25.0 * float(np.median(squared))
     noise = answer.start.problem.blocks[0].stated_sigma()
     return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))

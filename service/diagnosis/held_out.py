@@ -1,6 +1,8 @@
 """The gain: errors on points that neither the choice of the model nor its parameters saw."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -37,22 +39,38 @@ class Judged:
         return gain_of(self.without[group], self.errors.after_mm, self.site)
 
 
-def judge(
-    campaign: Campaign,
-    start: RobustFit,
-    selected: Selected,
-    groups: tuple[tuple[Candidate, ...], ...],
-    propose: Propose,
-) -> Judged:
-    """Judge the extended model on the validation points, else by nested cross-validation."""
-    block = _validation_block(campaign)
-    if block is not None:
-        return _on_validation(block, start, selected, groups)
-    return _crossed(start, groups, propose if groups else _nothing)
+@dataclass(frozen=True, slots=True)
+class _Fold:
+    """The configurations of one fold, and what was fitted and chosen without them."""
+
+    out: IntArray  # readings of the first block
+    start: RobustFit
+    extended: RobustFit
+    picks: tuple[Candidate, ...]
 
 
-def _nothing(_fit: RobustFit) -> tuple[Candidate, ...]:
-    return ()
+class Judging:
+    """Judges extended models of one start: on the validation points, else by nested cross-validation."""
+
+    def __init__(self, campaign: Campaign, start: RobustFit, propose: Propose) -> None:
+        self._start = start
+        self._propose = propose
+        self._validation = _validation_block(campaign)
+
+    def of(self, selected: Selected, groups: tuple[tuple[Candidate, ...], ...]) -> Judged:
+        """Judge an extended model, and it without each of its groups."""
+        if self._validation is not None:
+            return _on_validation(self._validation, self._start, selected, groups)
+        return _crossed(self._start, self._chosen if groups else self._plain, groups)
+
+    @cached_property
+    def _plain(self) -> tuple[_Fold, ...]:
+        return tuple(_folds(self._start))
+
+    @cached_property
+    def _chosen(self) -> tuple[_Fold, ...]:
+        """The folds with the choice made anew in each: once, since it hangs on no group."""
+        return tuple(_chosen_in(fold, self._propose) for fold in self._plain)
 
 
 def _validation_block(campaign: Campaign) -> Block | None:
@@ -71,7 +89,7 @@ def _on_validation(
 ) -> Judged:
     before = _residual(block, start.structure, start.values)
     after = _residual(block, selected.fit.structure, selected.fit.values)
-    without = tuple(_without(block, selected, group) for group in groups)
+    without = tuple(_without(block, selected.fit, group) for group in groups)
     errors = _errors(block, selected.fit, before, after)
     return Judged(errors, without, sites(block.targets.stops), expected_noise_mm(block), "validation")
 
@@ -80,12 +98,11 @@ def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatAr
     return block.result(structure, values, None).residual
 
 
-def _without(block: Block, selected: Selected, group: tuple[Candidate, ...]) -> FloatArray:
+def _without(block: Block, full: RobustFit, group: tuple[Candidate, ...]) -> FloatArray:
     """Residuals of the extended model without the parameters of a group, the others fitted again.
 
     The others follow as a normal posterior's mean does where the group is known to be zero.
     """
-    full = selected.fit
     names = names_of(group)
     out = np.array([name in names for name in full.structure.names])
     covariance = full.solution.covariance
@@ -96,32 +113,41 @@ def _without(block: Block, selected: Selected, group: tuple[Candidate, ...]) -> 
     return _residual(block, full.structure, values)
 
 
-def _crossed(start: RobustFit, groups: tuple[tuple[Candidate, ...], ...], propose: Propose) -> Judged:
-    """Nested cross-validation by configuration: the choice is made anew without each fold."""
+def _folds(start: RobustFit) -> Iterator[_Fold]:
+    """Fit the start model without each fold of configurations in turn."""
+    site = sites(start.blocks[0].targets.stops)
+    for held in np.array_split(np.random.default_rng(0).permutation(np.unique(site)), _FOLDS):
+        out = np.flatnonzero(np.isin(site, held))
+        if out.size:
+            part = _part(start, held)
+            yield _Fold(out, part, part, ())
+
+
+def _chosen_in(fold: _Fold, propose: Propose) -> _Fold:
+    chosen = select(fold.start, propose, lambda _share: None)
+    return replace(fold, extended=chosen.fit, picks=chosen.picks)
+
+
+def _crossed(start: RobustFit, folds: tuple[_Fold, ...], groups: tuple[tuple[Candidate, ...], ...]) -> Judged:
     first = start.blocks[0]
-    site = sites(first.targets.stops)
     shape = start.results[0].residual.shape
     before, after = np.zeros(shape), np.zeros(shape)
     without = tuple(np.zeros(shape) for _ in groups)
-    for held in np.array_split(np.random.default_rng(0).permutation(np.unique(site)), _FOLDS):
-        out = np.flatnonzero(np.isin(site, held))
-        if out.size == 0:
-            continue
-        part = _part(start, held)
-        chosen = select(part, propose, lambda _share: None)
-        block = first.subset(out)
-        before[out] = _residual(block, part.structure, part.values)
-        after[out] = _residual(block, chosen.fit.structure, chosen.fit.values)
+    for fold in folds:
+        block = first.subset(fold.out)
+        before[fold.out] = _residual(block, fold.start.structure, fold.start.values)
+        after[fold.out] = _residual(block, fold.extended.structure, fold.extended.values)
         for left, group in zip(without, groups, strict=True):
-            same = tuple(
-                pick
-                for pick in chosen.picks
-                if (pick.effect, pick.subject) == (group[0].effect, group[0].subject)
-            )
-            left[out] = _without(block, chosen, same) if same else after[out]
+            same = _same(fold.picks, group[0])
+            left[fold.out] = _without(block, fold.extended, same) if same else after[fold.out]
     errors = _errors(first, start, before, after)
     stated = first.weighted(first.weights, 0.0)
+    site = sites(first.targets.stops)
     return Judged(errors, without, site, expected_noise_mm(stated), "cross_validation")
+
+
+def _same(picks: tuple[Candidate, ...], one: Candidate) -> tuple[Candidate, ...]:
+    return tuple(pick for pick in picks if (pick.effect, pick.subject) == (one.effect, one.subject))
 
 
 def _part(start: RobustFit, held: IntArray) -> RobustFit:

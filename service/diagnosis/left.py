@@ -7,7 +7,7 @@ from scipy.stats import chi2
 
 from service.diagnosis.families import Family
 from service.diagnosis.normal import Products
-from service.diagnosis.remaining import prepared_families, structured
+from service.diagnosis.remaining import Prepared, structured
 from service.diagnosis.screening import pooled, screen
 from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
@@ -60,9 +60,13 @@ class Left:
 
 
 def left_by(
-    start: Start, selected: Selected, without: tuple[str, ...], refuted: frozenset[Cause] = frozenset()
+    start: Start,
+    selected: Selected,
+    families: tuple[Prepared, ...],
+    without: tuple[str, ...],
+    refuted: frozenset[Cause] = frozenset(),
 ) -> Left:
-    """Test what is left against everything that it might depend on.
+    """Test what is left against everything that it might depend on: the families, and single waves.
 
     Single waves of a cause that was refuted on unseen points are chance and do not count again.
     """
@@ -76,7 +80,7 @@ def left_by(
             one.family,
             products=one.products,
         )
-        for one in structured(prepared_families(fit, start.scene), past)
+        for one in structured(families, past)
         if one.p_value <= _STRUCTURE_LEVEL
     ]
     found += _waves(start, selected, without, refuted)

@@ -8,11 +8,10 @@ import pytest
 from service.diagnosis.answer import _useless, _verdict, unanswerable
 from service.diagnosis.diagnose import diagnose
 from service.diagnosis.held_out import Judged
-from service.diagnosis.left import left_by
 from service.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from service.identification.prediction import predict
 from tests.scenes import START, telling_campaign
-from tests.selections import make_selected, make_start, planted
+from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
@@ -161,7 +160,7 @@ def picked():
     start = make_start({"joint_gain": {"gain_4": 1e-3, "gain_5": 1e-3}})
     selected = make_selected(start, [("joint_gain", "joint 4"), ("joint_gain", "joint 5")])
     groups = tuple((pick.subject, (pick,)) for pick in selected.picks)
-    return selected, groups, left_by(start, selected, ())
+    return selected, groups, left_of(start, selected)
 
 
 def judged(before_mm, after_mm, *without_mm, n=60):

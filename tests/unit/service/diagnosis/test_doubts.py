@@ -3,9 +3,8 @@
 import pytest
 
 from service.diagnosis.doubts import better_families, owed_to_the_rest
-from service.diagnosis.left import left_by
 from service.diagnosis.remaining import prepared_families
-from tests.selections import make_selected, make_start
+from tests.selections import left_of, make_selected, make_start
 
 GAIN = ("joint_gain", "joint 4")
 # no single wave and no gain: five waves of joint 4 at once
@@ -31,7 +30,7 @@ def better(start, selected):
 
 
 def owed(start, selected):
-    return owed_to_the_rest(selected, [selected.picks], left_by(start, selected, ()))
+    return owed_to_the_rest(selected, [selected.picks], left_of(start, selected))
 
 
 def test_a_cause_that_is_there_owes_nothing_to_the_rest(honest):
@@ -41,7 +40,7 @@ def test_a_cause_that_is_there_owes_nothing_to_the_rest(honest):
 def test_a_cause_beside_an_unrelated_structure_owes_nothing_to_it():
     start = make_start({"joint_gain": {"gain_4": 1e-3}, "base_drift": {"drift_linear_x": 0.4}})
     selected = make_selected(start, [GAIN])
-    left = left_by(start, selected, ())
+    left = left_of(start, selected)
 
     assert any(one.kind == "time" for one in left.depends)
     assert owed_to_the_rest(selected, [selected.picks], left) == (False,)
@@ -49,7 +48,7 @@ def test_a_cause_beside_an_unrelated_structure_owes_nothing_to_it():
 
 def test_a_cause_that_stands_in_for_another_curve_owes_its_place_to_it(borrowed):
     start, selected = borrowed
-    left = left_by(start, selected, ())
+    left = left_of(start, selected)
 
     assert any(one.variable == "angle of joint 4" for one in left.depends)
     assert owed_to_the_rest(selected, [selected.picks], left) == (True,)
@@ -57,7 +56,7 @@ def test_a_cause_that_stands_in_for_another_curve_owes_its_place_to_it(borrowed)
 
 def test_every_group_is_asked_and_none_where_there_is_none(borrowed):
     start, selected = borrowed
-    left = left_by(start, selected, ())
+    left = left_of(start, selected)
 
     assert owed_to_the_rest(selected, [], left) == ()
     assert len(owed_to_the_rest(selected, [selected.picks, selected.picks], left)) == 2

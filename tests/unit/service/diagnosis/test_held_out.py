@@ -7,7 +7,7 @@ import pytest
 
 from service.diagnosis.diagnose import proposed as every_cause
 from service.diagnosis.groups import grouped
-from service.diagnosis.held_out import gain_of, judge
+from service.diagnosis.held_out import Judging, gain_of
 from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import select
 from service.diagnosis.start import started
@@ -102,7 +102,7 @@ def test_without_validation_the_choice_never_sees_the_held_out_configurations(st
         seen.append(frozenset(fitted.blocks[0].targets.stops.config.tolist()))
         return propose_for(start)(fitted)
 
-    judged = judge(start.campaign, start.fit, selected, groups_of(selected), spy)
+    judged = Judging(start.campaign, start.fit, spy).of(selected, groups_of(selected))
 
     everything = frozenset(start.campaign.calibration.stops.config.tolist())
     held = {everything - configurations for configurations in seen}
@@ -112,9 +112,28 @@ def test_without_validation_the_choice_never_sees_the_held_out_configurations(st
     assert frozenset().union(*held) == everything
 
 
+def test_the_choice_without_each_fold_is_made_once_however_often_models_are_judged(start, selected):
+    asked = []
+
+    def spy(fitted):
+        asked.append(fitted)
+        return propose_for(start)(fitted)
+
+    judging = Judging(start.campaign, start.fit, spy)
+    judging.of(selected, groups_of(selected))
+    once = len(asked)
+    plain = judging.of(selected, ())
+    judging.of(selected, groups_of(selected))
+
+    assert len(asked) == once >= 5
+    # nothing to choose is nothing chosen: the folds of the start model alone
+    assert np.array_equal(plain.errors.after_mm, plain.errors.before_mm)
+
+
 def test_a_held_out_reading_cannot_move_its_own_prediction(start, selected):
     def errors_of(campaign_start):
-        return judge(campaign_start.campaign, campaign_start.fit, selected, (), propose_for(start)).errors
+        judging = Judging(campaign_start.campaign, campaign_start.fit, propose_for(start))
+        return judging.of(selected, ()).errors
 
     plain = errors_of(start)
     block = start.fit.blocks[0]
@@ -131,7 +150,7 @@ def test_a_held_out_reading_cannot_move_its_own_prediction(start, selected):
 
 
 def test_cross_validation_gives_the_gain_of_a_planted_cause_to_it(start, selected):
-    judged = judge(start.campaign, start.fit, selected, groups_of(selected), propose_for(start))
+    judged = Judging(start.campaign, start.fit, propose_for(start)).of(selected, groups_of(selected))
 
     gain = judged.gain(0)
 
@@ -150,7 +169,7 @@ def test_validation_readings_judge_where_there_are_some():
     start = _started(campaign)
     selected = select(start.fit, propose_for(start), lambda _share: None)
 
-    judged = judge(start.campaign, start.fit, selected, groups_of(selected), _never)
+    judged = Judging(start.campaign, start.fit, _never).of(selected, groups_of(selected))
 
     assert judged.source == "validation"
     assert len(judged.errors.config) == 40
@@ -169,7 +188,6 @@ def _never(_fit):
 
 
 def _started(campaign):
-
     found = started(campaign, START, relabel=False)
     assert not isinstance(found, str)
     return found

@@ -5,22 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.left import left_by
 from service.diagnosis.start import started
 from tests.scenes import START, telling_campaign
-from tests.selections import make_selected, make_start, planted
+from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations
 
 # The median of 80 squared radii has a relative standard deviation of 0.12, its root half of that.
 SPREAD = 4 * 0.06
 
 
-def left_of(start, *picked, without=(), rivals=()):
-    return left_by(start, make_selected(start, picked, rivals), without)
+def left_beside(start, *picked, without=(), rivals=()):
+    return left_of(start, make_selected(start, picked, rivals), without)
 
 
 def test_noise_as_stated_is_of_size_one_and_leaves_no_structure():
-    left = left_of(make_start({}))
+    left = left_beside(make_start({}))
 
     assert left.noise_scale == pytest.approx(1.0, abs=SPREAD)
     assert not left.more_than_stated
@@ -29,7 +28,7 @@ def test_noise_as_stated_is_of_size_one_and_leaves_no_structure():
 
 
 def test_noise_twice_as_large_as_stated_is_said_to_be():
-    left = left_of(make_start({}, noise_mm=2 * NOISE_MM))
+    left = left_beside(make_start({}, noise_mm=2 * NOISE_MM))
 
     assert left.noise_scale == pytest.approx(2.0, abs=2 * SPREAD)
     assert left.more_than_stated
@@ -48,7 +47,7 @@ def test_revisits_that_scatter_as_much_make_it_noise():
     stops = replace(points.stops, repeat_of=repeat_of)
     again = replace(campaign, calibration=replace(points, stops=stops, nest=nest))
 
-    left = left_of(make_start({}, campaign=again, noise_mm=2 * NOISE_MM))
+    left = left_beside(make_start({}, campaign=again, noise_mm=2 * NOISE_MM))
 
     assert left.more_than_stated
     assert left.explained_by_repeats
@@ -58,7 +57,7 @@ def test_revisits_that_scatter_as_much_make_it_noise():
 def test_what_depends_on_time_is_named():
     start = make_start({"base_drift": {"drift_linear_x": 0.4}})
 
-    left = left_of(start)
+    left = left_beside(start)
 
     assert left.structure
     assert any(one.kind == "time" for one in left.depends)
@@ -67,7 +66,7 @@ def test_what_depends_on_time_is_named():
 
 
 def test_a_cause_that_is_fitted_leaves_nothing():
-    left = left_of(make_start({"joint_gain": {"gain_4": 1e-3}}), ("joint_gain", "joint 4"))
+    left = left_beside(make_start({"joint_gain": {"gain_4": 1e-3}}), ("joint_gain", "joint 4"))
 
     assert left.depends == ()
     assert left.noise_scale == pytest.approx(1.0, abs=SPREAD)
@@ -78,7 +77,7 @@ def test_a_fast_wave_is_seen_also_where_waves_are_left_out_of_the_library(order)
     # faster than any smooth family
     start = make_start({"joint_harmonics": {f"wave_6_{order}_sin": 1e-3}})
 
-    left = left_of(start, without=("joint_harmonics",))
+    left = left_beside(start, without=("joint_harmonics",))
 
     wave = next(one for one in left.depends if one.order)
     assert (wave.variable, wave.order, wave.kind) == ("angle of joint 6", order, "angle")
@@ -91,7 +90,7 @@ def test_heavy_tails_are_noise():
     points = quiet.calibration
     noisy = replace(points, position_mm=points.position_mm + NOISE_MM * heavy)
 
-    left = left_of(_started(replace(quiet, calibration=noisy)))
+    left = left_beside(_started(replace(quiet, calibration=noisy)))
 
     assert left.tails.degrees_of_freedom is not None
     assert not left.tails.bad.any()
