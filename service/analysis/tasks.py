@@ -9,11 +9,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from service.analysis.errors import NothingMeasuredError
+from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
 from service.domain.campaign import Campaign, LegReadings, PointReadings
 from service.domain.cell import Cell
 from service.domain.diagnosis import Diagnosis
 from service.domain.errors import ConfigurationError
 from service.domain.results import Identification, Model, Validation
+from service.domain.robot import FramePlacement
 from service.domain.session import SessionPlan
 from service.storage.records import SessionSetup
 
@@ -104,8 +106,42 @@ def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
     return space_of_cell(cell, ranges, template.approach_offset_rad)
 
 
-Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask
-Answer: TypeAlias = Identification | Validation | Diagnosis | SessionPlan
+@dataclass(frozen=True, slots=True)
+class BallbarPlanTask:
+    """Choose the poses of a ballbar session, and where the base fixture goes unless `frames` say so."""
+
+    setup: SessionSetup
+    frames: tuple[FramePlacement, ...]
+    n_placements: int  # how many are suggested where no frame is given
+    n_poses: int  # in each placement
+    seed: int
+
+    def perform(self, report: Report) -> BallbarPlan:
+        """Return the plan; raises TrueposeError."""
+        from service.analysis.ballbar_plans import plan_ballbar_session
+
+        report(0.0, "choosing placements and poses")
+        return plan_ballbar_session(self)
+
+
+@dataclass(frozen=True, slots=True)
+class PrecalibrateTask:
+    """Identify with what a ballbar session has so far, and aim the rest by it."""
+
+    setup: SessionSetup
+    plan: BallbarPlan
+    entries: tuple[LedgerEntry, ...]
+
+    def perform(self, report: Report) -> PreCalibration:
+        """Return what was found; raises TrueposeError."""
+        from service.analysis.precalibration import precalibrate
+
+        report(0.0, "identifying with the legs so far")
+        return precalibrate(self.setup, self.plan, self.entries)
+
+
+Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask | BallbarPlanTask | PrecalibrateTask
+Answer: TypeAlias = Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration
 
 
 def held_out(campaign: Campaign) -> PointReadings | LegReadings:

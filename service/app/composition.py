@@ -16,11 +16,15 @@ from service.app.errors import StartError
 from service.app.simulation import Simulation, running_simulation
 from service.domain.cell import Cell, DeviceEntry
 from service.exchange.cell_file import read_cell, simulated_cell
+from service.operation.ballbar_sessions import BallbarDesk
+from service.operation.ballbar_work import BallbarWork
 from service.operation.devices import MountedDevice, Rack
 from service.operation.repeated_diagnosis import RepeatedDiagnosis
 from service.operation.sessions import SessionDesk
+from service.operation.simulated_hands import HandsDesk
 from service.settings import Settings
 from service.storage.added_stops import AddedStopsRepository
+from service.storage.ballbar_ledger import BallbarLedger
 from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
 from service.storage.diagnoses import DiagnosisRepository
@@ -90,9 +94,11 @@ async def open_context(
         stack.push_async_callback(rack.close)
         context = _context(cell, database, rack, simulation, perform)
         await context.session_desk.recover()
+        await context.ballbar_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
         stack.push_async_callback(context.session_desk.close)
+        stack.push_async_callback(context.ballbar_desk.close)
         stack.callback(stop_streams, context)
         yield context
 
@@ -120,13 +126,14 @@ def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: 
     """Return the cell with a device for each instrument of its simulation that a driver speaks to."""
     if simulation is None:
         return cell
-    entries = []
+    entries: dict[str, DeviceEntry] = {}
     for endpoint in simulation.endpoints:
         if endpoint.device not in _NOT_DEVICES:
             for name in _drivers_of(endpoint, drivers):
                 options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
-                entries.append(DeviceEntry(endpoint.device, name, options))
-    return dataclasses.replace(cell, devices=tuple(entries))
+                # One ballbar listens at several ports, in a language each: the first one is spoken.
+                entries.setdefault(endpoint.device, DeviceEntry(endpoint.device, name, options))
+    return dataclasses.replace(cell, devices=tuple(entries.values()))
 
 
 def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
@@ -183,6 +190,7 @@ def _context(
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     campaign_desk = CampaignDesk(campaigns, sessions, readings)
+    work = BallbarWork(perform)
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),
@@ -198,6 +206,8 @@ def _context(
         events=EventRepository(database),
         rack=rack,
         session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session),
+        ballbar_desk=BallbarDesk(sessions, BallbarLedger(database), rack, work.foresight, work.choose),
+        hands_desk=HandsDesk(rack),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         stopping=asyncio.Event(),

@@ -11,6 +11,7 @@ from service.exchange.campaign_folder import read_bytes
 from service.exchange.cell_sections import (
     optional_text,
     read_artefact,
+    read_ballbar,
     read_conditions,
     read_devices,
     read_fixed_nests,
@@ -28,7 +29,7 @@ from service.exchange.shipped_robots import RobotWithTool, load_robot_with_tool,
 
 _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
-    "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect",
+    "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect", "ballbar",
 })  # fmt: skip
 _TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
@@ -124,6 +125,7 @@ def _read(root: Node, folder: Path) -> Cell:
         conditions=read_conditions(root.optional("conditions")),
         devices=read_devices(root.optional("device")),
         simulated=read_simulated(root),
+        ballbar=read_ballbar(root.optional("ballbar")),
     )
     if cell.devices and cell.simulated is not None:
         root.key("simulated").fail("a cell is either simulated or has devices of its own; remove one")

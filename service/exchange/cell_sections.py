@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Collection
+from datetime import date
 
+from service.domain.artefacts import Artefact, BallbarKit, Bars
 from service.domain.cell import (
-    Artefact,
     CellLimits,
     CertifiedLength,
     Conditions,
@@ -40,11 +41,56 @@ def read_artefact(node: Node | None, extra: Collection[str] = ()) -> Artefact | 
     """Read what an artefact is and what certifies it; `extra` keys are read elsewhere."""
     if node is None:
         return None
-    refuse_unlisted(node, {"name", "serial_number", "certificate", *extra})
+    refuse_unlisted(node, {"name", "serial_number", "certificate", "certificate_expires", *extra})
     return Artefact(
         name=optional_text(node, "name"),
         serial_number=optional_text(node, "serial_number"),
         certificate=optional_text(node, "certificate"),
+        certificate_expires=_optional_date(node, "certificate_expires"),
+    )
+
+
+def _optional_date(node: Node, name: str) -> str:
+    entry = node.optional(name)
+    if entry is None:
+        return ""
+    if isinstance(entry.value, date):  # TOML has dates of its own
+        return entry.value.isoformat()[: len("2027-01-31")]
+    try:
+        return date.fromisoformat(entry.text()).isoformat()
+    except ValueError:
+        entry.fail(f"{entry.value!r} is no date; write it as 2027-01-31")
+
+
+def read_ballbar(node: Node | None) -> BallbarKit | None:
+    """Read the ballbar with its calibrator and fixtures; what is not given is as in the thesis."""
+    if node is None:
+        return None
+    own = ("range_mm", "reading_u_mm", "zero_u_mm", "setup_u_mm")
+    refuse_unlisted(node, {*own, "base_points", "tool_bars", "base_bars", "instrument", "calibrator"})
+    default = BallbarKit()
+    numbers = {name: _positive(node, name) or getattr(default, name) for name in own}
+    points = node.optional("base_points")
+    return BallbarKit(
+        tool_bars=_read_bars(node.optional("tool_bars")) or default.tool_bars,
+        base_bars=_read_bars(node.optional("base_bars")) or default.base_bars,
+        base_points=default.base_points if points is None else points.whole(least=3, greatest=4),
+        instrument=read_artefact(node.optional("instrument")) or default.instrument,
+        calibrator=read_artefact(node.optional("calibrator")) or default.calibrator,
+        **numbers,
+    )
+
+
+def _read_bars(node: Node | None) -> Bars | None:
+    if node is None:
+        return None
+    refuse_unlisted(node, {"nominal_mm", "calibrator_mm", "calibrator_u_mm", "bars_mm"})
+    bars = node.optional("bars_mm")
+    return Bars(
+        nominal_mm=node.key("nominal_mm").number(above=0.0),
+        calibrator_mm=node.key("calibrator_mm").number(above=0.0),
+        calibrator_u_mm=node.key("calibrator_u_mm").number(above=0.0),
+        bars_mm=() if bars is None else tuple(bar.number(above=0.0) for bar in bars.items()),
     )
 
 

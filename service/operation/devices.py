@@ -5,7 +5,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from drivers.api import AnyDevice, Clock, DeviceIdentity, DeviceKind, PointTracker, RobotController
+from drivers.api import (
+    AnyDevice,
+    Ballbar,
+    Clock,
+    Device,
+    DeviceIdentity,
+    DeviceKind,
+    PointTracker,
+    RobotController,
+    SimulatedHands,
+)
 from drivers.errors import DriverError
 from service.domain.cell import DeviceEntry
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
@@ -104,6 +114,22 @@ class Rack:
         """The robot's controller; raises MissingDeviceError."""
         return cast(RobotController, self._of_kind("robot"))
 
+    @property
+    def ballbar(self) -> Ballbar:
+        """The instrument that measures lengths; raises MissingDeviceError."""
+        return cast(Ballbar, self._of_kind("ballbar"))
+
+    @property
+    def hands(self) -> SimulatedHands | None:
+        """The person of a simulated cell; None where a real one stands there."""
+        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "hands"]
+        return cast(SimulatedHands, found[0]) if found else None
+
+    def entry_of(self, kind: DeviceKind) -> DeviceEntry | None:
+        """Return what the cell file says of the device of a kind; None where it lists none."""
+        found = [mounted.entry for mounted in self._mounted.values() if mounted.kind == kind]
+        return found[0] if found else None
+
     async def close(self) -> None:
         """Close every link."""
         for mounted in self._mounted.values():
@@ -122,13 +148,13 @@ class Rack:
             known = ", ".join(self._mounted) or "none"
             raise UnknownDeviceError(f"The cell has no device '{name}'; it has: {known}.") from None
 
-    def _idle(self, name: str) -> PointTracker | RobotController:
+    def _idle(self, name: str) -> Device:
         mounted = self._find(name)
         if self._session_id is not None:
             raise DeviceInUseError(f"Session {self._session_id} holds the device '{name}'; end it first.")
         return _link(mounted)
 
 
-def _link(mounted: MountedDevice) -> PointTracker | RobotController:
+def _link(mounted: MountedDevice) -> Device:
     # The clock, the one device without a link of its own, is never mounted here.
-    return cast(PointTracker | RobotController, mounted.device)
+    return cast(Device, mounted.device)

@@ -3,7 +3,9 @@
 OperationError
 ├── UnknownDeviceError   the cell has no device of that name
 ├── MissingDeviceError   a session needs a kind of device that the cell file does not list
-└── DeviceInUseError     a session holds the device
+├── DeviceInUseError     a session holds the device
+├── NoBallbarError       the cell file does not describe a ballbar
+└── RealCellError        only a simulated cell can be asked that
 """
 
 from service.domain.errors import TrueposeError
@@ -23,3 +25,11 @@ class MissingDeviceError(OperationError):
 
 class DeviceInUseError(OperationError):
     """A session holds the device."""
+
+
+class NoBallbarError(OperationError):
+    """The cell file does not describe a ballbar."""
+
+
+class RealCellError(OperationError):
+    """Only a simulated cell can be asked that."""

@@ -87,7 +87,7 @@ class SessionDesk:
         Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError.
         """
         async with self._turn:
-            record = await self._sessions.get(session_id)
+            record = await self._get(session_id)
             if record.state is not SessionState.PLANNED:
                 raise NotNowError(
                     f"Session {session_id} is {words(record.state)}; only a planned one starts."
@@ -98,7 +98,7 @@ class SessionDesk:
     async def confirm(self, session_id: int, person: str) -> str:
         """Confirm what the session asks; takes up a session that a restart interrupted."""
         async with self._turn:
-            record = await self._sessions.get(session_id)
+            record = await self._get(session_id)
             orphaned = self._running(session_id) is None
             if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
                 await self._launch(record)
@@ -106,16 +106,16 @@ class SessionDesk:
 
     async def pause(self, session_id: int, person: str | None) -> str:
         """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError."""
-        return await self._require(await self._sessions.get(session_id)).request_pause(person)
+        return await self._require(await self._get(session_id)).request_pause(person)
 
     async def resume(self, session_id: int, person: str) -> str:
         """Continue a paused session. Raises NotFoundError, NotNowError, PersonMissingError."""
-        return await self._require(await self._sessions.get(session_id)).resume(person)
+        return await self._require(await self._get(session_id)).resume(person)
 
     async def abort(self, session_id: int, person: str | None) -> str:
         """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError."""
         async with self._turn:
-            record = await self._sessions.get(session_id)
+            record = await self._get(session_id)
             runner = self._running(session_id)
             if runner is None and not has_ended(record.state):
                 # Planned, or left by an earlier service: nobody runs it, so nothing is in motion.
@@ -135,7 +135,7 @@ class SessionDesk:
         """
         name = require_person(person)
         async with self._turn:  # two additions at once must not take the same numbers
-            await self._sessions.get(session_id)
+            await self._get(session_id)
             earlier = None if key is None else await self._additions.answered(key)
             if earlier is not None:
                 return Addition(earlier.stops, ())
@@ -156,7 +156,7 @@ class SessionDesk:
             await runner.add_stops(added.stops, keep)
             return
         # Asked only now: the session may have ended since.
-        record = await self._sessions.get(added.session_id)
+        record = await self._get(added.session_id)
         _refuse_unfit(record, setup, extended_plan(plan, added.stops))
         await keep()
 
@@ -176,6 +176,8 @@ class SessionDesk:
 
     async def _leave(self, reason: str) -> None:
         for record in await self._sessions.in_state(*_MOVABLE):
+            if record.role == "ballbar":
+                continue  # its ledger says where it stands
             state = after_restart(record.state)
             if state is not record.state:
                 await self._sessions.change_state(record.id, state, reason)
@@ -248,6 +250,14 @@ class SessionDesk:
             registration=await self._sessions.registration(record.id),
             elapsed_s=0.0 if progress is None else progress.elapsed_s,
         )
+
+    async def _get(self, session_id: int) -> SessionRecord:
+        record = await self._sessions.get(session_id)
+        if record.role == "ballbar":
+            raise NotNowError(
+                f"Session {session_id} is one with the ballbar; ask it at ballbar-sessions/{session_id}/acts."
+            )
+        return record
 
     def _running(self, session_id: int) -> SessionRunner | None:
         under_way = self._under_way

@@ -2,15 +2,17 @@
 
 from typing import Any
 
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, Row, func, select
 
 from service.domain.ballbar import LedgerEntry
+from service.domain.session import SessionState
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import KeyReusedError
 from service.storage.events import add_event
 from service.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from service.storage.rows import add_row
+from service.storage.sessions import add_state
 from service.storage.tables import ballbar_answers, ballbar_entries
 
 _ALL = Page(limit=-1)  # SQLite: a negative limit is none
@@ -22,13 +24,16 @@ class BallbarLedger:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def append(self, session_id: int, entry: LedgerEntry) -> int:
+    async def append(
+        self, session_id: int, entry: LedgerEntry, entered: tuple[SessionState, str] | None = None
+    ) -> int:
         """Keep an entry and return its number once it is on disk.
 
-        An entry whose key the session has already changes nothing; the earlier one's number comes back.
+        `entered` is the state that the session enters with it, and why. An entry whose key the session
+        has already changes nothing; the earlier one's number comes back.
         """
         document = to_document(entry)  # outside the transaction: a pre-calibration is long
-        return await self._database.write(lambda c: _append(c, session_id, entry, document))
+        return await self._database.write(lambda c: _append(c, session_id, entry, document, entered))
 
     async def page(self, session_id: int, page: Page = _ALL) -> list[LedgerRecord]:
         """Return the entries of a session, oldest first."""
@@ -40,6 +45,11 @@ class BallbarLedger:
             .limit(page.limit)
         )
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def newest(self, session_id: int) -> int | None:
+        """Return the number of the newest entry of a session; None before the first."""
+        query = select(func.max(ballbar_entries.c.id)).where(ballbar_entries.c.session_id == session_id)
+        return await self._database.read(lambda c: c.scalar(query))
 
     async def entry_with(self, session_id: int, key: str) -> LedgerRecord | None:
         """Return the entry that a request with this key caused; None where none did."""
@@ -66,19 +76,13 @@ class BallbarLedger:
         return ActAnswer(row.sentence, row.entry_id)
 
 
-class SessionLedger:
-    """The ledger of one session; what `service.sequencing.ballbar` asks for."""
-
-    def __init__(self, session_id: int, ledger: BallbarLedger) -> None:
-        self._session_id = session_id
-        self._ledger = ledger
-
-    async def append(self, entry: LedgerEntry) -> int:
-        """Keep an entry and return its number once it is on disk."""
-        return await self._ledger.append(self._session_id, entry)
-
-
-def _append(connection: Connection, session_id: int, entry: LedgerEntry, document: Any) -> int:
+def _append(
+    connection: Connection,
+    session_id: int,
+    entry: LedgerEntry,
+    document: Any,
+    entered: tuple[SessionState, str] | None,
+) -> int:
     known = None if entry.key is None else _number_of(connection, session_id, entry.key)
     if known is not None:
         return known
@@ -93,6 +97,8 @@ def _append(connection: Connection, session_id: int, entry: LedgerEntry, documen
     )
     told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.text}
     add_event(connection, "session.entry", told, session_id=session_id)
+    if entered is not None:
+        add_state(connection, session_id, *entered, entry.person)
     return number
 
 

@@ -9,6 +9,8 @@ from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from service.web import (
+    ballbar_live,
+    ballbar_sessions,
     campaigns,
     cells,
     devices,
@@ -23,10 +25,12 @@ from service.web import (
     readings,
     robots,
     sessions,
+    simulated_hands,
     validations,
 )
 from service.web.context import Context
 from service.web.limits import RequestLimits
+from service.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI
 OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Context]]
@@ -35,6 +39,9 @@ _RESOURCES: Final = (
     devices,
     robots,
     sessions,
+    ballbar_sessions,
+    ballbar_live,
+    simulated_hands,
     readings,
     jobs,
     identifications,
@@ -78,6 +85,7 @@ def create_application(version: str, open_context: OpenContext) -> Application:
     app.include_router(health.router)
     app.include_router(api)
     app.include_router(pages.router)
+    app.include_router(tablet.router)
     problems.install(app)
     app.add_middleware(RequestLimits)
     _complete_openapi(app)

@@ -10,8 +10,10 @@ from fastapi import Depends, Request
 from service.analysis.campaigns import CampaignDesk
 from service.analysis.jobs import JobDesk
 from service.domain.cell import Cell
+from service.operation.ballbar_sessions import BallbarDesk
 from service.operation.devices import Rack
 from service.operation.sessions import SessionDesk
+from service.operation.simulated_hands import HandsDesk
 from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
 from service.storage.diagnoses import DiagnosisRepository
@@ -49,6 +51,8 @@ class Context:
     events: EventRepository
     rack: Rack
     session_desk: SessionDesk
+    ballbar_desk: BallbarDesk
+    hands_desk: HandsDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk
     stopping: asyncio.Event  # set when the service ends: streams end with it

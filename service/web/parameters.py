@@ -24,6 +24,20 @@ IdempotencyKey = Annotated[
 ]
 
 
+NeededKey = Annotated[
+    str,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=128,
+        pattern=r"^[!-~]+$",
+        description="Any text of your own. An act sent again with the same key is done once: it answers with "
+        "the sentence and the entry of the first one.",
+        examples=["3f1c6a9e-store-leg-2-3"],
+    ),
+]
+
+
 def _page(
     after: Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List records above this number.")] = 0,
     limit: Annotated[int, Query(ge=1, le=1000, description="At most so many records.")] = 100,
@@ -35,6 +49,10 @@ async def _json_key(request: Request, key: IdempotencyKey = None) -> RequestKey 
     return None if key is None else request_key(request, key, await request.body())
 
 
+async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
+    return request_key(request, key, await request.body())
+
+
 def request_key(request: Request, key: str, body: bytes) -> RequestKey:
     """Return the key with the fingerprint of the request it came with."""
     said = b"\n".join((request.method.encode(), request.url.path.encode(), body))
@@ -43,3 +61,4 @@ def request_key(request: Request, key: str, body: bytes) -> RequestKey:
 
 PageQuery = Annotated[Page, Depends(_page)]
 OptionalKey = Annotated[RequestKey | None, Depends(_json_key)]
+RequiredKey = Annotated[RequestKey, Depends(_needed_key)]

@@ -21,7 +21,13 @@ from service.analysis.errors import (
 )
 from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
-from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+from service.operation.errors import (
+    DeviceInUseError,
+    MissingDeviceError,
+    NoBallbarError,
+    RealCellError,
+    UnknownDeviceError,
+)
 from service.planning.errors import WorkSpaceError
 from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
 from service.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
@@ -39,6 +45,8 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     NotNowError: HTTPStatus.CONFLICT,
     DeviceInUseError: HTTPStatus.CONFLICT,
     MissingDeviceError: HTTPStatus.CONFLICT,
+    NoBallbarError: HTTPStatus.CONFLICT,
+    RealCellError: HTTPStatus.CONFLICT,
     NothingMeasuredError: HTTPStatus.CONFLICT,
     SessionsDifferError: HTTPStatus.CONFLICT,
     RoleError: HTTPStatus.CONFLICT,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from service.domain.cell import Cell
-from service.domain.session import PlannedStop, Progress, Role, SessionPlan, SessionState
+from service.domain.session import PlannedStop, Progress, Role, SessionPlan, SessionRole, SessionState
 from service.storage.records import SessionRecord, StateChange
 from service.web.schemas.base import (
     NUMBER_LIMIT,
@@ -103,14 +103,14 @@ class SessionReply(Reply):
     id: RecordId
     recorded_at: RecordedAt
     name: str = Field(examples=["left arm"])
-    role: Role
+    role: SessionRole = Field(description="What its readings are; ballbar sessions have routes of their own.")
     state: SessionState
     state_since: RecordedAt
     reason: str = Field(description="Why it is in this state.")
     person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
     question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
     planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
-    measured: int = Field(examples=[12])
+    measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
     skipped: int = Field(examples=[0])
 
 

@@ -14,7 +14,8 @@ from service.domain.ballbar import (
     PreCalibration,
     Suspicion,
 )
-from service.storage.ballbar_ledger import BallbarLedger, SessionLedger
+from service.domain.session import SessionState
+from service.storage.ballbar_ledger import BallbarLedger
 from service.storage.errors import KeyReusedError
 from service.storage.events import EventRepository
 from service.storage.records import ActAnswer, Page, RequestKey
@@ -81,11 +82,9 @@ async def test_an_entry_comes_back_as_it_was_written(ledger, session_id):
 
 
 async def test_a_repeated_key_returns_the_earlier_entry_and_changes_nothing(ledger, session_id):
-    first = await SessionLedger(session_id, ledger).append(measured("placement-1/pose-1/leg-1-1", key="k1"))
+    first = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1", key="k1"))
 
-    again = await SessionLedger(session_id, ledger).append(
-        measured("placement-1/pose-1/leg-1-2", 299.0, key="k1")
-    )
+    again = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-2", 299.0, key="k1"))
 
     assert again == first
     assert [record.entry.step_id for record in await ledger.page(session_id)] == [
@@ -170,3 +169,13 @@ async def test_an_answer_is_kept_for_its_request(ledger, session_id):
     assert await ledger.answer_to(session_id, replace(key, key="other")) is None
     with pytest.raises(KeyReusedError, match="another act"):
         await ledger.answer_to(session_id, replace(key, fingerprint="other"))
+
+
+async def test_a_state_is_entered_with_the_entry_that_says_so(ledger, sessions, session_id):
+    entry = LedgerEntry("tool/initialise", EntryKind.CONTROL, 5.0, person="Ada", text="running: started")
+
+    await ledger.append(session_id, entry, (SessionState.RUNNING, "started"))
+
+    record = await sessions.get(session_id)
+    assert (record.state, record.reason, record.person) == (SessionState.RUNNING, "started", "Ada")
+    assert await ledger.newest(session_id) == 1

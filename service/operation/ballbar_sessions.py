@@ -1,0 +1,351 @@
+"""Ballbar sessions under way: one at a time with the tracker's sessions, for they share the robot.
+
+The ledger says where a session stands and the runner what comes next; here is who runs it, finds it again
+after a restart, and sees to it that a request that is sent twice is done once.
+"""
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import AsyncIterator, Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
+from service.domain.errors import TrueposeError
+from service.domain.session import SessionState
+from service.operation.ballbar_plans import BallbarWish, check_ballbar_plan
+from service.operation.devices import Rack
+from service.operation.errors import DeviceInUseError, NoBallbarError
+from service.operation.interim_runner import BallbarCell, BallbarRunner, Foresight
+from service.operation.session_ledger import SessionLedger
+from service.operation.watching import Watching
+from service.sequencing.ballbar import control
+from service.sequencing.ballbar.acts import Act, ActName
+from service.sequencing.ballbar.situation import Situation, situation
+from service.sequencing.errors import NotNowError
+from service.sequencing.states import has_ended, words
+from service.storage.ballbar_ledger import BallbarLedger
+from service.storage.errors import KeyReusedError, NotFoundError
+from service.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
+from service.storage.sessions import SessionRepository
+
+_LOG: Final = logging.getLogger(__name__)
+_UNDER_WAY: Final = tuple(
+    state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
+)
+MakeForesight: TypeAlias = Callable[[SessionSetup], Foresight]
+ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
+MakeRunner: TypeAlias = Callable[..., BallbarRunner]
+
+
+@dataclass(frozen=True, slots=True)
+class BallbarView:
+    """A ballbar session as it stands now."""
+
+    id: int
+    name: str
+    setup: SessionSetup
+    plan: BallbarPlan
+    situation: Situation
+    question: str | None
+    newest_entry: int | None
+    robot_moving: bool
+    watching: int  # tablets that follow it
+
+    @property
+    def kit(self) -> BallbarKit:
+        """What the ballbar comes with."""
+        return kit_of(self.setup)
+
+
+@dataclass(frozen=True, slots=True)
+class _UnderWay:
+    session_id: int
+    runner: BallbarRunner
+    ledger: SessionLedger
+    task: asyncio.Task[None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Fixed:
+    """What of a session never changes."""
+
+    name: str
+    setup: SessionSetup
+    plan: BallbarPlan
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    """An act that is being decided."""
+
+    fingerprint: str
+    task: asyncio.Task[ActAnswer]
+
+
+def kit_of(setup: SessionSetup) -> BallbarKit:
+    """Return the kit of a cell; raises NoBallbarError."""
+    if setup.cell.ballbar is None:
+        raise NoBallbarError(
+            f"The cell file of {setup.cell.name} describes no ballbar; give it a [ballbar] section."
+        )
+    return setup.cell.ballbar
+
+
+class BallbarDesk:
+    """Plans, runs and finds again ballbar sessions, and passes on what persons ask of them."""
+
+    def __init__(
+        self,
+        sessions: SessionRepository,
+        ledger: BallbarLedger,
+        rack: Rack,
+        make_foresight: MakeForesight,
+        choose: ChoosePoses,
+        make_runner: MakeRunner = BallbarRunner,
+    ) -> None:
+        self._sessions = sessions
+        self._ledger = ledger
+        self._rack = rack
+        self._make_foresight = make_foresight
+        self._choose = choose
+        self._make_runner = make_runner
+        self._under_way: _UnderWay | None = None
+        self._fixed: dict[int, _Fixed] = {}
+        self._pending: dict[tuple[int, str], _Pending] = {}
+        self.watching = Watching()
+        self._turn = asyncio.Lock()  # two acts that start at once must not start two sessions
+
+    async def plan(
+        self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None = None
+    ) -> int:
+        """Store a planned session and return its number.
+
+        Raises NoBallbarError, PlanRefusedError, and what the choice of poses raises.
+        """
+        kit = kit_of(setup)
+        plan = wish.given or await self._choose(setup, wish)
+        check_ballbar_plan(plan, setup.cell, kit)
+        return await self._sessions.add(name, setup, plan, key)
+
+    async def recover(self) -> None:
+        """Take up what an earlier service left under way; it awaits a person, nothing moves."""
+        for record in await self._sessions.in_state(*_UNDER_WAY):
+            if record.role == "ballbar":
+                try:
+                    await self._launch(record.id)
+                except TrueposeError as error:
+                    # A cell file without its ballbar must not keep the service from starting.
+                    await self._sessions.note(record.id, f"The session was not taken up: {error}")
+
+    async def act(
+        self, session_id: int, act: Act, key: RequestKey, seen_time_s: float | None = None
+    ) -> ActAnswer:
+        """Do what a person asks, at most once for each key; the same key gets the same answer.
+
+        `seen_time_s` is the cell time of what the person saw: a motion that was confirmed too long ago, and
+        delivered late, is refused. Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError,
+        WatchingTabletError, DeviceInUseError, MissingDeviceError; after an error nothing was kept and the
+        key is free.
+        """
+        await self._require(session_id)
+        pending = self._pending.get((session_id, key.key))
+        if pending is None:
+            # Not cancelled with its request: a tablet that vanishes gets its answer when it is back.
+            task = asyncio.create_task(self._decide(session_id, act, key, seen_time_s))
+            pending = self._pending[session_id, key.key] = _Pending(key.fingerprint, task)
+            task.add_done_callback(lambda _: self._pending.pop((session_id, key.key), None))
+        elif pending.fingerprint != key.fingerprint:
+            raise KeyReusedError(
+                f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
+            )
+        return await asyncio.shield(pending.task)
+
+    async def view(self, session_id: int) -> BallbarView:
+        """Return a session as it stands; raises NotFoundError."""
+        fixed = await self._what_is_fixed(session_id)
+        under_way = self._of(session_id)
+        if under_way is not None:
+            runner = under_way.runner
+            at_hand = runner.situation, runner.question, under_way.ledger.newest, runner.robot_moving
+            return self._view(session_id, fixed, *at_hand)
+        kept = await self._ledger.page(session_id)
+        found = situation(fixed.plan, kit_of(fixed.setup), [record.entry for record in kept])
+        newest = kept[-1].id if kept else None
+        return self._view(session_id, fixed, found, None, newest, False)
+
+    async def follow(self, session_id: int) -> AsyncIterator[BallbarView]:
+        """Yield a session as it stands now and whenever that changes; raises NotFoundError.
+
+        Nothing is asked of the database while the session is under way.
+        """
+        while True:
+            news, under_way = self.watching.news, self._of(session_id)
+            version = None if under_way is None else under_way.runner.version
+            yield await self.view(session_id)
+            await _change(news, under_way, version)
+
+    def runner(self, session_id: int) -> BallbarRunner | None:
+        """Return what runs a session; None where nobody does."""
+        under_way = self._of(session_id)
+        return None if under_way is None else under_way.runner
+
+    async def entries(self, session_id: int, page: Page) -> list[LedgerRecord]:
+        """Return what happened, oldest first; raises NotFoundError."""
+        await self._require(session_id)
+        return await self._ledger.page(session_id, page)
+
+    async def close(self) -> None:
+        """Stop what is under way; a motion in progress ends by itself, nothing follows it."""
+        if self._under_way is not None:
+            self._under_way.task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._under_way.task
+
+    async def _decide(
+        self, session_id: int, act: Act, key: RequestKey, seen_time_s: float | None
+    ) -> ActAnswer:
+        known = await self._ledger.answer_to(session_id, key)
+        if known is not None:
+            return known
+        kept = await self._ledger.entry_with(session_id, key.key)
+        if kept is not None:  # the service was killed between the entry and its answer
+            answer = ActAnswer("That was kept before the service was restarted.", kept.id)
+        else:
+            await self._refuse_late(session_id, act, seen_time_s)
+            answer = await self._do(session_id, act)
+        await self._ledger.keep_answer(session_id, key, answer)
+        return answer
+
+    async def _refuse_late(self, session_id: int, act: Act, seen_time_s: float | None) -> None:
+        if seen_time_s is None or act.name is not ActName.CONFIRM:
+            return
+        limit_s = (await self._what_is_fixed(session_id)).plan.state_age_s
+        age_s = await self._rack.clock.now_s() - seen_time_s
+        if age_s > limit_s:
+            raise NotNowError(
+                f"This confirmation comes {age_s:.0f} s after what was seen; look at the cell, then confirm "
+                "again."
+            )
+
+    async def _do(self, session_id: int, act: Act) -> ActAnswer:
+        async with self._turn:
+            under_way = self._of(session_id)
+            if under_way is None:
+                record = await self._require(session_id)
+                if has_ended(record.state):
+                    raise NotNowError(f"Session {session_id} is {words(record.state)}; nothing more is done.")
+                if act.name is ActName.ABORT:
+                    return await self._end_unstarted(session_id, act)
+                await self._refuse_beside_another(session_id)
+                under_way = await self._launch(session_id)
+        done = await under_way.runner.act(act)
+        return ActAnswer(done.sentence, done.entry)
+
+    async def _end_unstarted(self, session_id: int, act: Act) -> ActAnswer:
+        text = control.state_text(SessionState.ABORTED, "The end was asked for; nothing was in motion.")
+        entry = LedgerEntry("", EntryKind.CONTROL, 0.0, act.person, act.tablet, act.key, text)
+        number = await SessionLedger(session_id, self._ledger, None).append(entry)
+        self.watching.tell()
+        return ActAnswer("The session has ended; nothing was in motion.", number)
+
+    async def _refuse_beside_another(self, session_id: int) -> None:
+        for other in await self._sessions.in_state(*_UNDER_WAY):
+            if other.id != session_id:
+                raise DeviceInUseError(
+                    f"Session {other.id} is {words(other.state)}; one session runs at a time, end it first."
+                )
+
+    async def _launch(self, session_id: int) -> _UnderWay:
+        fixed = await self._what_is_fixed(session_id)
+        kept = await self._ledger.page(session_id)
+        ledger = SessionLedger(session_id, self._ledger, kept[-1].id if kept else None)
+        runner = self._make_runner(
+            fixed.plan,
+            kit_of(fixed.setup),
+            self._cell(fixed.setup),
+            ledger,
+            self._make_foresight(fixed.setup),
+            entries=tuple(record.entry for record in kept),
+        )
+        self._rack.lend(session_id)
+        task = asyncio.create_task(self._run(session_id, runner), name=f"ballbar session {session_id}")
+        self._under_way = _UnderWay(session_id, runner, ledger, task)
+        self.watching.tell()
+        return self._under_way
+
+    async def _run(self, session_id: int, runner: BallbarRunner) -> None:
+        try:
+            await runner.run()
+        except Exception:
+            # The runner has recorded the failure where the disk let it; the log keeps the traceback.
+            _LOG.exception("session %d failed", session_id)
+        finally:
+            self._rack.take_back()
+            self._under_way = None
+            self.watching.tell()
+
+    def _cell(self, setup: SessionSetup) -> BallbarCell:
+        cell = setup.cell
+        return BallbarCell(
+            ballbar=self._rack.ballbar,
+            robot_controller=self._rack.robot,
+            clock=self._rack.clock,
+            robot=cell.robot,
+            joint_limits=cell.limits.joints or cell.robot.joint_limits,
+        )
+
+    def _view(
+        self,
+        session_id: int,
+        fixed: _Fixed,
+        found: Situation,
+        question: str | None,
+        newest_entry: int | None,
+        robot_moving: bool,
+    ) -> BallbarView:
+        return BallbarView(
+            id=session_id,
+            name=fixed.name,
+            setup=fixed.setup,
+            plan=fixed.plan,
+            situation=found,
+            question=question,
+            newest_entry=newest_entry,
+            robot_moving=robot_moving,
+            watching=self.watching.count(session_id),
+        )
+
+    async def _require(self, session_id: int) -> SessionRecord:
+        record = await self._sessions.get(session_id)
+        if record.role != "ballbar":
+            raise NotFoundError("ballbar session", session_id)
+        return record
+
+    async def _what_is_fixed(self, session_id: int) -> _Fixed:
+        if session_id not in self._fixed:
+            record = await self._require(session_id)
+            setup, plan = (
+                await self._sessions.setup(session_id),
+                await self._sessions.ballbar_plan(session_id),
+            )
+            self._fixed[session_id] = _Fixed(record.name, setup, plan)
+        return self._fixed[session_id]
+
+    def _of(self, session_id: int) -> _UnderWay | None:
+        under_way = self._under_way
+        return under_way if under_way is not None and under_way.session_id == session_id else None
+
+
+async def _change(news: asyncio.Event, under_way: _UnderWay | None, version: int | None) -> None:
+    """Return once there are news, or what is under way is no longer at this version."""
+    waits: list[asyncio.Future[Any]] = [asyncio.ensure_future(news.wait())]
+    if under_way is not None and version is not None:
+        waits.append(asyncio.ensure_future(under_way.runner.changed(version)))
+    try:
+        await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for wait in waits:
+            wait.cancel()

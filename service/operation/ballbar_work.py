@@ -1,0 +1,42 @@
+"""What is computed for a ballbar session, in a worker process: its plan, its pre-calibration."""
+
+from typing import cast
+
+from service.analysis.jobs import Perform
+from service.analysis.tasks import BallbarPlanTask, PrecalibrateTask
+from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from service.operation.ballbar_plans import BallbarWish
+from service.storage.records import SessionSetup
+
+
+class BallbarWork:
+    """Sends tasks to a worker; what it says of its progress is nobody's here."""
+
+    def __init__(self, perform: Perform) -> None:
+        self._perform = perform
+
+    async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
+        """Return the plan of a session; raises TrueposeError."""
+        task = BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed)
+        return cast(BallbarPlan, await self._perform(task, _nobody))
+
+    def foresight(self, setup: SessionSetup) -> "WorkerForesight":
+        """Return who pre-calibrates a session."""
+        return WorkerForesight(setup, self._perform)
+
+
+class WorkerForesight:
+    """Pre-calibrates one session; what `service.sequencing.ballbar` asks for."""
+
+    def __init__(self, setup: SessionSetup, perform: Perform) -> None:
+        self._setup = setup
+        self._perform = perform
+
+    async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
+        """Return where to aim from now on, and which lengths to expect there; raises TrueposeError."""
+        task = PrecalibrateTask(self._setup, plan, entries)
+        return cast(PreCalibration, await self._perform(task, _nobody))
+
+
+async def _nobody(fraction: float, doing: str) -> None:
+    """Take progress that nobody follows."""

@@ -1,0 +1,50 @@
+"""The hands of the person at a simulated cell: what a demonstration has them do."""
+
+from typing import Final
+
+from drivers.api import Options
+from service.operation.devices import Rack
+from service.operation.errors import RealCellError
+
+ACTIONS: Final = (
+    "calibrator",
+    "connect",
+    "side",
+    "detach",
+    "place_base",
+    "fit_ball",
+    "remove_ball",
+    "clamp",
+    "pull_cable",
+    "plug_cable",
+)
+_TAKES: Final = frozenset({"calibrator", "connect", "side"})
+_LEAVES: Final = frozenset({"detach"})
+
+
+class HandsDesk:
+    """Passes on what the hands are to do, and remembers where they put the ballbar."""
+
+    def __init__(self, rack: Rack) -> None:
+        self._rack = rack
+        self.holding = ""  # where the ballbar is, in words; empty: in the hand
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the cell has simulated hands."""
+        return self._rack.hands is not None
+
+    async def do(self, action: str, details: Options) -> None:
+        """Do one thing; raises RealCellError, DeviceRefusedError with the sentence why it cannot be done."""
+        hands = self._rack.hands
+        if hands is None:
+            raise RealCellError("No hands are simulated in this cell: a person stands there.")
+        if not hands.connected:
+            await hands.connect()
+        await hands.do(action, details)
+        if action in _TAKES | _LEAVES:
+            self.holding = "" if action in _LEAVES else _words(action, details)
+
+
+def _words(action: str, details: Options) -> str:
+    return " ".join([action, *(f"{key} {value}" for key, value in details.items())])

@@ -1,0 +1,40 @@
+"""Which tablets follow which session, and the news that wake them."""
+
+import asyncio
+import contextlib
+from collections import Counter
+from collections.abc import Iterator
+
+
+class Watching:
+    """Counts tablets, each over as many connections as it likes."""
+
+    def __init__(self) -> None:
+        self._connections: dict[int, Counter[str]] = {}
+        self._news = asyncio.Event()
+
+    @property
+    def news(self) -> asyncio.Event:
+        """What the next news set; take it before looking, so that none falls between."""
+        return self._news
+
+    def tell(self) -> None:
+        """Wake everybody who waits for news."""
+        self._news.set()
+        self._news = asyncio.Event()
+
+    def count(self, session_id: int) -> int:
+        """Return how many tablets follow a session."""
+        return len(+self._connections.get(session_id, Counter()))
+
+    @contextlib.contextmanager
+    def by(self, session_id: int, tablet: str) -> Iterator[None]:
+        """Count a tablet among those that follow a session."""
+        connections = self._connections.setdefault(session_id, Counter())
+        connections[tablet] += 1
+        self.tell()
+        try:
+            yield
+        finally:
+            connections[tablet] -= 1
+            self.tell()

@@ -1,0 +1,77 @@
+"""Ballbar sessions: plan one, see its steps, press its buttons, read its ledger."""
+
+from dataclasses import replace
+
+from fastapi import APIRouter, Response, status
+
+from service.operation.ballbar_scene import scene_of
+from service.operation.ballbar_sessions import kit_of
+from service.storage.records import SessionSetup
+from service.web.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
+from service.web.context import Here
+from service.web.parameters import Id, OptionalKey, PageQuery, RequiredKey
+from service.web.problems import problems
+from service.web.schemas.ballbar_requests import (
+    ActRequest,
+    BallbarSessionRequest,
+    act_of,
+    wanted_plan,
+)
+from service.web.schemas.ballbar_scene import SceneReply, scene_reply
+from service.web.schemas.ballbar_sessions import (
+    ActReply,
+    BallbarSessionReply,
+    LedgerReply,
+    StepsReply,
+)
+
+router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
+_READ = problems(404, 422, 503)
+_ACT = problems(400, 404, 409, 413, 415, 422, 503)
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
+async def plan_ballbar_session(
+    here: Here, wanted: BallbarSessionRequest, response: Response, key: OptionalKey
+) -> BallbarSessionReply:
+    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes a while."""
+    setup = SessionSetup(here.cell)
+    kit = kit_of(setup)
+    if wanted.base_points is not None:
+        kit = replace(kit, base_points=wanted.base_points)
+    setup = SessionSetup(replace(here.cell, ballbar=kit))
+    number = await here.ballbar_desk.plan(wanted.name, setup, wanted_plan(wanted), key)
+    response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
+    return ballbar_session_reply(await here.ballbar_desk.view(number))
+
+
+@router.get("/{id}", responses=_READ)
+async def get_ballbar_session(here: Here, id: Id) -> BallbarSessionReply:
+    """Show where a session stands; follow `live` instead of asking again and again."""
+    return ballbar_session_reply(await here.ballbar_desk.view(id))
+
+
+@router.get("/{id}/steps", responses=_READ)
+async def list_steps(here: Here, id: Id) -> StepsReply:
+    """List everything that the session does, in order, with what became of it; also before the start."""
+    return steps_reply(await here.ballbar_desk.view(id))
+
+
+@router.get("/{id}/scene", responses=_READ)
+async def get_scene(here: Here, id: Id) -> SceneReply:
+    """Show the geometry of the present step: cups, nests, arm, and where the person stands."""
+    return scene_reply(scene_of(await here.ballbar_desk.view(id)))
+
+
+@router.get("/{id}/ledger", responses=_READ)
+async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
+    """Read what happened, oldest first; `after` is the number of the last entry that is known."""
+    return LedgerReply(entries=[entry_reply(kept) for kept in await here.ballbar_desk.entries(id, page)])
+
+
+@router.post("/{id}/acts", responses=_ACT)
+async def act(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
+    """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
+    answer = await here.ballbar_desk.act(id, act_of(wanted, key.key), key, wanted.seen_time_s)
+    session = ballbar_session_reply(await here.ballbar_desk.view(id))
+    return ActReply(sentence=answer.sentence, entry=answer.entry, session=session)
