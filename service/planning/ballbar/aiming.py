@@ -75,7 +75,8 @@ def aimed(
                 f"{np.degrees(_FARTHEST_RAD):.0f} deg to give the legs these lengths: aim the pose at others."
             )
     raise AimError(
-        f"No joints near the pose give the legs these lengths: {np.max(np.abs(wanted - now)):.3f} mm are left."
+        "No joints near the pose give the legs these lengths: "
+        f"{np.max(np.abs(wanted - now)):.3f} mm are left."
     )
 
 

@@ -61,6 +61,13 @@ def chain_of(cell: BallbarCell, joints_rad: FloatArray) -> Chain:
     return forward(nominal_values(cell.robot, joints_rad), rotation, origin)
 
 
+def pose_in_base(cell: BallbarCell, poses: FloatArray) -> FloatArray:
+    """Return poses (n, 4, 4) of the world in the robot's base."""
+    base = np.eye(4)
+    base[:3, :3], base[:3, 3] = placement_rotation(cell.base), placement_translation(cell.base)
+    return np.asarray(np.linalg.inv(base) @ poses)
+
+
 def nest_places(cell: BallbarCell, chain: Chain) -> FloatArray:
     """Return the tool nests in the world [mm], shape (3, n, 3)."""
     return np.stack([chain.points(nest) for nest in cell.nests_mm])

@@ -7,6 +7,7 @@ import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.ballbar import PlannedSetup
+from service.kinematics.pose_device import Assembly
 from service.planning.ballbar.fixture import BaseFixture
 from service.planning.ballbar.information import (
     ArmModel,
@@ -36,11 +37,14 @@ class Candidates:
 
 
 def candidates(
-    model: ArmModel, fixture: BaseFixture, setups: Sequence[PlannedSetup] | None = None
+    model: ArmModel,
+    fixture: BaseFixture,
+    setups: Sequence[PlannedSetup] | None = None,
+    made: Sequence[Assembly] | None = None,
 ) -> Candidates:
     """Return all measurable configurations of a placement with what they say."""
-    found = reach(model.cell, fixture)
-    legs = [assembly.design.legs for assembly in found.assembly]
+    found = reach(model.cell, fixture, made)
+    legs = [assembly.legs for assembly in found.assembly]
     joints = None if setups is None else np.array([setup.joints_rad for setup in setups])
     return Candidates(
         fixture,

@@ -1,8 +1,8 @@
 """The base fixture: three cups 300 mm apart, or four at the corners of a regular tetrahedron, on a stand.
 
 Cup 4 lies below the plane of cups 1, 2, 3 (in the frame of the fixture), because above it, at 300 mm from
-all three, is where a tool nest comes. Every face of the tetrahedron that does not look down on the table carries
-poses, and each cup opens halfway between those of its faces.
+all three, is where a tool nest comes. Every face of the tetrahedron that does not look down on the table
+carries poses, and each cup opens halfway between those of its faces.
 """
 
 from dataclasses import dataclass
@@ -37,6 +37,11 @@ class BaseFixture:
     def normal(self) -> FloatArray:
         """Unit vector of the side of the base triangle on which the tool is, shape (3,)."""
         return np.asarray(placement_rotation(self.frame)[:, 2])
+
+    @property
+    def own_cups_mm(self) -> FloatArray:
+        """The cups in the frame of the fixture, shape (K, 3)."""
+        return np.asarray((self.cups_mm - placement_translation(self.frame)) @ placement_rotation(self.frame))
 
     @property
     def hub_mm(self) -> FloatArray:

@@ -20,6 +20,7 @@ from service.kinematics.frames import (
     rotation_from_vector,
     rotation_z,
 )
+from service.kinematics.pose_device import Assembly
 from service.planning.ballbar.bodies import BallbarCell
 from service.planning.ballbar.choice import Candidates, candidates, known_after
 from service.planning.ballbar.fixture import BaseFixture, base_fixture
@@ -30,6 +31,7 @@ from service.planning.ballbar.information import (
     predicted_error_mm,
     work_space_sample,
 )
+from service.planning.ballbar.poses import device
 from service.planning.ballbar.setups import setup_joints
 from service.planning.errors import TooFewCandidatesError
 
@@ -75,7 +77,8 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     wish = wish or Wish()
     rng = np.random.default_rng(wish.seed)
     model = arm_model(cell)
-    search = _Search(model, work_space_sample(model, _SPACE_POINTS, rng), wish)
+    made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, wish.side_mm))
+    search = _Search(model, work_space_sample(model, _SPACE_POINTS, rng), wish, made)
     pool = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
     chosen = search.refined(search.greedy(pool), rng)
     fixtures = tuple(replace(own.fixture, number=number) for number, own in enumerate(chosen, start=1))
@@ -87,6 +90,7 @@ class _Search:
     model: ArmModel
     sample: WorkSpaceSample
     wish: Wish
+    made: tuple[Assembly, ...]  # of tool and base fixture, wherever it stands
 
     @property
     def fewest(self) -> int:
@@ -99,7 +103,7 @@ class _Search:
         heights = np.array([*fixture.cups_mm[:, 2], fixture.hub_mm[2]]) - self.model.cell.table_z_mm
         if heights.min() < _LOWEST_MM or heights.max() > _HIGHEST_MM:
             return None
-        own = candidates(self.model, fixture)
+        own = candidates(self.model, fixture, made=self.made)
         return own if len(own) >= self.fewest else None
 
     def holds_ball(self, own: Candidates) -> bool:
@@ -120,8 +124,8 @@ class _Search:
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
                 raise TooFewCandidatesError(
-                    f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations "
-                    "be measured with the ballbar: ask for fewer, or widen the joint ranges."
+                    f"From none of the {self.wish.draws} places that were tried can {self.fewest} "
+                    "configurations be measured with the ballbar: ask for fewer, or widen the joint ranges."
                 )
             chosen.append(best)
         return chosen

@@ -5,8 +5,7 @@ the arm reaches it by up to eight branches. A configuration counts when its join
 and tool are clear, and each leg alone finds room between its two balls.
 """
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -14,83 +13,49 @@ import numpy as np
 
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.ballbar import Leg, PlannedPose
-from service.kinematics.frames import (
-    placement_rotation,
-    placement_translation,
-    rigid_alignment,
-)
+from service.kinematics.frames import placement_rotation, placement_translation
 from service.kinematics.inverse import BRANCH_NAMES, all_branches, brought_within, has_closed_form
-from service.kinematics.pose_device.cascade import sides, solve
-from service.kinematics.pose_device.designs import Design, designs
-from service.planning.ballbar.bodies import BallbarCell, tool_normal
+from service.kinematics.pose_device import Assembly, assemblies, measurable
+from service.planning.ballbar.bodies import BallbarCell, pose_in_base
 from service.planning.ballbar.clearance import Bars, arm_room_mm, bar_room_mm, scene
 from service.planning.ballbar.fixture import BaseFixture
-
-NOMINAL_MM: Final = 300.0
-
-
-@dataclass(frozen=True, slots=True)
-class Assembly:
-    """One place of the tool above the base fixture, all legs nominal."""
-
-    design: Design
-    number: int  # of the design, from 1
-    solution: int  # 1..4, as in table 3.1
-    pose: FloatArray  # (4, 4) of the last frame in the world
-
-    @property
-    def words(self) -> str:
-        """Which one it is, for the person and the record."""
-        return f"design {self.number} ({self.design.name}), solution {self.solution}"
 
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """Configurations that can be measured; n of them, of A assemblies that were tried."""
+    """Configurations that can be measured, n of them."""
 
     joints_rad: FloatArray  # (n, J)
-    assembly: tuple[Assembly, ...]  # n
+    assembly: tuple[Assembly, ...]  # n, in the frame of the fixture
     branch: tuple[str, ...]  # n, in words
-    refused: dict[str, int]  # how many (assembly, branch) pairs each reason kept out
+    refused: Mapping[str, int]  # how many (assembly, branch) pairs each reason kept out
 
     def __len__(self) -> int:
         return len(self.assembly)
 
 
-def assemblies(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
-    """Return the assemblies whose legs come to the tool nests from the side to which these open."""
-    found = []
-    for number, design in enumerate(designs(len(fixture.cups_mm)), start=1):
-        if tuple(sorted(design.base)) in fixture.faces():
-            found += _solutions(cell, fixture, design, number)
-    return tuple(found)
+def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
+    """Return the measurable assemblies of tool and base fixture, in the frame of the fixture.
+
+    They are the same wherever the fixture stands.
+    """
+    cups = fixture.own_cups_mm
+    return measurable(assemblies(cups, cell.nests_mm), cups, cell.nests_mm)
 
 
-def _solutions(cell: BallbarCell, fixture: BaseFixture, design: Design, number: int) -> list[Assembly]:
-    places = solve(design, fixture.cups_mm, sides(cell.nests_mm), np.full(6, NOMINAL_MM))
-    cups = fixture.cups_mm[[base - 1 for base, _ in design.legs]]
-    nest = [tool - 1 for _, tool in design.legs]
-    found = []
-    for solution, nests in enumerate(places, start=1):
-        if not np.all(np.isfinite(nests)):
-            continue
-        rotation, origin = rigid_alignment(cell.nests_mm, nests)
-        opens = rotation @ tool_normal(cell.nests_mm)
-        if np.all((cups - nests[nest]) @ opens > 0.0):
-            found.append(Assembly(design, number, solution, _matrix(rotation, origin)))
-    return found
+def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> Reached:
+    """Return every measurable configuration of one placement, in order of assembly and branch.
 
-
-def _matrix(rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation, origin_mm
-    return pose
-
-
-def reach(cell: BallbarCell, fixture: BaseFixture) -> Reached:
-    """Return every measurable configuration of one placement, in order of design, solution and branch."""
-    tried = assemblies(cell, fixture)
-    joints, index, refused = _within_ranges(cell, tried)
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+    made : sequence of Assembly, optional
+        What `device` returns, where many placements are looked at.
+    """
+    made = device(cell, fixture) if made is None else made
+    tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces()]
+    joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
     bodies = scene(cell, fixture, joints)
     clear = arm_room_mm(bodies) >= cell.arm_room_mm
     refused["arm or tool too close to something"] = int((~clear).sum())
@@ -102,8 +67,15 @@ def reach(cell: BallbarCell, fixture: BaseFixture) -> Reached:
         joints,
         tuple(tried[row // BRANCHES_PER_POSE] for row in index),
         tuple(_branch_name(cell, int(row % BRANCHES_PER_POSE)) for row in index),
-        dict(refused),
+        refused,
     )
+
+
+def _poses(fixture: BaseFixture, tried: Sequence[Assembly]) -> FloatArray:
+    """Poses of the last frame in the world, shape (n, 4, 4)."""
+    placed = np.eye(4)
+    placed[:3, :3], placed[:3, 3] = placement_rotation(fixture.frame), placement_translation(fixture.frame)
+    return np.asarray(placed @ np.array([one.pose.matrix for one in tried]).reshape(-1, 4, 4))
 
 
 BRANCHES_PER_POSE: Final = len(BRANCH_NAMES)
@@ -113,23 +85,16 @@ def _branch_name(cell: BallbarCell, branch: int) -> str:
     return BRANCH_NAMES[branch] if has_closed_form(cell.robot) else f"branch {branch + 1}"
 
 
-def _within_ranges(cell: BallbarCell, tried: Sequence[Assembly]) -> tuple[FloatArray, IntArray, Counter[str]]:
-    """Joints (n, J) of all branches within the ranges, and their row among assemblies x branches."""
-    poses = np.array([assembly.pose for assembly in tried]).reshape(-1, 4, 4)
-    joints = all_branches(cell.robot, _in_base(cell, poses)).reshape(-1, cell.robot.n_joints)
+def _within_ranges(cell: BallbarCell, poses: FloatArray) -> tuple[FloatArray, IntArray, dict[str, int]]:
+    """Joints (n, J) of all branches within the ranges, and their row among poses x branches."""
+    joints = all_branches(cell.robot, pose_in_base(cell, poses)).reshape(-1, cell.robot.n_joints)
     turned, within = brought_within(joints, cell.ranges)
     exists = np.isfinite(joints).all(axis=1)
-    refused = Counter({
+    refused = {
         "out of reach": int((~exists).sum()),
         "joints out of range": int((exists & ~within).sum()),
-    })
+    }
     return turned[within], np.flatnonzero(within).astype(np.int64), refused
-
-
-def _in_base(cell: BallbarCell, poses: FloatArray) -> FloatArray:
-    """World poses in the robot's base, shape (n, 4, 4)."""
-    base = _matrix(placement_rotation(cell.base), placement_translation(cell.base))
-    return np.asarray(np.linalg.inv(base) @ poses)
 
 
 def _bars_free(
@@ -137,7 +102,7 @@ def _bars_free(
 ) -> BoolArray:
     if not tried:
         return np.zeros(0, dtype=bool)
-    legs = np.array([assembly.design.legs for assembly in tried])
+    legs = np.array([assembly.legs for assembly in tried])
     joined = Bars(legs[:, :, 0].T, legs[:, :, 1].T)
     room: BoolArray = np.all(bar_room_mm(scene(cell, fixture, joints), joined) >= cell.bar_room_mm, axis=0)
     return room
@@ -194,8 +159,8 @@ def planned(found: Reached, placement: int, first_config: int = 1) -> tuple[Plan
             config=config,
             placement=placement,
             joints_rad=tuple(float(q) for q in joints),
-            legs=in_hand_order(assembly.design.legs),
-            assembly=f"{branch}, {assembly.words}",
+            legs=in_hand_order(assembly.legs),
+            assembly=f"{branch}, design {assembly.name}",
         )
         for config, (joints, assembly, branch) in enumerate(rows, start=first_config)
     )

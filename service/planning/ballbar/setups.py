@@ -9,15 +9,13 @@ from service.domain.arrays import FloatArray
 from service.domain.ballbar import PlannedSetup
 from service.domain.robot import JointRange
 from service.kinematics.frames import (
-    placement_rotation,
-    placement_translation,
     rotation_x,
     rotation_y,
     rotation_z,
 )
 from service.kinematics.inverse import all_branches, brought_within
-from service.planning.ballbar.bodies import BallbarCell, tool_normal
-from service.planning.ballbar.clearance import arm_room_mm, scene
+from service.planning.ballbar.bodies import BallbarCell, pose_in_base, tool_normal
+from service.planning.ballbar.clearance import Scene, arm_room_mm, scene
 from service.planning.ballbar.fixture import BaseFixture
 from service.planning.errors import WorkSpaceError
 
@@ -57,7 +55,7 @@ def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatAr
     poses = np.tile(np.eye(4), (len(rotations), 1, 1))
     poses[:, :3, :3] = rotations
     poses[:, :3, 3] = fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0]
-    joints = all_branches(cell.robot, _from_base(cell, poses))
+    joints = all_branches(cell.robot, pose_in_base(cell, poses))
     tilts = np.repeat(tilt, joints.shape[1])
     turned, within = brought_within(joints.reshape(-1, cell.robot.n_joints), cell.ranges)
     turned, tilts = turned[within], tilts[within]
@@ -89,12 +87,6 @@ def _frame_with_z(axis: FloatArray) -> FloatArray:
     return np.stack([x, np.cross(axis, x), axis], axis=1)
 
 
-def _from_base(cell: BallbarCell, poses: FloatArray) -> FloatArray:
-    base = np.eye(4)
-    base[:3, :3], base[:3, 3] = placement_rotation(cell.base), placement_translation(cell.base)
-    return np.asarray(np.linalg.inv(base) @ poses)
-
-
 def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray:
     """Return how far the worst joint is inside its range, as a share of the range, shape (n,)."""
     low = np.array([limit.lower_rad for limit in ranges])
@@ -104,8 +96,11 @@ def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray
 
 
 def _room(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int) -> FloatArray:
-    """Free space about arm and tool [mm], but for the two cups that hold the ball, shape (n,)."""
-    bodies = scene(cell, fixture, joints_rad)
+    return arm_room_mm(without_cups(scene(cell, fixture, joints_rad), point))
+
+
+def without_cups(bodies: Scene, point: int) -> Scene:
+    """Return the bodies without the two cups that hold the setting ball between them at a base point."""
     tool = bodies.tool.some(range(1, len(bodies.tool)))
     others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
-    return arm_room_mm(replace(bodies, tool=tool, fixture=bodies.fixture.some(others)))
+    return replace(bodies, tool=tool, fixture=bodies.fixture.some(others))
