@@ -30,6 +30,7 @@ from service.domain.session import (
     StopSkipped,
 )
 from service.exchange.cell_file import simulated_cell
+from service.planning.cell_space import space_of_cell
 from service.planning.session_plans import plan_calibration, plan_validation
 from service.planning.work_space import WorkSpace
 from service.sequencing.cell import SessionCell
@@ -131,8 +132,6 @@ def _address(endpoint: Endpoint) -> dict[str, str | int]:
 
 
 def _session_cell(cell: Cell, tracker: PointTracker, robot: RobotController, clock: Clock) -> SessionCell:
-    if cell.base_nominal is None:
-        raise ServiceFailedError(f"The cell {cell.name} does not say where the robot stands.")
     return SessionCell(
         tracker=tracker,
         robot_controller=robot,
@@ -142,23 +141,15 @@ def _session_cell(cell: Cell, tracker: PointTracker, robot: RobotController, clo
         nests=cell.nests,
         fixed_nests=cell.fixed_nests,
         tracker_position_mm=cell.tracker_position_mm,
-        joint_limits=cell.robot.joint_limits,
+        joint_limits=cell.limits.joints or cell.robot.joint_limits,
     )
 
 
 def _work_space(cell: Cell) -> WorkSpace:
-    ranges = cell.robot.calibration_ranges
-    if ranges is None or cell.base_nominal is None:
+    ranges = cell.limits.calibration or cell.robot.calibration_ranges
+    if ranges is None:
         raise ServiceFailedError(f"The cell {cell.name} does not say in which ranges to measure.")
-    return WorkSpace(
-        robot=cell.robot,
-        base=cell.base_nominal,
-        nests=cell.nests,
-        ranges=ranges,
-        tracker_position_mm=cell.tracker_position_mm,
-        joint_limits=cell.robot.joint_limits,
-        approach_offset_rad=_APPROACH_RAD,
-    )
+    return space_of_cell(cell, ranges, _APPROACH_RAD)
 
 
 async def _session(cell: SessionCell, plan: SessionPlan) -> tuple[PointReadings, Registration]:
