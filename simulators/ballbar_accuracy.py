@@ -24,6 +24,8 @@ class BallbarSetup:
     snap_mm: float = 0.0006  # by which the zero walks whenever a magnet takes or lets go of a ball
     zero_bound_mm: float = 0.003  # no farther from the zero of the last initialisation
     clamp_mm: float = 0.01  # per axis, between the ball that the robot held and the clamped cup
+    bars_mm: float = 0.02  # by which bars are off their nominal length each time they are screwed on
+    travel_mm: float = 3.0  # either way, before a magnet lets go
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:

@@ -8,6 +8,7 @@ import numpy as np
 from simulators.air import Air
 from simulators.building import adapted, draw_effects, draw_nests, draw_plant
 from simulators.clock import CellClock
+from simulators.equipment import equip
 from simulators.faults import Fault, Faults
 from simulators.physics.effects import Conditions, PlantedChange
 from simulators.physics.effects.ports import NestNumbers
@@ -38,7 +39,8 @@ class Cell:
         identified = None if model is None else realise(model)
         if model is not None and identified is not None:
             scenario = adapted(scenario, model, identified)
-        parts = np.random.SeedSequence(seed).spawn(4)
+        # One more part leaves the others as they are: older cells keep their numbers.
+        *parts, of_equipment = np.random.SeedSequence(seed).spawn(5)
         plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
         self.model = model
         self.scenario = scenario
@@ -58,6 +60,9 @@ class Cell:
         scatter_mm = scenario.arm.scatter_mm if scenario.noise else 0.0
         self.robot = Robot(self.plant.arm, np.radians(scenario.arm.home_deg), scatter_mm, self.rng)
         self._stop: tuple[tuple[float, ...], Rest, FloatArray] | None = None
+        self._standing: tuple[tuple[float, ...], FloatArray] | None = None
+        equipment = equip(scenario, lambda: self.planted, self.air, self, of_equipment)
+        self.ballbar, self.fixture, self.hands = equipment.ballbar, equipment.fixture, equipment.hands
         facing = np.array(scenario.tool.facing)
         self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
         for fault in scenario.faults:
@@ -90,7 +95,43 @@ class Cell:
             check_range(self.plant.arm, waypoint)
         motion = self.robot.start(waypoints_rad, limits, tool_mm, self.clock.now_s)
         self._lose_sight(motion)
+        self.hands.follow(motion)
         await self.clock.sleep(motion.duration_s)
+
+    @property
+    def now_s(self) -> float:
+        """Present cell time [s]."""
+        return self.clock.now_s
+
+    @property
+    def robot_moves(self) -> bool:
+        """Whether the arm is under way."""
+        return self.robot.moving(self.clock.now_s)
+
+    def nests_at_mm(self, time_s: float) -> FloatArray:
+        """Where the tool nests are at a cell time with the arm's scatter, shape (nests, 3) [world]."""
+        if self.robot.moving(time_s):
+            return self._nests_mm(self.robot.motion.joints_at(time_s), time_s)
+        # Nothing but a planted change does anything to a standing arm that shows within a second.
+        changes = sum(change.from_s <= time_s for change in self.planted.changes)
+        second = math.floor(time_s) if self.planted else 0
+        key = (self.robot.stop_number, second, changes, len(self.planted.changes), self.attachment)
+        if self._standing is None or self._standing[0] != key:
+            nests = self._nests_mm(self.robot.target_rad, time_s)
+            self._standing = (key, nests + self.robot.scatter_mm)
+        return self._standing[1]
+
+    def nests_along_mm(self, motion: JointMotion) -> FloatArray:
+        """Where the tool nests come along a motion, shape (m, nests, 3) [world]."""
+        return self.true_positions(self._conditions(motion.path_rad, motion.start_s))
+
+    def nest_taken(self, nest: int) -> int:
+        """Return the nest that is truly taken for `nest` now; another one where labels are swapped."""
+        return int(self.nests_read(np.array([nest]), np.array([self.clock.now_s]))[0])
+
+    def wild_mm(self) -> float:
+        """By how much a length that is connected now is read wrong."""
+        return float(self.wild_lengths_mm(np.array([self.clock.now_s]))[0])
 
     def true_positions(self, conditions: Conditions) -> FloatArray:
         """Tool nest centres without noise and scatter [mm, world], shape (n, nests, 3)."""
@@ -133,17 +174,17 @@ class Cell:
         spoiled: FloatArray = reading_mm * scale + self.planted.displacement_mm(time_s, self._spoil_rng)
         return spoiled
 
-    def length_errors_mm(
-        self, true_mm: FloatArray, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray
-    ) -> FloatArray:
-        """Return what planted effects add to lengths of the ballbar since its initialisations, shape (n,)."""
-        errors: FloatArray = true_mm * self.planted.relative_length(time_s)
-        errors = errors + self.planted.zero_mm(initialisation, since_s, time_s)
-        return errors + self.planted.length_error_mm(time_s, self._spoil_rng)
+    def wild_lengths_mm(self, time_s: FloatArray) -> FloatArray:
+        """Return what planted effects add to single lengths, shape (n,)."""
+        return self.planted.wild_mm(time_s, self._spoil_rng)
 
     def nests_read(self, nest: NestNumbers, time_s: FloatArray) -> NestNumbers:
         """Nests (1-based) that are truly read under the labels `nest`, shape (n,)."""
         return self.planted.nests_read(nest, time_s, self._spoil_rng)
+
+    def _nests_mm(self, joints_rad: FloatArray, time_s: float) -> FloatArray:
+        nests: FloatArray = self.true_positions(self._conditions(joints_rad[np.newaxis], time_s))[0]
+        return nests
 
     def _frame_now(self) -> FloatArray:
         if not self.planted:

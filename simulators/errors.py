@@ -6,6 +6,7 @@ SimulatorError
 ├── ReplayError              a campaign folder cannot be replayed: file, column, what to do
 ├── EndpointUnavailableError an endpoint cannot listen at its address
 ├── TruthRequestError        a request to the truth endpoint makes no sense
+├── HandsError               the simulated person cannot do what is asked
 └── BeamError                the tracker has nothing to measure
     ├── NoTargetError          no reflector is locked on
     └── BeamBrokenError        the beam was lost while measuring
@@ -34,6 +35,10 @@ class EndpointUnavailableError(SimulatorError):
 
 class TruthRequestError(SimulatorError):
     """A request to the truth endpoint makes no sense."""
+
+
+class HandsError(SimulatorError):
+    """The simulated person cannot do what is asked."""
 
 
 class BeamError(SimulatorError):

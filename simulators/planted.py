@@ -98,7 +98,14 @@ class PlantedEffects:
         before, now = (small_motion(self.fixture_motion(placement, when)) for when in (then_s, time_s))
         return move(now @ inverse(before), place_mm)
 
-    def length_error_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def length_errors_mm(
+        self, true_mm: FloatArray, initialisation: NestNumbers, since_s: FloatArray, time_s: FloatArray
+    ) -> FloatArray:
+        """Return by how much the ballbar reads lengths too long since its initialisations, shape (n,)."""
+        scaled: FloatArray = true_mm * self.relative_length(time_s)
+        return scaled + self.zero_mm(initialisation, since_s, time_s)
+
+    def wild_mm(self, time_s: FloatArray, rng: np.random.Generator) -> FloatArray:
         """By how much lengths are off where readings are spoiled, either way, shape (n,)."""
         displaced = self.displacement_mm(time_s, rng)
         error: FloatArray = np.copysign(np.linalg.norm(displaced, axis=1), displaced[:, 0])

@@ -7,6 +7,7 @@ from simulators.ballbar_accuracy import BallbarSetup
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults import Fault, check_nest
+from simulators.fixture import HandsSetup
 from simulators.physics.arm import Vector
 from simulators.physics.effects import PlantedChange
 from simulators.physics.plant import PlantSizes
@@ -90,6 +91,7 @@ class Scenario:
     table: TableSetup = field(default_factory=TableSetup)
     tracker: TrackerSetup = field(default_factory=TrackerSetup)
     ballbar: BallbarSetup = field(default_factory=BallbarSetup)
+    hands: HandsSetup = field(default_factory=HandsSetup)
     air: AirSetup = field(default_factory=AirSetup)
     everyday: EverydaySizes | None = None  # absent: none of the many small effects of any robot
     effects: tuple[PlantedChange, ...] = ()

@@ -14,6 +14,7 @@ from simulators.building import nominal_site
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults import KINDS, Fault
+from simulators.fixture import HandsSetup
 from simulators.physics.arm import Arm
 from simulators.physics.effects import PlantedChange, plant_effect
 from simulators.physics.plant import PlantSizes
@@ -39,6 +40,7 @@ _TABLES: Mapping[str, type] = {
     "table": TableSetup,
     "tracker": TrackerSetup,
     "ballbar": BallbarSetup,
+    "hands": HandsSetup,
     "air": AirSetup,
     "everyday": EverydaySizes,
 }

@@ -19,6 +19,10 @@ def plant_document(cell: Cell) -> dict[str, Any]:
         "tool_nests_mm": cell.true_nests_mm(cell.conditions_now())[0].tolist(),
         "fixed_nests_mm": cell.fixed_nests_mm().tolist(),
         "tracker_frame": {"rotation": frame[:3, :3].tolist(), "translation_mm": frame[:3, 3].tolist()},
+        "cups": [
+            {"placement": cup.placement, "base_point": cup.base_point, "position_mm": cup.place_mm.tolist()}
+            for cup in cell.fixture.cups
+        ],
         "effects": [_stated(change) for change in cell.planted.changes],
         "identified": None if cell.model is None else dict(cell.model.parameters),
     }

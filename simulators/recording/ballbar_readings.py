@@ -162,7 +162,9 @@ class BallbarSession:
         """Initialise, then read lengths `since_s` later, shape (n,)."""
         self._initialisation += 1
         cell, n = self._cell, len(true_mm)
-        shown = true_mm + cell.length_errors_mm(true_mm, np.full(n, self._initialisation), since_s, time_s)
+        numbers = np.full(n, self._initialisation)
+        shown = true_mm + cell.planted.length_errors_mm(true_mm, numbers, since_s, time_s)
+        shown = shown + cell.wild_lengths_mm(time_s)
         if not cell.scenario.noise:
             return shown
         noise = self._setup.noise_mm * self._rng.standard_normal(n)
