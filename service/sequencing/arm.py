@@ -9,7 +9,7 @@ from drivers.errors import TargetRefusedError
 from service.domain.robot import JointRange
 from service.domain.session import SessionState
 from service.sequencing.errors import MotionForbiddenError
-from service.sequencing.interlocks import MotionConditions, what_forbids_motion
+from service.sequencing.interlocks import MAX_STATE_AGE_S, MotionConditions, what_forbids_motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +19,7 @@ class Permission:
     state: SessionState
     stop_requested: bool
     question: str | None
+    obstacle: str | None = None  # anything else that forbids motion, as a sentence
 
 
 _LOOK_TWICE_S: Final = 0.5  # between two looks; 0.02 deg/s is then seen in a reply rounded to 0.01 deg
@@ -36,12 +37,14 @@ class Arm:
         limits: tuple[JointRange, ...],
         tolerance_rad: float,
         ask_permission: AskPermission,
+        max_state_age_s: float = MAX_STATE_AGE_S,
     ) -> None:
         self._controller = controller
         self._clock = clock
         self._limits = limits
         self._tolerance_rad = tolerance_rad
         self._ask_permission = ask_permission
+        self._max_state_age_s = max_state_age_s
         self._left_at: tuple[float, ...] | None = None
         self._direction = (0,) * len(limits)
 
@@ -100,6 +103,8 @@ class Arm:
             now_s=now_s,
             left_at_rad=self._left_at,
             tolerance_rad=self._tolerance_rad,
+            obstacle=permission.obstacle,
+            max_state_age_s=self._max_state_age_s,
         )
         forbidden = what_forbids_motion(conditions, target_rad, self._limits)
         if forbidden is not None:

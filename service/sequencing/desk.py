@@ -1,8 +1,13 @@
 """Where a session waits for a person: one open question at a time, and nothing moves while it is open."""
 
 import asyncio
+from typing import Final
 
 from service.sequencing.errors import NotNowError, PersonMissingError
+
+CELL_CLEAR: Final = (
+    "The robot is about to move. Is the cell clear of people and things, and is an emergency stop in reach?"
+)
 
 
 class Desk:

@@ -2,7 +2,9 @@
 
 SequencingError
 ├── NotNowError             the session is in a state in which this cannot be asked
+├── WatchingTabletError     another tablet acts; the one that asked only watches
 ├── PersonMissingError      a confirmation needs the name of a person
+├── ReasonMissingError      a skip needs its reason
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
 ├── ReadingRejectedError    an instrument answered, and the answer cannot be right
@@ -20,8 +22,16 @@ class NotNowError(SequencingError):
     """The session is in a state in which this cannot be asked."""
 
 
+class WatchingTabletError(SequencingError):
+    """Another tablet acts; the one that asked only watches."""
+
+
 class PersonMissingError(SequencingError):
     """A confirmation needs the name of a person."""
+
+
+class ReasonMissingError(SequencingError):
+    """A skip needs its reason."""
 
 
 class PlanRefusedError(SequencingError):

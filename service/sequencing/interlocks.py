@@ -32,6 +32,8 @@ class MotionConditions:
     now_s: float
     left_at_rad: tuple[float, ...] | None  # where the last motion ended; None: a person has just confirmed
     tolerance_rad: float
+    obstacle: str | None = None  # anything else that forbids motion, as a sentence
+    max_state_age_s: float = MAX_STATE_AGE_S
 
 
 def what_forbids_motion(
@@ -52,17 +54,16 @@ def _forbidden_by_the_session(conditions: MotionConditions) -> str | None:
         return "A pause or the end of the session was asked for; nothing more moves."
     if conditions.question is not None:
         return "A question to a person is open; nothing moves before it is answered."
-    return None
+    return conditions.obstacle
 
 
 def _forbidden_by_the_robot_state(conditions: MotionConditions) -> str | None:
     if not conditions.robot_connected:
         return "The link to the robot is down; nothing moves before it is up and a person has confirmed."
     age_s = conditions.now_s - conditions.reading.time_s
-    if not -MAX_STATE_AGE_S <= age_s <= MAX_STATE_AGE_S:
-        return (
-            f"The robot's statement of its joints is {age_s:.1f} s old; the limit is {MAX_STATE_AGE_S:.0f} s."
-        )
+    limit_s = conditions.max_state_age_s
+    if not -limit_s <= age_s <= limit_s:
+        return f"The robot's statement of its joints is {age_s:.1f} s old; the limit is {limit_s:g} s."
     return _moved_by_others(conditions)
 
 

@@ -27,7 +27,7 @@ from drivers.errors import (
 from service.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
 from service.sequencing.arm import Arm, Permission
 from service.sequencing.cell import SessionCell
-from service.sequencing.desk import Desk, require_person
+from service.sequencing.desk import CELL_CLEAR, Desk, require_person
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import (
     AttentionNeededError,
@@ -49,9 +49,6 @@ from service.sequencing.plans import (
 from service.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition, words
 from service.sequencing.steps import MeasurePoint, Section
 
-CELL_CLEAR: Final = (
-    "The robot is about to move. Is the cell clear of people and things, and is an emergency stop in reach?"
-)
 _END_OF_MOTION: Final = "a motion under way cannot be stopped through this program, so it ends first"
 _INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
 

@@ -46,6 +46,7 @@ class Act:
     step_id: str | None = None  # the step that the person saw
     reason: str = ""  # of a skip, or why the session pauses, stops or ends
     answer: str = ""  # to a suspicion
+    seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,8 @@ from typing import Final
 from service.domain.session import SessionState
 
 HAND_OVER: Final = "hand_over"
+ZERO_LOST: Final = "zero_lost"  # the ballbar was without supply; what it shows is counted from elsewhere now
+RESTARTED: Final = "The service was started anew."
 
 
 def state_text(state: SessionState, reason: str) -> str:

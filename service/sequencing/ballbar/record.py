@@ -88,6 +88,11 @@ class Record:
     suspicion: OpenSuspicion | None = None
     acting: ActingTablet | None = None
     initialisations: int = 0
+    zeros: dict[str, LengthTaken] = field(
+        default_factory=dict
+    )  # group of readings -> its last initialisation
+    last_zero: tuple[str, LengthTaken] | None = None  # by step, whatever became of it
+    zero_lost: bool = False  # the ballbar was without supply since
     found: dict[str, PreCalibration | None] = field(default_factory=dict)  # by step; None: left out
     last: tuple[str, Outcome] | None = None
     keys: dict[str, int] = field(default_factory=dict)  # idempotency key -> place in the ledger, from 0
@@ -98,10 +103,12 @@ class Record:
 
     def apply(self, entry: LedgerEntry) -> None:
         """Take the next line of the ledger."""
-        self.times.tick(entry.time_s, running=self.state is SessionState.RUNNING)
+        was_off = control.reason_in(entry.text).startswith(control.RESTARTED)
+        self.times.tick(entry.time_s, running=self.state is SessionState.RUNNING and not was_off)
         if entry.key is not None:
             self.keys.setdefault(entry.key, self._lines)
         self._lines += 1
+        self._note_person(entry)
         match entry.kind:
             case EntryKind.SHOWN:
                 self._show(entry)
@@ -116,6 +123,12 @@ class Record:
                 self._reopen(entry.step_id)
             case _:
                 self._end(entry)
+
+    def enter(self, state: SessionState, reason: str) -> None:
+        """Enter a state; whatever was shown or confirmed before counts no more."""
+        self.state, self.reason = state, reason
+        self.shown = None
+        self.confirmed = None
 
     def outcome(self, step_id: str) -> Outcome:
         """Return how a step stands."""
@@ -142,6 +155,11 @@ class Record:
         """What the last pre-calibration found; None before the first."""
         return next((found for found in reversed(self.found.values()) if found is not None), None)
 
+    def _note_person(self, entry: LedgerEntry) -> None:
+        """Follow who holds the tablet that acts; a tablet comes to act by a CONTROL line only."""
+        if self.acting is not None and entry.tablet == self.acting.tablet and entry.person:
+            self.acting = ActingTablet(self.acting.tablet, entry.person)
+
     def _show(self, entry: LedgerEntry) -> None:
         self.shown = entry.step_id
         self.confirmed = None
@@ -151,11 +169,11 @@ class Record:
     def _control(self, entry: LedgerEntry) -> None:
         if entry.tablet is not None and (self.acting is None or entry.text == control.HAND_OVER):
             self.acting = ActingTablet(entry.tablet, entry.person or "")
+        if entry.text == control.ZERO_LOST:
+            self.zero_lost, self.last_zero, self.shown = True, None, None
         state = control.state_in(entry.text)
         if state is not None:
-            self.state, self.reason = state, control.reason_in(entry.text)
-            self.shown = None
-            self.confirmed = None
+            self.enter(state, control.reason_in(entry.text))
 
     def _suspect(self, entry: LedgerEntry) -> None:
         if entry.suspicion is not None and entry.length is not None:
@@ -169,8 +187,10 @@ class Record:
             self._skips.pop(group, None)
         if kind is StepKind.MOVE:
             self._drop(group, frozenset(StepKind))
+            self.zeros.pop(group, None)
         if kind is StepKind.INITIALISE:
             self._drop(group, READINGS)
+            self.zeros.pop(group, None)
         if kind is StepKind.DETACH:
             self.attached = True
         self.shown = None
@@ -214,6 +234,9 @@ class Record:
                 self.arrival = entry.arrival
             case StepKind.INITIALISE if entry.length is not None:
                 self.initialisations = entry.length.initialisation
+                self.zeros[step_ids.group_with_zero(entry.step_id)] = entry.length
+                self.last_zero = entry.step_id, entry.length
+                self.zero_lost = False
             case StepKind.PRECALIBRATE:
                 self.found[entry.step_id] = entry.precalibration
             case _:

@@ -1,9 +1,9 @@
 """The present situation of a session: a pure function of its plan and its ledger.
 
 Nothing else is remembered, so a restart shows the same step and nothing can be done twice. The present
-step is the first one that is open, in the order of the agenda, but for two that come before it where
-they must: the ballbar is taken off before the arm moves, and the setting ball is in its nest before a
-cup is clamped (again).
+step is the first one that is open, in the order of the agenda, but for those that come before it where
+they must: the ballbar is taken off before the arm moves, the setting ball is in its nest before a cup is
+clamped (again), and a ballbar that was without supply is put on the calibrator before it is read again.
 """
 
 from collections.abc import Iterable, Mapping
@@ -27,6 +27,7 @@ from service.sequencing.ballbar.agenda import Course, forecast_of, steps
 from service.sequencing.ballbar.pace import BallbarProgress
 from service.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
 from service.sequencing.ballbar.way import way
+from service.sequencing.desk import CELL_CLEAR
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +47,7 @@ class Situation:
     acting: ActingTablet | None
     initialisations: int  # so far
     zero: LengthTaken | None  # the initialisation that the present reading counts from
+    zero_before: LengthTaken | None  # of an initialisation: the last one with the same bars
     forecast: PoseForecast | None  # of the present configuration
     arm_at: str | None  # the step that brought the arm where it stands; None: not known
     arrival: ArrivalTaken | None
@@ -55,11 +57,32 @@ class Situation:
     last: tuple[str, Outcome] | None  # the step that ended last, and how
 
     @property
+    def question(self) -> str | None:
+        """What a person is asked to look at before the robot may move, or the session go on."""
+        if self.state in {SessionState.AWAITING_CONFIRMATION, SessionState.PAUSED}:
+            return f"{self.reason} {CELL_CLEAR}"
+        asked = self.step is not None and self.step.kind is StepKind.MOVE and not self.confirmed
+        return CELL_CLEAR if asked and self.state is SessionState.RUNNING else None
+
+    @property
     def busy(self) -> bool:
         """Whether the robot moves, or the service computes, as soon as nothing forbids it."""
         if self.state is not SessionState.RUNNING or self.step is None or self.suspicion is not None:
             return False
         return self.confirmed or self.step.kind is StepKind.PRECALIBRATE
+
+    @property
+    def stop(self) -> str | None:
+        """The motion to the stop at which the present step is done; None where the arm plays no part."""
+        if self.step is None or self.step.kind is StepKind.MOVE or not step_ids.is_of_a_stop(self.step.id):
+            return None
+        return self.arm_at
+
+    def legs_of_the_pose(self) -> int:
+        """Return how many legs the pose of the present step has."""
+        group = step_ids.group_of(self.step.id) if self.step else ""
+        legs = (step for step in self.steps if step.kind is StepKind.CONNECT_LEG)
+        return sum(step_ids.group_of(step.id) == group for step in legs)
 
     def earlier_legs(self) -> dict[tuple[int, int], float]:
         """Return the lengths [mm] of the group of the present step that count already, by their points."""
@@ -103,6 +126,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         acting=record.acting,
         initialisations=record.initialisations,
         zero=_zero(step, record),
+        zero_before=_zero_before(step, record),
         forecast=forecast_of(record.precalibration, step.config if step else None),
         arm_at=record.arm_at,
         arrival=record.arrival,
@@ -141,6 +165,9 @@ def _present(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> Bal
     is_of_a_cup = step.base_point is not None and step.kind in {StepKind.MOVE, StepKind.CLAMP_CUP}
     if is_of_a_cup and not record.ball_fitted:
         return _before(step, step_ids.ball(step.id), StepKind.FIT_BALL)
+    if record.zero_lost and step.kind in {StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG}:
+        again = _before(step, step_ids.initialise(step.id), StepKind.INITIALISE)
+        return replace(again, artefact=step.artefact or "base")
     if step.kind is not StepKind.MOVE:
         return step
     moves = [other for other in agenda if other.kind is StepKind.MOVE]
@@ -189,7 +216,15 @@ def _with_its_stop(step_id: str, record: Record) -> str:
 def _zero(step: BallbarStep | None, record: Record) -> LengthTaken | None:
     if step is None or step.kind not in READINGS or step.kind is StepKind.INITIALISE:
         return None
-    return record.outcome(step_ids.initialise(step_ids.group_of(step.id))).length
+    return record.zeros.get(step_ids.group_of(step.id))
+
+
+def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None:
+    if step is None or step.kind is not StepKind.INITIALISE or record.last_zero is None:
+        return None
+    step_id, taken = record.last_zero
+    same_bars = step_id.startswith(step_ids.TOOL) == step.id.startswith(step_ids.TOOL)
+    return taken if same_bars else None
 
 
 def _progress(

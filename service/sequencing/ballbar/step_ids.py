@@ -34,6 +34,12 @@ def group_of(step_id: str) -> str:
     return step_id.rpartition("/")[0]
 
 
+def group_with_zero(step_id: str) -> str:
+    """Return the group whose readings count from an initialisation, also from one that came in between."""
+    group = group_of(step_id)
+    return group_of(group) if kind_of(group) is not None else group
+
+
 def is_of_a_pose(step_id: str) -> bool:
     """Whether the step belongs to a pose."""
     return "/pose-" in step_id
@@ -61,7 +67,7 @@ def pose(place: str, config: int, attempt: int) -> str:
 
 
 def initialise(group: str) -> str:
-    """Return the step that reads the zero of a group."""
+    """Return the step that reads the zero of a group; of a reading: the one that must come before it."""
     return f"{group}/initialise"
 
 

@@ -1,0 +1,129 @@
+"""Whether a length goes with what was asked for; a doubt is put to a person, never stored silently."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
+from service.sequencing.ballbar import step_ids
+from service.sequencing.ballbar.lengths import bars_of
+from service.sequencing.ballbar.situation import Situation
+from service.validation.connections import judge_leg, judge_pose
+
+NO_PAIR: Final[Leg] = (0, 0)  # of the calibrator
+# The zero of the same bars walks by some micrometres of snaps and warmth from group to group; a leg that is
+# taken for the calibrator is off by tenths of a millimetre.
+_ZERO_WALK: Final = 10.0  # times the uncertainty of a zero
+
+
+class JudgeLeg(Protocol):
+    """Looks at one length; see service.validation.connections."""
+
+    def __call__(
+        self,
+        asked: Leg,
+        length_mm: float,
+        earlier: Mapping[Leg, float],
+        forecast: PoseForecast | None,
+        *,
+        reading_u_mm: float,
+        zero_u_mm: float,
+        nominal_mm: float,
+        range_mm: float,
+    ) -> Suspicion | None:
+        """Return why the length does not go with the pair; None where nothing speaks against it."""
+        ...
+
+
+class JudgePose(Protocol):
+    """Looks at all lengths of a pose; see service.validation.connections."""
+
+    def __call__(
+        self, lengths: Mapping[Leg, float], forecast: PoseForecast, *, reading_u_mm: float, zero_u_mm: float
+    ) -> tuple[Suspicion, ...]:
+        """Return which legs seem to be exchanged."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Judges:
+    """Who judges lengths."""
+
+    leg: JudgeLeg = judge_leg
+    pose: JudgePose = judge_pose
+
+
+def doubt(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+) -> Suspicion | None:
+    """Return why a length should not be stored for this step unasked; None where it may."""
+    match step.kind:
+        case StepKind.INITIALISE:
+            return _doubt_about_zero(taken, now, step, kit)
+        case StepKind.MEASURE_SIDE if step.artefact == "base":
+            # The sides of the tool triangle are equal by make; those of the base are as the robot errs.
+            return _judge_leg(taken, now, step, kit, judges, None)
+        case StepKind.CONNECT_LEG:
+            first = _judge_leg(taken, now, step, kit, judges, now.forecast)
+            return first or _judge_pose(taken, now, step, kit, judges)
+        case _:
+            return None
+
+
+def legs_to_read_again(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
+    """Return the steps whose stored readings are meant by a suspicion of exchanged legs."""
+    if now.step is None:
+        return ()
+    group, pairs = step_ids.group_of(now.step.id), {suspicion.asked, suspicion.suspected}
+    return tuple(
+        step.id
+        for step in now.steps
+        if step.points in pairs and step_ids.group_of(step.id) == group
+        if now.outcomes[step.id].kind == "measured"
+    )
+
+
+def _doubt_about_zero(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit
+) -> Suspicion | None:
+    before = now.zero_before
+    if before is None or abs(taken.zero_mm - before.zero_mm) <= _ZERO_WALK * kit.zero_u_mm:
+        return None
+    calibrator_mm = bars_of(step, kit).calibrator_mm
+    seen_mm = calibrator_mm + taken.zero_mm - before.zero_mm
+    return Suspicion("unlikely", NO_PAIR, None, seen_mm, calibrator_mm)
+
+
+def _judge_leg(
+    taken: LengthTaken,
+    now: Situation,
+    step: BallbarStep,
+    kit: BallbarKit,
+    judges: Judges,
+    forecast: PoseForecast | None,
+) -> Suspicion | None:
+    if step.points is None:
+        return None
+    return judges.leg(
+        step.points,
+        taken.length_mm,
+        now.earlier_legs(),
+        forecast,
+        reading_u_mm=kit.reading_u_mm,
+        zero_u_mm=kit.zero_u_mm,
+        nominal_mm=kit.base_bars.nominal_mm,
+        range_mm=kit.range_mm,
+    )
+
+
+def _judge_pose(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+) -> Suspicion | None:
+    """Look at the pose as a whole with its last leg."""
+    lengths = now.earlier_legs()
+    if now.forecast is None or step.points is None or len(lengths) + 1 < now.legs_of_the_pose():
+        return None
+    lengths[step.points] = taken.length_mm
+    found = judges.pose(lengths, now.forecast, reading_u_mm=kit.reading_u_mm, zero_u_mm=kit.zero_u_mm)
+    return found[0] if found else None

@@ -1,0 +1,17 @@
+"""What a ballbar session knows of the cell it runs in."""
+
+from dataclasses import dataclass
+
+from drivers.api import Ballbar, Clock, RobotController
+from service.domain.robot import JointRange, Robot
+
+
+@dataclass(frozen=True, slots=True)
+class BallbarCell:
+    """Devices and nominal robot of one cell."""
+
+    ballbar: Ballbar
+    robot_controller: RobotController
+    clock: Clock
+    robot: Robot
+    joint_limits: tuple[JointRange, ...] | None = None  # what the controller accepts

@@ -1,0 +1,124 @@
+"""What act handlers and loops of a session share: its book, its devices, and the changes that both make.
+
+Every method that appends is called with `changing` held, so that lines reach the ledger one at a time.
+"""
+
+import asyncio
+from dataclasses import dataclass, field
+
+from drivers.errors import DriverError
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import EntryKind, LengthTaken, StepKind, Suspicion
+from service.domain.session import SessionState
+from service.sequencing.ballbar import control
+from service.sequencing.ballbar.acts import Act
+from service.sequencing.ballbar.assignments import Judges, doubt
+from service.sequencing.ballbar.book import Book
+from service.sequencing.ballbar.motion import Motion
+from service.sequencing.ballbar.readings import Readings
+from service.sequencing.ballbar.situation import Situation
+from service.sequencing.ballbar.stand import Stand
+
+_PUT_IT_RIGHT = "Put it right."
+
+
+@dataclass(slots=True)
+class Floor:
+    """The session between its loops and its acts."""
+
+    kit: BallbarKit
+    judges: Judges
+    book: Book
+    readings: Readings
+    stand: Stand
+    motion: Motion
+    changing: asyncio.Lock = field(default_factory=asyncio.Lock)
+    entered: bool = False  # the robot was found where it should be since the session last began to run
+
+    @property
+    def now(self) -> Situation:
+        """The situation as the ledger has it."""
+        return self.book.situation
+
+    async def settle(self) -> None:
+        """Bring the session to where it waits again: robot looked at, next prompt on record, or finished."""
+        if self.now.state is not SessionState.RUNNING:
+            self.entered = False
+            return
+        if not self.entered and not await self._enter_cell():
+            return
+        if self.now.step is None:
+            await self.book.enter(SessionState.FINISHED, "Every step is done or was skipped.")
+        elif self._prompt_is_due():
+            await self.show()
+
+    async def show(self, act: Act | None = None, text: str = "") -> int:
+        """Put the present prompt, on record first; returns the number of its line."""
+        step = self.now.step
+        number = await self.book.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
+        self.readings.begin_anew()
+        return number
+
+    async def store(self, taken: LengthTaken, act: Act | None = None) -> tuple[int, Suspicion | None]:
+        """Keep a length for the present step, or the doubt about it; returns the line and the doubt."""
+        now, step = self.now, self.now.step
+        if step is None:
+            return 0, None
+        suspicion = doubt(taken, now, step, self.kit, self.judges)
+        kind = EntryKind.MEASURED if suspicion is None else EntryKind.SUSPECTED
+        number = await self.book.append(kind, step.id, act, length=taken, suspicion=suspicion)
+        self.readings.contact.take(taken.deviation_mm)
+        self.readings.begin_anew()
+        return number, suspicion
+
+    async def hold(self, reason: str) -> None:
+        """Have the session wait for a person: something is not as it was left."""
+        if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:
+            await self.book.enter(SessionState.AWAITING_CONFIRMATION, f"{_sentence(reason)} {_PUT_IT_RIGHT}")
+        elif self.now.state is SessionState.ABORTING:
+            await self.book.enter(SessionState.ABORTED, _sentence(reason))
+        self.entered = False
+
+    async def lose_stop(self, reason: str) -> None:
+        """Reopen what was done at a stop where the arm no longer stands."""
+        if self.now.stop is not None:
+            await self.book.append(EntryKind.REOPENED, self.now.stop, text=reason)
+
+    async def note_lost_power(self) -> None:
+        """Record that the ballbar was without supply, so that its zero is read anew."""
+        self.readings.take_note_of_zero()
+        if self.now.initialisations:
+            await self.book.append(EntryKind.CONTROL, text=control.ZERO_LOST)
+
+    async def look_at_robot(self) -> str | None:
+        """Return why the present stop is lost, None where the arm is as it was left; raises driver errors."""
+        reading = await self.stand.look()
+        arrival = self.now.arrival
+        if self.now.stop is None or arrival is None:
+            return None
+        return self.stand.moved_from(arrival, reading)
+
+    async def _enter_cell(self) -> bool:
+        """Open the robot and see whether it stands where the session left it; returns whether it answers."""
+        try:
+            await self.stand.open()
+            moved = await self.look_at_robot()
+        except DriverError as error:
+            await self.stand.close()
+            await self.hold(str(error))
+            return False
+        if moved is not None:
+            await self.lose_stop(moved)
+        self.entered = True
+        return True
+
+    def _prompt_is_due(self) -> bool:
+        now = self.now
+        if now.shown or now.confirmed or now.suspicion is not None or now.step is None:
+            return False
+        return now.step.kind is not StepKind.PRECALIBRATE
+
+
+def _sentence(text: str) -> str:
+    """Return `text` with a full stop; drivers' errors come with and without."""
+    return text if text.rstrip().endswith((".", "!", "?")) else f"{text.rstrip()}."

@@ -1,0 +1,234 @@
+"""What happens when a person presses a button: each act is one line of the ledger with its key.
+
+Where an act takes several lines, the one that carries the key comes last: a service that is killed in
+between does the whole again when the request is repeated, and nothing twice.
+"""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Final, TypeAlias
+
+from drivers.api import Clock
+from drivers.errors import DriverError
+from service.domain.ballbar import EntryKind, StepKind, Suspicion
+from service.domain.session import SessionState
+from service.sequencing.ballbar import control
+from service.sequencing.ballbar.acts import Act, ActName, ActOutcome, Answer
+from service.sequencing.ballbar.assignments import legs_to_read_again
+from service.sequencing.ballbar.floor import Floor
+from service.sequencing.desk import require_person
+from service.sequencing.errors import NotNowError, ReasonMissingError, WatchingTabletError
+from service.sequencing.states import words
+
+Handler: TypeAlias = Callable[[Act], Awaitable[ActOutcome]]
+
+FROM_ANY_TABLET: Final = frozenset({ActName.STOP, ActName.HAND_OVER})
+_OF_A_STEP: Final = frozenset({
+    ActName.CONFIRM,
+    ActName.STORE,
+    ActName.ANSWER,
+    ActName.RETRY,
+    ActName.SKIP,
+    ActName.BACK,
+})
+_SEEN_AGE_S: Final = 2.0  # a confirmation that was under way for longer says nothing of the cell now
+_END_OF_MOTION: Final = "the motion under way ends first"
+_SUSPICIONS: Final = {
+    "same_pair": "this looks like a pair that was read already",
+    "other_pair": "this looks like another pair than the one asked for",
+    "exchanged": "two legs seem to be exchanged",
+    "unlikely": "this is far from what was to be expected",
+}
+
+
+class ActHandlers:
+    """Does what acts ask for; called with `floor.changing` held, after `require` let the act pass."""
+
+    def __init__(self, floor: Floor, clock: Clock) -> None:
+        self._floor = floor
+        self._clock = clock
+        self._handlers: Mapping[ActName, Handler] = {
+            ActName.START: self._start,
+            ActName.CONFIRM: self._confirm,
+            ActName.STORE: self._store,
+            ActName.ANSWER: self._answer,
+            ActName.RETRY: self._retry,
+            ActName.SKIP: self._skip,
+            ActName.BACK: self._back,
+            ActName.PAUSE: self._pause,
+            ActName.RESUME: self._resume,
+            ActName.STOP: self._stop,
+            ActName.ABORT: self._abort,
+            ActName.HAND_OVER: self._hand_over,
+        }
+
+    def require(self, act: Act) -> None:
+        """Raise PersonMissingError, WatchingTabletError or NotNowError where the act is not allowed now."""
+        require_person(act.person)
+        now = self._floor.now
+        if now.acting is not None and act.tablet != now.acting.tablet and act.name not in FROM_ANY_TABLET:
+            raise WatchingTabletError(f"{now.acting.person} acts on another tablet; take over there first.")
+        present = now.step.id if now.step else None
+        running = now.state is SessionState.RUNNING
+        if act.name in _OF_A_STEP and (running or act.step_id is not None) and act.step_id != present:
+            raise NotNowError(f"The session is at the step {present} by now; nothing was done.")
+        if act.name not in now.acts:
+            raise NotNowError(f"The session is {words(now.state)}; '{act.name}' cannot be done now.")
+
+    async def do(self, act: Act) -> ActOutcome:
+        """Do what an act asks for; raises NotNowError, ReasonMissingError."""
+        outcome = await self._handlers[act.name](act)
+        await self._floor.settle()
+        return outcome
+
+    # the course of the session
+
+    async def _start(self, act: Act) -> ActOutcome:
+        text = control.state_text(SessionState.RUNNING, f"{act.person.strip()} started the session.")
+        number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=text)
+        return ActOutcome("The session has begun.", number)
+
+    async def _resume(self, act: Act) -> ActOutcome:
+        return await self._go_on(act, "resumed the session")
+
+    async def _go_on(self, act: Act, what: str) -> ActOutcome:
+        if self._floor.motion.moving:
+            raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
+        number = await self._floor.book.enter(SessionState.RUNNING, f"{act.person.strip()} {what}.", act)
+        self._floor.motion.wish = None
+        self._floor.motion.forget()
+        return ActOutcome("The session goes on at the step where it was.", number)
+
+    async def _pause(self, act: Act) -> ActOutcome:
+        return await self._halt(act, SessionState.PAUSED, "A pause was asked for.", "The session pauses")
+
+    async def _stop(self, act: Act) -> ActOutcome:
+        awaiting = SessionState.AWAITING_CONFIRMATION
+        return await self._halt(act, awaiting, "Stop was pressed.", "The session has stopped")
+
+    async def _abort(self, act: Act) -> ActOutcome:
+        return await self._halt(act, SessionState.ABORTED, "The end was asked for.", "The session ends")
+
+    async def _halt(self, act: Act, state: SessionState, reason: str, sentence: str) -> ActOutcome:
+        """Enter `state`, or have it entered when the motion under way has ended."""
+        book, motion = self._floor.book, self._floor.motion
+        reason = f"{reason} {act.reason.strip()}".strip()
+        before = self._floor.now.state
+        ends = state is SessionState.ABORTED
+        if motion.moving:
+            motion.wish = state
+            between = SessionState.ABORTING if ends else SessionState.PAUSING
+            text = control.state_text(between, reason)
+            return ActOutcome(
+                f"{sentence}; {_END_OF_MOTION}.", await book.append(EntryKind.CONTROL, act=act, text=text)
+            )
+        motion.wish = None
+        if ends and before is SessionState.RUNNING:
+            number = await book.enter(SessionState.ABORTING, reason, act)
+            await book.enter(state, reason)
+        else:
+            number = await book.enter(state, reason, act)
+        return ActOutcome(f"{sentence}; nothing is in motion.", number)
+
+    async def _hand_over(self, act: Act) -> ActOutcome:
+        number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=control.HAND_OVER)
+        return ActOutcome(f"{act.person.strip()} acts on this tablet from now on.", number)
+
+    # the present step
+
+    async def _confirm(self, act: Act) -> ActOutcome:
+        now = self._floor.now
+        if now.state is SessionState.AWAITING_CONFIRMATION:
+            return await self._go_on(act, "confirmed that the cell is clear")
+        step_id = act.step_id or ""
+        if now.step is None or now.step.kind is not StepKind.MOVE:
+            return ActOutcome("Done.", await self._floor.book.append(EntryKind.CONFIRMED, step_id, act))
+        await self._require_present_look(act)
+        self._floor.motion.confirmed_s = await self._clock.now_s()
+        number = await self._floor.book.append(EntryKind.CONFIRMED, step_id, act)
+        return ActOutcome("Confirmed; the robot moves.", number)
+
+    async def _require_present_look(self, act: Act) -> None:
+        if act.seen_time_s is None:
+            return
+        age_s = await self._clock.now_s() - act.seen_time_s
+        if not abs(age_s) <= _SEEN_AGE_S:
+            raise NotNowError(
+                f"The confirmation was under way for {age_s:.1f} s; look at the cell and confirm anew."
+            )
+
+    async def _store(self, act: Act) -> ActOutcome:
+        await self._require_stop()
+        taken = self._floor.readings.length(self._floor.now, await self._clock.now_s(), by_hand=True)
+        number, suspicion = await self._floor.store(taken, act)
+        if suspicion is None:
+            return ActOutcome(f"Stored: {taken.length_mm:.4f} mm.", number)
+        return ActOutcome(f"Not stored yet: {_SUSPICIONS[suspicion.kind]}.", number)
+
+    async def _require_stop(self) -> None:
+        """See for oneself that the arm is where the reading is to be taken; raises NotNowError."""
+        floor = self._floor
+        if floor.now.stop is None:
+            return
+        try:
+            moved = await floor.look_at_robot()
+        except DriverError as error:
+            await floor.stand.close()
+            await floor.hold(str(error))
+            raise NotNowError(f"Nothing was stored: {error}") from error
+        if moved is not None:
+            await floor.lose_stop(moved)
+            await floor.hold(moved)
+            raise NotNowError(f"Nothing was stored: {moved}")
+
+    async def _answer(self, act: Act) -> ActOutcome:
+        suspected = self._floor.now.suspicion
+        if suspected is None or act.answer not in set(Answer):
+            raise NotNowError("The answer must be one of right_pair, reconnected, exchanged.")
+        if act.answer != Answer.RIGHT_PAIR:
+            return await self._read_again(act, suspected.suspicion)
+        number = await self._floor.book.append(
+            EntryKind.MEASURED,
+            suspected.step_id,
+            act,
+            length=suspected.length,
+            suspicion=suspected.suspicion,
+            text=Answer.RIGHT_PAIR.value,
+        )
+        return ActOutcome(f"Stored as asked for: {suspected.length.length_mm:.4f} mm.", number)
+
+    async def _read_again(self, act: Act, suspicion: Suspicion) -> ActOutcome:
+        book, step = self._floor.book, self._floor.now.step
+        answer = act.answer or act.name.value
+        if answer == Answer.EXCHANGED or suspicion.kind == "exchanged":
+            for step_id in legs_to_read_again(self._floor.now, suspicion):
+                await book.append(EntryKind.REOPENED, step_id, text=answer)
+        number = await book.append(
+            EntryKind.ANSWERED, step.id if step else "", act, text=answer, suspicion=suspicion
+        )
+        return ActOutcome("Not stored; it is read again.", number)
+
+    async def _retry(self, act: Act) -> ActOutcome:
+        suspected = self._floor.now.suspicion
+        if suspected is not None:
+            return await self._read_again(act, suspected.suspicion)
+        number = await self._floor.show(act, text=ActName.RETRY.value)
+        self._floor.readings.contact.forget()
+        return ActOutcome("The step begins again.", number)
+
+    async def _skip(self, act: Act) -> ActOutcome:
+        reason = act.reason.strip()
+        if not reason:
+            raise ReasonMissingError("A skip needs its reason: it is kept in place of the reading.")
+        number = await self._floor.book.append(EntryKind.SKIPPED, act.step_id or "", act, text=reason)
+        return ActOutcome("Skipped; what is read already stays.", number)
+
+    async def _back(self, act: Act) -> ActOutcome:
+        floor = self._floor
+        sample = floor.readings.sample
+        connected_mm = sample.deviation_mm if sample else None
+        number = await floor.book.append(
+            EntryKind.REOPENED, floor.now.back_to or "", act, text=act.reason.strip()
+        )
+        if connected_mm is not None:  # what is connected now is not what the reopened step asks for
+            floor.readings.contact.take(connected_mm)
+        return ActOutcome("Back; what was kept there counts no more.", number)

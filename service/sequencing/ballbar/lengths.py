@@ -1,0 +1,66 @@
+"""From what the ballbar shows to a length that can be kept: calibrator + deviation - zero."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from service.domain.artefacts import BallbarKit, Bars
+from service.domain.ballbar import BallbarStep, LengthTaken, StepKind
+from service.sequencing.ballbar.live import Window
+from service.sequencing.ballbar.situation import Situation
+from service.sequencing.errors import NotNowError
+
+_NO_ZERO: Final = "There is no zero to count from; put the ballbar on the calibrator first."
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What the ballbar showed over a window, and what is known of it."""
+
+    window: Window
+    time_s: float
+    temperature_c: float  # NaN where the ballbar has no thermometer
+    serial: str  # as the device says it, empty where it does not
+    by_hand: bool
+
+
+def bars_of(step: BallbarStep, kit: BallbarKit) -> Bars:
+    """Return what the ballbar is made up with at a step."""
+    return kit.tool_bars if step.artefact == "tool" else kit.base_bars
+
+
+def length_taken(shown: Shown, now: Situation, step: BallbarStep, kit: BallbarKit) -> LengthTaken:
+    """Return the length that is read at this step; raises NotNowError where there is no zero."""
+    bars, deviation_mm = bars_of(step, kit), shown.window.mean_mm
+    if step.kind is StepKind.INITIALISE:
+        zero_mm, number, u_mm = deviation_mm, now.initialisations + 1, bars.calibrator_u_mm
+    elif now.zero is not None:
+        zero_mm, number = now.zero.zero_mm, now.zero.initialisation
+        # the mean of many samples is no better: 2 um at 95 % is what the instrument states of a length
+        u_mm = math.hypot(kit.reading_u_mm, kit.zero_u_mm, bars.calibrator_u_mm)
+    else:
+        raise NotNowError(_NO_ZERO)
+    serial, certificate, expires = _papers(shown.serial, kit)
+    return LengthTaken(
+        length_mm=bars.calibrator_mm + deviation_mm - zero_mm,
+        deviation_mm=deviation_mm,
+        zero_mm=zero_mm,
+        standard_uncertainty_mm=u_mm,
+        spread_mm=shown.window.spread_mm,
+        samples=shown.window.count,
+        initialisation=number,
+        by_hand=shown.by_hand,
+        temperature_c=shown.temperature_c,
+        instrument_serial=serial,
+        certificate=certificate,
+        certificate_expires=expires,
+        time_s=shown.time_s,
+    )
+
+
+def _papers(serial: str, kit: BallbarKit) -> tuple[str, str, str]:
+    """Return serial number, certificate and its expiry; a certificate of another instrument is none."""
+    owner = kit.instrument
+    if serial and owner.serial_number and serial != owner.serial_number:
+        return serial, "", ""
+    return serial or owner.serial_number, owner.certificate, owner.certificate_expires

@@ -1,0 +1,92 @@
+"""The one place from which a ballbar session moves the arm, and what forbids it on top of the interlocks.
+
+A motion takes a person's confirmation that is fresh, a ballbar that is known to be off and no doubt that
+waits for an answer. The arm's own interlocks look at state, wishes, age of the robot's statement, joints
+and limits, before every segment of the way.
+"""
+
+from typing import Final
+
+from service.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
+from service.domain.robot import JointRange
+from service.domain.session import SessionState
+from service.sequencing.arm import Arm, Permission
+from service.sequencing.ballbar.book import Book
+from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.ballbar.stand import Stand, joint_away
+from service.sequencing.errors import MotionForbiddenError
+
+_CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
+
+
+class Motion:
+    """Moves the arm to the stop of a step and reads where it came to rest."""
+
+    def __init__(
+        self, plan: BallbarPlan, cell: BallbarCell, limits: tuple[JointRange, ...], book: Book, stand: Stand
+    ) -> None:
+        self._plan = plan
+        self._clock = cell.clock
+        self._book = book
+        self._stand = stand
+        self._arm = Arm(
+            cell.robot_controller,
+            cell.clock,
+            limits,
+            plan.joint_tolerance_rad,
+            self._permission,
+            plan.state_age_s,
+        )
+        self.moving = False
+        self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
+        self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
+
+    def forget(self) -> None:
+        """Forget where the arm was left: a person had it since, and confirmed."""
+        self._arm.forget()
+        self._stand.forget()
+        self.confirmed_s = None
+
+    async def perform(self, step: BallbarStep) -> ArrivalTaken:
+        """Move along the way of a step and come to rest; raises MotionForbiddenError, the driver's errors."""
+        if step.target_rad is None:
+            raise MotionForbiddenError(f"The step {step.id} has no target.")
+        self.moving = True  # before anything is awaited: who asks for a pause now waits for its end
+        self._book.tell()
+        try:
+            await self._require_fresh_confirmation()
+            self._stand.forget()
+            for joints in (*step.via_rad, step.target_rad):
+                await self._arm.move(joints)
+            await self._clock.sleep(self._plan.settle_s)
+            return await self._arrival(step.target_rad)
+        finally:
+            self.moving = False
+            self.confirmed_s = None
+
+    async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
+        reading = await self._stand.look()
+        away = joint_away(
+            reading.joints_rad, target_rad, self._plan.joint_tolerance_rad + 0.5 * reading.resolution_rad
+        )
+        if away is not None:
+            raise MotionForbiddenError(f"The arm did not arrive: {away}")
+        return ArrivalTaken(target_rad, reading.joints_rad, self._arm.direction, reading.time_s)
+
+    async def _require_fresh_confirmation(self) -> None:
+        now_s = await self._clock.now_s()
+        if self.confirmed_s is None or not abs(now_s - self.confirmed_s) <= _CONFIRMATION_AGE_S:
+            raise MotionForbiddenError("It is too long ago that somebody looked whether the cell is clear.")
+
+    def _permission(self) -> Permission:
+        return Permission(self._book.situation.state, self.wish is not None, None, self._obstacle())
+
+    def _obstacle(self) -> str | None:
+        now = self._book.situation
+        if now.attached:
+            return "The ballbar may still be attached; take it off and confirm that, then the arm may move."
+        if now.suspicion is not None:
+            return "A doubt about a reading waits for its answer; nothing moves before."
+        if now.step is None or now.step.kind is not StepKind.MOVE or not now.confirmed:
+            return "Nobody has confirmed that the cell is clear for this motion."
+        return None

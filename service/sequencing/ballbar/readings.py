@@ -1,0 +1,156 @@
+"""The ballbar as the session follows it: samples for whoever watches, and lengths ready to be kept."""
+
+import asyncio
+import math
+from collections.abc import AsyncIterator, Callable
+
+from drivers.api import BallbarReading, Clock
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import BallbarPlan, LengthTaken, StepKind
+from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.ballbar.contact import Contact
+from service.sequencing.ballbar.gauge import Gauge
+from service.sequencing.ballbar.lengths import Shown, bars_of, length_taken
+from service.sequencing.ballbar.live import LiveSample, Window, is_usable, live_state
+from service.sequencing.ballbar.record import READINGS
+from service.sequencing.ballbar.situation import Situation
+from service.sequencing.errors import NotNowError
+
+_KEPT_FOR_A_WATCHER = 40  # samples: two seconds; who is slower than that misses the oldest
+_RECENT_S = 1.0  # a length that was shown longer ago is not what the person sees
+
+_WHY_NOT = {
+    "no_signal": "The ballbar gives no signal; is it connected and switched on?",
+    "out_low": "The two balls are too close together for the ballbar; skip with that reason, or read again.",
+    "out_high": "The two balls are too far apart for the ballbar; skip with that reason, or read again.",
+}
+
+
+class Readings:
+    """Polls the ballbar, keeps its window, and tells everybody who watches."""
+
+    def __init__(
+        self, plan: BallbarPlan, kit: BallbarKit, cell: BallbarCell, wall_ms: Callable[[], int]
+    ) -> None:
+        self._kit = kit
+        self._clock: Clock = cell.clock
+        self._gauge = Gauge(cell.ballbar, cell.clock)
+        self._window = Window(plan.stable_s, plan.stable_mm)
+        self._wall_ms = wall_ms
+        self._watchers: set[asyncio.Queue[LiveSample | None]] = set()
+        self._latest: BallbarReading | None = None
+        self.contact = Contact()
+        self.sample: LiveSample | None = None
+
+    @property
+    def lost_power(self) -> bool:
+        """Whether the ballbar was without supply since it was last put on its calibrator."""
+        return self._gauge.lost_power
+
+    async def poll(self, now: Situation, *, robot_still: bool) -> LiveSample:
+        """Read the ballbar once and tell the watchers."""
+        reading = await self._gauge.read()
+        sampled_at_ms = self._wall_ms()
+        time_s = await self._clock.now_s() if reading is None else reading.time_s
+        self._take(reading)
+        self.sample = self._sample(reading, now, time_s, robot_still, sampled_at_ms)
+        for queue in self._watchers:
+            _put(queue, self.sample)
+        return self.sample
+
+    async def watch(self) -> AsyncIterator[LiveSample]:
+        """Yield every sample from now on, until the session ends."""
+        queue: asyncio.Queue[LiveSample | None] = asyncio.Queue(_KEPT_FOR_A_WATCHER)
+        self._watchers.add(queue)
+        try:
+            while (sample := await queue.get()) is not None:
+                yield sample
+        finally:
+            self._watchers.discard(queue)
+
+    async def close(self) -> None:
+        """Let the watchers go and close the link."""
+        for queue in self._watchers:
+            _put(queue, None)
+        await self._gauge.close()
+
+    def begin_anew(self) -> None:
+        """Forget the samples: what follows belongs to another prompt."""
+        self._window.clear()
+
+    def take_note_of_zero(self) -> None:
+        """Remember that the ballbar was put on its calibrator."""
+        self._gauge.lost_power = False
+
+    def is_ready(self, now: Situation, *, robot_still: bool) -> bool:
+        """Whether the length may be stored without anybody asking for it."""
+        reads = now.step is not None and now.step.kind in READINGS and now.suspicion is None and now.shown
+        in_range = self.sample is not None and self.sample.state == "in_range"
+        steady = self._window.stable and self.contact.is_new(self._window.mean_mm)
+        return reads and in_range and steady and robot_still
+
+    def length(self, now: Situation, now_s: float, *, by_hand: bool) -> LengthTaken:
+        """Return the length as it stands; raises NotNowError where there is none that could be kept."""
+        reading, sample = self._latest, self.sample
+        if now.step is None or now.step.kind not in READINGS:
+            raise NotNowError("No length is read at this step.")
+        if reading is None or sample is None or abs(now_s - reading.time_s) > _RECENT_S:
+            raise NotNowError(_WHY_NOT["no_signal"])
+        if sample.state in _WHY_NOT:
+            raise NotNowError(_WHY_NOT[sample.state])
+        if not self._window.count:
+            raise NotNowError("The ballbar has only just been asked; wait for its next reading.")
+        temperature_c = math.nan if reading.temperature_c is None else reading.temperature_c
+        shown = Shown(self._window, reading.time_s, temperature_c, self._gauge.serial, by_hand)
+        return length_taken(shown, now, now.step, self._kit)
+
+    def _take(self, reading: BallbarReading | None) -> None:
+        before = self._latest
+        self._latest = reading
+        if reading is None or not is_usable(reading):
+            self.contact.note(None)
+            self._window.clear()
+            return
+        self.contact.note(reading.deviation_mm)
+        same = before is not None and reading.sequence is not None and before.sequence == reading.sequence
+        if not same:  # a device that is slower than the polling repeats itself
+            self._window.add(reading.time_s, reading.deviation_mm)
+
+    def _sample(
+        self,
+        reading: BallbarReading | None,
+        now: Situation,
+        time_s: float,
+        robot_still: bool,
+        sampled_at_ms: int,
+    ) -> LiveSample:
+        length_mm, off_mm = self._length_mm(reading, now)
+        usable = is_usable(reading)
+        deviation_mm = None if reading is None else reading.deviation_mm
+        return LiveSample(
+            time_s=time_s,
+            length_mm=length_mm,
+            deviation_mm=deviation_mm if deviation_mm is None or math.isfinite(deviation_mm) else None,
+            state=live_state(reading, off_mm, self._kit.range_mm, unsteady=self._window.unsteady),
+            stable_share=self._window.share if usable else 0.0,
+            spread_mm=self._window.spread_mm if usable else None,
+            robot_still=robot_still,
+            sampled_at_ms=sampled_at_ms,
+        )
+
+    def _length_mm(self, reading: BallbarReading | None, now: Situation) -> tuple[float | None, float | None]:
+        """Return the length and how far it is off the nominal one; None where it cannot be told."""
+        if reading is None or now.step is None or now.zero is None or not math.isfinite(reading.deviation_mm):
+            return None, None
+        if now.step.kind is StepKind.INITIALISE:
+            return None, None
+        bars = bars_of(now.step, self._kit)
+        length_mm = bars.calibrator_mm + reading.deviation_mm - now.zero.zero_mm
+        off_mm = length_mm - bars.nominal_mm
+        return (length_mm if is_usable(reading) else None), off_mm
+
+
+def _put(queue: "asyncio.Queue[LiveSample | None]", sample: LiveSample | None) -> None:
+    if queue.full():
+        queue.get_nowait()
+    queue.put_nowait(sample)

@@ -1,0 +1,302 @@
+"""Runs a ballbar session: follows the ballbar, moves the arm where a person lets it, keeps every line.
+
+- Nothing is remembered but the ledger: the present step follows from it, also after a restart.
+- The arm moves in a MOVE step only, after a person has confirmed; see `motion`.
+- A ballbar without a link is shown as such and found again; the session waits for it. A robot without a
+  link, or elsewhere than it was left, has the session await a person's confirmation.
+- A length is stored by itself once for each connection, or by the button; a doubt is put to a person.
+"""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable, Coroutine
+from typing import Any, Final
+
+from drivers.errors import DriverError
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, PreCalibration, StepKind
+from service.domain.errors import TrueposeError
+from service.domain.session import SessionState
+from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
+from service.sequencing.ballbar.assignments import Judges
+from service.sequencing.ballbar.book import Book
+from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.ballbar.dry_run import check_plan, check_pose, motion_limits
+from service.sequencing.ballbar.floor import Floor
+from service.sequencing.ballbar.foresight import Foresight
+from service.sequencing.ballbar.handlers import ActHandlers
+from service.sequencing.ballbar.ledger import Ledger
+from service.sequencing.ballbar.live import LiveSample
+from service.sequencing.ballbar.motion import Motion
+from service.sequencing.ballbar.readings import Readings
+from service.sequencing.ballbar.situation import Situation
+from service.sequencing.ballbar.stand import Stand
+from service.sequencing.errors import MotionForbiddenError, SequencingError
+from service.sequencing.states import has_ended
+
+POLL_S: Final = 0.05  # of the ballbar: 20 Hz
+_LOOK_S: Final = 0.5  # at the robot while it stands
+_HALTS: Final = {
+    ActName.PAUSE: SessionState.PAUSED,
+    ActName.STOP: SessionState.AWAITING_CONFIRMATION,
+    ActName.ABORT: SessionState.ABORTED,
+}
+
+
+def _wall_ms() -> int:
+    return time.time_ns() // 1_000_000
+
+
+class BallbarRunner:
+    """One ballbar session on one cell; `run` is its task, all other methods may be called from other tasks.
+
+    `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
+    Raises PlanRefusedError where the plan does not fit the cell.
+    """
+
+    def __init__(
+        self,
+        plan: BallbarPlan,
+        kit: BallbarKit,
+        cell: BallbarCell,
+        ledger: Ledger,
+        foresight: Foresight,
+        entries: tuple[LedgerEntry, ...] = (),
+        *,
+        judges: Judges | None = None,
+        wall_ms: Callable[[], int] = _wall_ms,
+    ) -> None:
+        self._limits = motion_limits(cell.robot, cell.joint_limits)
+        check_plan(plan, kit, cell.robot, self._limits)
+        self._plan = plan
+        self._kit = kit
+        self._cell = cell
+        self._foresight = foresight
+        self._book = Book(plan, kit, ledger, cell.clock, entries)
+        self._stand = Stand(cell.robot_controller, cell.clock, plan)
+        self._readings = Readings(plan, kit, cell, wall_ms)
+        self._motion = Motion(plan, cell, self._limits, self._book, self._stand)
+        self._floor = Floor(kit, judges or Judges(), self._book, self._readings, self._stand, self._motion)
+        self._handlers = ActHandlers(self._floor, cell.clock)
+        last = self._book.last_length
+        if last is not None:  # it may still be connected where it was stored
+            self._readings.contact.take(last.deviation_mm)
+
+    @property
+    def situation(self) -> Situation:
+        """Where the session stands, as the ledger has it."""
+        return self._book.situation
+
+    @property
+    def question(self) -> str | None:
+        """What a person is asked to look at before the robot may move; None where nothing is."""
+        return self.situation.question
+
+    @property
+    def robot_moving(self) -> bool:
+        """Whether the arm is in motion, or about to be."""
+        return self._motion.moving
+
+    @property
+    def version(self) -> int:
+        """Number of changes so far."""
+        return self._book.version
+
+    async def changed(self, after: int) -> int:
+        """Return the version once it is above `after`."""
+        return await self._book.changed(after)
+
+    def live(self) -> AsyncIterator[LiveSample]:
+        """Return the samples from now on until the session ends; for any number of watchers."""
+        return self._readings.watch()
+
+    async def act(self, act: Act) -> ActOutcome:
+        """Do what a person asks, once for each key; the outcome is on disk when this returns.
+
+        Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
+        then.
+        """
+        wished = self._wish_at_once(act)
+        try:
+            async with self._floor.changing:
+                earlier = await self._book.earlier_outcome(act.key)
+                if earlier is not None:
+                    return earlier
+                self._handlers.require(act)
+                return self._book.keep_outcome(act.key, await self._handlers.do(act))
+        except SequencingError:
+            if wished and self._motion.wish is _HALTS[act.name]:
+                self._motion.wish = None
+            raise
+        finally:
+            self._book.tell()
+
+    async def run(self) -> SessionState:
+        """Run to the end and return the state it ended in; first a person has to `start`, or to `confirm`.
+
+        Raises what the ledger raises. Every fault of the devices becomes a state with a sentence.
+        """
+        async with self._floor.changing:
+            await self._book.open()
+        loops = [asyncio.create_task(loop) for loop in self._loops()]
+        try:
+            await asyncio.wait(loops, return_when=asyncio.FIRST_EXCEPTION)
+        finally:
+            for task in loops:
+                task.cancel()
+            results = await asyncio.gather(*loops, return_exceptions=True)
+            await self._readings.close()
+        for result in results:
+            if isinstance(result, Exception):
+                raise result
+        return self.situation.state
+
+    def _loops(self) -> tuple[Coroutine[Any, Any, None], ...]:
+        return self._conduct(), self._follow_ballbar(), self._follow_robot()
+
+    @property
+    def _ended(self) -> bool:
+        return has_ended(self.situation.state)
+
+    def _wish_at_once(self, act: Act) -> bool:
+        """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""
+        if act.name not in _HALTS or self._book.knows(act.key) or self._motion.wish is not None:
+            return False
+        try:
+            self._handlers.require(act)
+        except SequencingError:
+            return False
+        self._motion.wish = _HALTS[act.name]
+        return True
+
+    # motion and computation
+
+    async def _conduct(self) -> None:
+        while not self._ended:
+            version = self._book.version
+            step = self.situation.step
+            if step is not None and self.situation.busy:
+                await (self._move(step) if step.kind is StepKind.MOVE else self._precalibrate(step))
+            if not self._ended and self._book.version == version:
+                await self._book.changed(version)
+
+    async def _move(self, step: BallbarStep) -> None:
+        arrival, failure = None, None
+        try:
+            arrival = await self._motion.perform(step)
+        except MotionForbiddenError as error:
+            failure = str(error)
+        except DriverError as error:
+            failure = str(error)
+            await self._stand.close()
+        async with self._floor.changing:
+            if arrival is not None:
+                await self._book.append(EntryKind.MOVED, step.id, arrival=arrival)
+            await self._after_motion(failure)
+            await self._floor.settle()
+
+    async def _after_motion(self, failure: str | None) -> None:
+        state, wish = self.situation.state, self._motion.wish
+        if wish is not None and state is SessionState.RUNNING:
+            return  # who asked for it waits for the floor, and does it
+        if wish is not None and failure is None:
+            self._motion.wish = None
+            await self._book.enter(wish, self.situation.reason)
+        elif failure is not None:
+            self._motion.wish = None
+            await self._floor.hold(failure)
+
+    async def _precalibrate(self, step: BallbarStep) -> None:
+        task = asyncio.create_task(self._foresee())
+        while not task.done() and not self._ended:
+            changed = asyncio.create_task(self._book.changed(self._book.version))
+            await asyncio.wait({task, changed}, return_when=asyncio.FIRST_COMPLETED)
+            changed.cancel()
+        if not task.done():
+            task.cancel()
+            return
+        async with self._floor.changing:
+            present = self.situation.step
+            if not self._ended and present is not None and present.id == step.id:
+                await self._keep_foresight(step, await task)
+                await self._floor.settle()
+
+    async def _foresee(self) -> PreCalibration | str:
+        """Return what was found, or the sentence that says why nothing was."""
+        try:
+            found = await self._foresight.precalibrate(self._plan, self._book.entries)
+            for pose in found.poses:
+                check_pose(pose, self._kit)
+        except TrueposeError as error:
+            return str(error)
+        except Exception as error:  # whatever it is, the readings are safe and a person decides
+            return f"The program failed ({type(error).__name__}): {error}"
+        return found
+
+    async def _keep_foresight(self, step: BallbarStep, found: PreCalibration | str) -> None:
+        if isinstance(found, PreCalibration):
+            await self._book.append(EntryKind.COMPUTED, step.id, precalibration=found)
+        elif self.situation.state is SessionState.RUNNING:
+            reason = f"The pre-calibration was not possible: {found} Resume to try again, or skip it."
+            await self._book.enter(SessionState.PAUSED, reason)
+
+    # what goes on meanwhile
+
+    async def _follow_ballbar(self) -> None:
+        next_s = 0.0
+        while not self._ended:
+            if self.situation.state is SessionState.PLANNED:
+                await self._book.changed(self._book.version)
+                continue
+            sample = await self._readings.poll(self.situation, robot_still=self._robot_is_still())
+            await self._heed_ballbar()
+            next_s = max(next_s + POLL_S, sample.time_s)
+            now_s = await self._cell.clock.now_s()
+            await self._cell.clock.sleep(min(POLL_S, max(0.0, next_s - now_s)))
+
+    async def _heed_ballbar(self) -> None:
+        if not self._is_ready() and not self._readings.lost_power:
+            return
+        async with self._floor.changing:
+            if self._readings.lost_power:
+                await self._floor.note_lost_power()
+            elif self._is_ready():
+                now_s = await self._cell.clock.now_s()
+                await self._floor.store(self._readings.length(self.situation, now_s, by_hand=False))
+            await self._floor.settle()
+
+    def _is_ready(self) -> bool:
+        running = self.situation.state is SessionState.RUNNING
+        return running and self._readings.is_ready(self.situation, robot_still=self._robot_is_still())
+
+    def _robot_is_still(self) -> bool:
+        if self._motion.moving:
+            return False
+        sample = self._readings.sample
+        return self.situation.stop is None or (sample is not None and self._stand.is_still(sample.time_s))
+
+    async def _follow_robot(self) -> None:
+        while not self._ended:
+            if self.situation.state is SessionState.PLANNED:
+                await self._book.changed(self._book.version)
+                continue
+            await self._cell.clock.sleep(_LOOK_S)
+            if self._floor.entered and not self._motion.moving:
+                await self._look_at_robot()
+
+    async def _look_at_robot(self) -> None:
+        moved, failure = None, None
+        try:
+            moved = await self._floor.look_at_robot()
+        except DriverError as error:
+            failure = str(error)
+        if (moved is None and failure is None) or self._motion.moving:
+            return
+        async with self._floor.changing:
+            if self._motion.moving or not self._floor.entered:
+                return
+            if failure is not None:
+                await self._stand.close()
+            if moved is not None:
+                await self._floor.lose_stop(moved)
+            await self._floor.hold(failure or moved or "")
