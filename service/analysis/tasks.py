@@ -8,8 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from service.analysis.ballbar_assembly import Counting
 from service.analysis.errors import NothingMeasuredError
-from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from service.domain.ballbar import BallbarPlan, PreCalibration
 from service.domain.campaign import Campaign, LegReadings, PointReadings
 from service.domain.cell import Cell
 from service.domain.diagnosis import Diagnosis
@@ -52,7 +53,7 @@ class ValidateTask:
     def perform(self, report: Report) -> Validation:
         """Return the validation; raises TrueposeError."""
         from service.exchange.campaign_zip import read_campaign_zip
-        from service.validation import validate
+        from service.validation.held_out import validate
 
         report(0.0, "reading the campaign")
         readings = held_out(read_campaign_zip(self.archive))
@@ -113,7 +114,7 @@ class BallbarPlanTask:
     setup: SessionSetup
     frames: tuple[FramePlacement, ...]
     n_placements: int  # how many are suggested where no frame is given
-    n_poses: int  # in each placement
+    n_poses: int  # of the whole session
     seed: int
 
     def perform(self, report: Report) -> BallbarPlan:
@@ -130,14 +131,14 @@ class PrecalibrateTask:
 
     setup: SessionSetup
     plan: BallbarPlan
-    entries: tuple[LedgerEntry, ...]
+    counting: Counting
 
     def perform(self, report: Report) -> PreCalibration:
         """Return what was found; raises TrueposeError."""
         from service.analysis.precalibration import precalibrate
 
         report(0.0, "identifying with the legs so far")
-        return precalibrate(self.setup, self.plan, self.entries)
+        return precalibrate(self.setup, self.plan, self.counting)
 
 
 Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask | BallbarPlanTask | PrecalibrateTask

@@ -126,7 +126,7 @@ def validate_command(
     from service.exchange.model_file import read_model
     from service.exchange.point_files import read_validation_file
     from service.exchange.result_documents import validation_document
-    from service.validation import validate
+    from service.validation.held_out import validate
 
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
         raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")

@@ -1,5 +1,1 @@
-"""Validation: a model against readings it was not made from."""
-
-from service.validation.held_out import validate
-
-__all__ = ["validate"]
+"""Validation: a model against readings it was not made from, and readings against what was asked for."""

@@ -11,7 +11,8 @@ from service.domain.errors import ConfigurationError
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.domain.robot import FramePlacement
 from service.kinematics.chain import nominal_chain
-from service.validation import held_out, validate
+from service.validation import held_out
+from service.validation.held_out import validate
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, configurations
 
