@@ -18,7 +18,15 @@ ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm
 CUPS = {"B1": (380.0, -150.0, 60.0), "B2": (640.0, 0.0, 60.0), "B3": (380.0, 150.0, 60.0)}
 NESTS = {"T1": (470.0, 5.0, 305.0), "T2": (545.0, 95.0, 372.0), "T3": (590.0, -55.0, 330.0)}
 ARM = [(0, 0, 0), (0, 0, 330), (75, 0, 330), (190, 0, 607), (420, 0, 640), (500, 0, 560), (520, 5, 430)]
-ARM_BEFORE = [(0, 0, 0), (0, 0, 330), (70, 28, 330), (110, 45, 628), (330, 130, 760), (405, 160, 700), (430, 165, 640)]
+ARM_BEFORE = [
+    (0, 0, 0),
+    (0, 0, 330),
+    (70, 28, 330),
+    (110, 45, 628),
+    (330, 130, 760),
+    (405, 160, 700),
+    (430, 165, 640),
+]
 
 
 def scene(leg=None, *, before=None):
@@ -102,6 +110,7 @@ class FakeDesk:
             "simulated": True,
             "robot": "FANUC LR Mate 200iC",
             "question": None,
+            "reason": "",
             "ledger_number": 1,
             "step": leg(),
             "suspicion": None,
@@ -153,9 +162,7 @@ class FakeDesk:
         return [session for session in self.sessions if session["id"] > after]
 
     async def _has_hands(self):
-        if not self.simulated:
-            return _problem(409, "This cell is a real one; nobody simulates hands there.")
-        return {"simulated": True, "actions": [], "holding": ""}
+        return {"simulated": self.simulated, "actions": [], "holding": ""}
 
     async def _do(self, request: Request):
         self.hands.append(await request.json())

@@ -14,7 +14,8 @@ const WORDS = {
 const ADVICE = { unstable: "advice.unstable", no_signal: "advice.no_signal" };
 const OUT = {
   pose: { out_low: "advice.out_low", out_high: "advice.out_high" },
-  set: { out_low: "advice.out_low_set", out_high: "advice.out_high_set" },
+  side: { out_low: "advice.out_low_side", out_high: "advice.out_high_side" },
+  other: { out_low: "advice.out_low_set", out_high: "advice.out_high_set" },
 };
 const RANGE_MM = 1.0; // of the ballbar, either way of its nominal length
 const SHOWN_MM = 1.25; // the scale goes so far either way
@@ -33,6 +34,12 @@ function ticks() {
     marks.push(`M${x} ${SCALE.top + SCALE.height}v${long ? 16 : 9}`);
   }
   return marks.join("");
+}
+
+// A leg may be out of reach, and so may a base that the robot's own errors placed; a tool triangle may not.
+function outOf(step) {
+  if (step?.kind === "connect_leg") return OUT.pose;
+  return step?.kind === "measure_side" && step.artefact === "base" ? OUT.side : OUT.other;
 }
 
 // What the ballbar is off its nominal length; its own word where the service computed no length.
@@ -96,7 +103,7 @@ export class Gauge {
 
   #advice(sample, step) {
     if (sample.state === "in_range") return this.#texts.say(sample.robot_still ? "advice.stable" : "advice.robot");
-    const key = ADVICE[sample.state] ?? OUT[step?.kind === "connect_leg" ? "pose" : "set"][sample.state];
+    const key = ADVICE[sample.state] ?? outOf(step)[sample.state];
     return this.#texts.say(key, { bars: barsInWords(step?.bars_mm, this.#texts) });
   }
 

@@ -59,7 +59,7 @@ export class Hands {
 
   #tap(name) {
     const session = this.#on.present();
-    if (name === "asked" && session?.step) this.#do({ ...asked(session.step), session_id: session.id });
+    if (name === "asked" && session?.step) this.#do(asked(session.step));
     else if (name === "other") this.#on.other((base, tool) => this.#do({ action: "connect", base, tool }));
     else this.#do({ action: name });
   }

@@ -21,9 +21,9 @@ const STATES = {
 };
 
 // Readings of a whole session: triangles with their initialisation, then a zero and six legs a pose.
-export function readingsOf({ placements, base_points, poses }) {
+export function readingsOf({ placement_count, base_points, poses }) {
   const sides = base_points === 3 ? 3 : 6;
-  return 4 + placements * (1 + sides) + 7 * poses;
+  return 4 + placement_count * (1 + sides + 7 * poses);
 }
 
 class OperatorPage {

@@ -55,3 +55,17 @@ export function showOverview(panel, session, steps, texts) {
     element("div", { class: "groups" }, ...grouped(steps).map((found) => card(found, texts))),
   );
 }
+
+// What became of it: how much was measured, what was left out and why.
+export function showEnd(panel, session, steps, texts) {
+  const { readings, planned, elapsed_s } = session.progress;
+  const facts = { readings, planned, time: texts.duration(elapsed_s) };
+  const left = steps.filter((step) => step.outcome === "skipped");
+  const row = (step) => element("li", {}, element("b", {}, stepInWords(step, texts)), element("span", {}, step.text));
+  panel.replaceChildren(
+    element("p", { class: "facts" }, texts.say("ended.facts", facts)),
+    element("h2", {}, texts.say(left.length ? "ended.skipped" : "ended.none_skipped")),
+    element("ul", { class: "left-out" }, ...left.map(row)),
+    element("a", { class: "main plain link-button", href: "/operator" }, texts.say("ended.sessions")),
+  );
+}

@@ -6,11 +6,13 @@ import { placed } from "./labels.js";
 
 const BALL_MM = 6.35; // radius of a half-inch ball
 const SMALLEST_BALL_PX = { asked: 15, other: 8 };
+const CAPTION_PX = 28; // the lower edge of the picture says whose view it is
+const RING_PX = 9; // around the balls that are asked for
 const LETTERS_PX = { asked: 34, other: 20 };
 const ARM_MM = [46, 24]; // half thickness at the base and at the wrist
 const GRID_MM = 100;
 const GRID_LINES = 5; // either way of the middle
-const WIRE_FRAME = 3; // last points of the arm that must be in the picture
+const FRAMED_JOINTS = 1; // last points of the arm that must be in the picture; the rest may be cut off
 
 const path = (points) => points.map((point, i) => `${i ? "L" : "M"}${point.x.toFixed(1)} ${point.y.toFixed(1)}`).join("");
 
@@ -70,7 +72,6 @@ function arm(points_mm, see, style) {
 // From the flange to the nests: the fixture that the arm carries.
 function holder(scene, see) {
   const nests = scene.points.filter((point) => point.kind === "nest");
-  if (!scene.arm_mm.length || !nests.length) return null;
   const flange = see(scene.arm_mm.at(-1));
   return drawn("path", {
     class: "holder",
@@ -90,9 +91,14 @@ function ballbar(ends, style) {
 
 function ball(point) {
   const group = drawn("g", { class: `point ${point.kind} ${point.asked ? "asked" : "other"}` });
-  if (point.asked) group.append(drawn("circle", { class: "ring", cx: point.x, cy: point.y, r: point.radius + 9 }));
-  group.append(drawn("circle", { class: "ball", cx: point.x, cy: point.y, r: point.radius }));
+  if (point.asked) group.append(drawn("circle", { class: "ring", cx: point.x, cy: point.y, r: point.ball_px + RING_PX }));
+  group.append(drawn("circle", { class: "ball", cx: point.x, cy: point.y, r: point.ball_px }));
   return group;
+}
+
+function rim(point, where) {
+  const away = point.radius / (Math.hypot(where.x - point.x, where.y - point.y) || 1);
+  return { x: point.x + away * (where.x - point.x), y: point.y + away * (where.y - point.y) };
 }
 
 function nameTag(point, where) {
@@ -100,7 +106,7 @@ function nameTag(point, where) {
   const [left, top] = [where.x - point.width / 2, where.y - point.height / 2];
   const chip = { x: left, y: top, width: point.width, height: point.height, rx: 7 };
   const text = { x: where.x, y: where.y, "font-size": LETTERS_PX[point.asked ? "asked" : "other"] };
-  if (where.far > 1.4) group.append(drawn("path", { class: "leader", d: path([point, where]) }));
+  if (where.far > 1.4) group.append(drawn("path", { class: "leader", d: path([rim(point, where), where]) }));
   group.append(drawn("rect", chip), drawn("text", text, point.name));
   return group;
 }
@@ -108,23 +114,38 @@ function nameTag(point, where) {
 function seenPoint(point, asked, see) {
   const manner = asked.includes(point.name) ? "asked" : "other";
   const seen = see(point.position_mm);
-  const letters_px = LETTERS_PX[manner];
-  const radius = Math.max(SMALLEST_BALL_PX[manner], BALL_MM * seen.scale);
-  const width = letters_px * (0.72 * point.name.length + 0.5);
-  return { ...seen, name: point.name, kind: point.kind, asked: manner === "asked", radius, width, height: letters_px * 1.3 };
+  const ball_px = Math.max(SMALLEST_BALL_PX[manner], BALL_MM * seen.scale);
+  const radius = ball_px + (manner === "asked" ? RING_PX + 3 : 0);
+  return { ...seen, ...point, asked: manner === "asked", ball_px, radius, ...chipSize(point.name, LETTERS_PX[manner]) };
+}
+
+function chipSize(name, letters_px) {
+  return { width: letters_px * (0.66 * name.length + 0.6), height: letters_px * 1.3 };
+}
+
+// Which of two arms is the one of now.
+function moments(scene, see, words) {
+  if (!scene.before_move_arm_mm) return [];
+  const said = [[scene.before_move_arm_mm, words.now], [scene.arm_mm, words.then]];
+  return said.map(([joints, name]) => {
+    // At the elbow: the flange has the names of the nests around it.
+    const elbow = see(joints[Math.ceil(joints.length / 2)]);
+    return { ...elbow, name, kind: "moment", asked: false, radius: 24, ...chipSize(name, LETTERS_PX.other) };
+  });
 }
 
 function framed(scene) {
   const arms = [scene.arm_mm, scene.before_move_arm_mm ?? []];
   const points = scene.points.map((point) => point.position_mm);
-  const whole = scene.before_move_arm_mm !== null;
-  return [...points, ...arms.flatMap((joints) => (whole ? joints : joints.slice(-WIRE_FRAME)))];
+  const moving = scene.before_move_arm_mm !== null;
+  return [...points, ...arms.flatMap((joints) => (moving ? joints : joints.slice(-FRAMED_JOINTS)))];
 }
 
 function arrow(scene, see) {
   const [from, to] = [see(scene.before_move_arm_mm.at(-1)), see(scene.arm_mm.at(-1))];
   if (Math.hypot(to.x - from.x, to.y - from.y) < 30) return null;
-  return drawn("path", { class: "way", d: path([from, to]), "marker-end": "url(#arrow)" });
+  const stop = { x: to.x - (to.x - from.x) * 0.08, y: to.y - (to.y - from.y) * 0.08 };
+  return drawn("path", { class: "way", d: path([from, stop]), "marker-end": "url(#arrow)" });
 }
 
 function arrowHead() {
@@ -135,13 +156,17 @@ function arrowHead() {
 
 function arms(scene, see) {
   if (!scene.before_move_arm_mm) return [arm(scene.arm_mm, see, "here"), holder(scene, see)];
-  return [arrowHead(), arm(scene.before_move_arm_mm, see, "here"), arm(scene.arm_mm, see, "target"), arrow(scene, see)];
+  return [
+    arrowHead(), arm(scene.before_move_arm_mm, see, "here"), arm(scene.arm_mm, see, "target"),
+    holder(scene, see), arrow(scene, see),
+  ];
 }
 
 // Draws `scene` into `svg` of that size [px]. `asked`: names of the points the step is about;
-// `suspected`: the pair that a doubtful reading goes with.
-export function drawPicture(svg, scene, { asked, suspected }, size) {
-  svg.setAttribute("viewBox", `0 0 ${size.width} ${size.height}`);
+// `suspected`: the pair that a doubtful reading goes with; `words`: what `now` and `then` are called.
+export function drawPicture(svg, scene, { asked, suspected, words }, whole) {
+  svg.setAttribute("viewBox", `0 0 ${whole.width} ${whole.height}`);
+  const size = { ...whole, height: whole.height - CAPTION_PX };
   const see = camera(scene, framed(scene), size.width, size.height);
   const points = scene.points.map((point) => seenPoint(point, [...asked, ...suspected], see));
   points.sort((a, b) => b.asked - a.asked);
@@ -149,12 +174,13 @@ export function drawPicture(svg, scene, { asked, suspected }, size) {
   const pairs = [[asked, "asked"], [suspected, "suspected"]]
     .map(([names, style]) => ({ line: ends(names), style }))
     .filter(({ line }) => line.length === 2);
-  const tags = placed(points, pairs.map(({ line }) => ({ line, thickness: 26 })), size);
+  const named = [...points, ...moments(scene, see, words)];
+  const tags = placed(named, pairs.map(({ line }) => ({ line, thickness: 26 })), size);
   const balls = [...points].reverse().map(ball);
   const layers = [
     ground(scene, see), plate(scene, "cup", see), ...arms(scene, see), plate(scene, "nest", see),
     ...pairs.map(({ line, style }) => ballbar(line, style)), ...balls,
-    ...points.map((point, i) => nameTag(point, tags[i])).reverse(),
+    ...named.map((point, i) => nameTag(point, tags[i])).reverse(),
   ];
   svg.replaceChildren(...layers.filter(Boolean));
 }

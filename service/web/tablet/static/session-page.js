@@ -107,7 +107,7 @@ class SessionPage {
   // Takes what the service says of the session, unless something newer is known.
   accept(session) {
     const before = this.model.session;
-    if (before && session.ledger_number < before.ledger_number) return;
+    if (before && (session.ledger_number ?? 0) < (before.ledger_number ?? 0)) return;
     this.model.session = session;
     if (before) this.#news(before, session);
     if (before?.step?.id !== session.step?.id || before?.robot_moving !== session.robot_moving) this.#newStep(session);
@@ -189,7 +189,7 @@ class SessionPage {
   #stored() {
     this.sound.play("stored");
     this.model.storedNow = true;
-    this.#speak(this.texts.say("stored.now"));
+    this.#speak(this.texts.say("stored.spoken"));
     setTimeout(() => {
       this.model.storedNow = false;
       this.draw();

@@ -1,14 +1,15 @@
 // The middle of the screen: what is asked, the picture, what was stored last, the length.
 
 import { element, drawn, showIf, write } from "./elements.js";
-import { showOverview } from "./overview.js";
+import { showEnd, showOverview } from "./overview.js";
 import { drawPicture } from "./picture.js";
 import { READ } from "./situation.js";
 import { pairInWords, pointsOf, wordsOf } from "./words.js";
 
 const CHECKS = ["move.check_people", "move.check_bar", "move.check_stop"];
 const BALL = ["fit_ball", "remove_ball"]; // the setting ball sits in tool nest 1
-const UNSEEN = ["planned", "finished", "aborted", "failed"]; // screens without a picture
+const ENDS = ["finished", "aborted", "failed"];
+const UNSEEN = ["planned", ...ENDS]; // screens without a picture
 const BAR = "M2 20H78M18 20H54"; // the ballbar between two names
 
 function nameBlocks(points) {
@@ -38,6 +39,13 @@ function caption(screen, points) {
   return points[0][0] === points[1][0] ? "picture.side" : "picture.pair";
 }
 
+// Points of a step that names none.
+function highlighted(step, scene) {
+  if (BALL.includes(step.kind)) return ["T1"];
+  if (step.kind !== "place_base") return [];
+  return scene.points.filter((point) => point.kind === "cup").map((point) => point.name);
+}
+
 export class Stage {
   #at;
   #drawn = null;
@@ -55,7 +63,8 @@ export class Stage {
     this.#showPanel(screen, model, texts);
     this.#showPicture(screen, model, texts);
     this.#showLast(model, texts);
-    showIf(this.#at.gauge, READ.includes(session?.step?.kind) && [...READ, "doubt"].includes(screen));
+    showIf(this.#at.last, !UNSEEN.includes(screen));
+    showIf(this.#at.gauge, READ.includes(screen));
   }
 
   #showWords(screen, session, texts) {
@@ -76,10 +85,11 @@ export class Stage {
     const { panel } = this.#at;
     const { session, steps } = model;
     const shown = [screen, texts.language, session?.suspicion?.kind, session?.ballbar_attached, model.up, steps.length].join();
-    showIf(panel, ["planned", "move", "doubt"].includes(screen));
+    showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen));
     if (panel.dataset.shown === shown) return;
     panel.dataset.shown = shown;
-    if (screen === "planned") showOverview(panel, session, steps, texts);
+    if (ENDS.includes(screen)) showEnd(panel, session, steps, texts);
+    else if (screen === "planned") showOverview(panel, session, steps, texts);
     else if (screen === "move") panel.replaceChildren(...this.#checks(model, texts));
     else if (screen === "doubt") panel.replaceChildren(...doubtInWords(session, texts).map((text) => element("p", {}, text)));
     else panel.replaceChildren();
@@ -98,14 +108,15 @@ export class Stage {
     const size = { width: picture.clientWidth, height: picture.clientHeight };
     if (picture.hidden || size.width < 50 || size.height < 50) return;
     const points = pointsOf(screen, session);
-    const asked = points.length || !BALL.includes(session.step.kind) ? points : ["T1"];
+    const asked = points.length ? points : highlighted(session.step, scene);
     const suspected = session.suspicion?.suspected ?? [];
     const shown = JSON.stringify([session.step.id, screen, asked, suspected, size, texts.language]);
     if (shown === this.#drawn && scene === this.#scene) return;
     this.#drawn = shown;
     this.#scene = scene;
     const svg = picture.querySelector("svg");
-    drawPicture(svg, scene, { asked, suspected }, size);
+    const words = { now: texts.say("picture.now"), then: texts.say("picture.then") };
+    drawPicture(svg, scene, { asked, suspected, words }, size);
     const [first, second] = asked;
     svg.setAttribute("aria-label", texts.say(caption(screen, asked), { first, second }));
   }
@@ -119,6 +130,6 @@ export class Stage {
     const step = stepsById.get(outcome.step_id);
     const what = step?.points ? pairInWords(step.points) : texts.say("initialise.names");
     const length = texts.say("length.mm", { length: texts.number(outcome.length_mm, 3) });
-    return write(last, `${texts.say(storedNow ? "stored.now" : "stored.last")}: ${what}  ${length}`);
+    return write(last, texts.say(storedNow ? "stored.now" : "stored.last", { what, length }));
   }
 }

@@ -44,7 +44,7 @@ function values(session, texts) {
     placement: step?.placement,
     bars: barsInWords(step?.bars_mm, texts),
     readings: session?.progress.readings,
-    reason: session?.question ?? "",
+    reason: session?.reason ?? "",
   };
 }
 

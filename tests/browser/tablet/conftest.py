@@ -1,0 +1,59 @@
+"""A fake desk behind a real socket, and tablets that look at it."""
+
+import contextlib
+
+import pytest
+
+from tests.browser.tablet.fake_desk import FakeDesk
+from tests.browser.tablet.wire import wire_to
+from tests.integration.web.listening import listening
+
+PORTRAIT = {"width": 800, "height": 1280}
+LANDSCAPE = {"width": 1280, "height": 800}
+_UNREACHED = "Failed to load resource"  # Chromium's own word where nobody answers
+
+
+@pytest.fixture
+def desk():
+    return FakeDesk()
+
+
+@pytest.fixture
+def url(desk):
+    with listening(desk.application()) as url:
+        yield url
+
+
+@contextlib.contextmanager
+def a_tablet(chromium, url, *, size=None, person="Ada Byron", language="en", may_fail=False):
+    """Open a tablet of its own: nothing is kept from another one. Complaints of the page fail the test."""
+    context = chromium.new_context(viewport=size or PORTRAIT, base_url=url, has_touch=True)
+    kept = {"truepose.language": language} | ({"truepose.person": person} if person else {})
+    for name, value in kept.items():
+        context.add_init_script(
+            f"localStorage.getItem('{name}') ?? localStorage.setItem('{name}', '{value}')"
+        )
+    page = context.new_page()
+    complaints = []
+    page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("request", lambda r: None if r.url.startswith((url, "data:")) else complaints.append(r.url))
+    yield page
+    context.close()
+    assert [text for text in complaints if not (may_fail and text.startswith(_UNREACHED))] == []
+
+
+@pytest.fixture
+def tablet(chromium, desk, url):
+    with a_tablet(chromium, url) as page:
+        page.goto("/operator/3")
+        yield page
+
+
+@pytest.fixture
+def wired(chromium, desk, url):
+    """A tablet behind a wire that a test can cut."""
+    with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True) as page:
+        page.goto("/operator/3")
+        page.locator("#link[data-state=up]").wait_for()
+        yield page, wire

@@ -1,0 +1,244 @@
+"""What taps do: each is one act of the public API, with who, where and which step."""
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.tablet.conftest import a_tablet
+from tests.browser.tablet.fake_desk import leg, move, step
+
+SUSPICION = {"asked": ["B2", "T3"], "suspected": ["B1", "T2"], "length_mm": 300.1, "expected_mm": 300.42}
+
+
+def acted(tablet, desk, n=1):
+    """Wait until the desk has carried out `n` acts and return them."""
+    for _ in range(100):
+        if len(desk.acts) >= n:
+            break
+        tablet.wait_for_timeout(20)
+    assert len(desk.acts) == n, desk.acts
+    return desk.acts
+
+
+def test_store_is_always_at_hand_and_says_who_and_what(desk, tablet):
+    tablet.get_by_role("button", name="Store now").click()
+
+    (act,) = acted(tablet, desk)
+    assert (act["act"], act["step_id"], act["person"]) == ("store", leg()["id"], "Ada Byron")
+    assert act["tablet"] == tablet.evaluate("localStorage.getItem('truepose.tablet')")
+
+
+@pytest.mark.parametrize(
+    ("name", "act"), [("Back", "back"), ("Retry", "retry"), ("Pause", "pause"), ("STOP", "stop")]
+)
+def test_a_control_is_one_tap(desk, tablet, name, act):
+    tablet.get_by_role("button", name=name, exact=True).click()
+
+    assert [done["act"] for done in acted(tablet, desk)] == [act]
+
+
+def test_a_paused_session_resumes_where_it_was_paused(desk, tablet):
+    desk.show(state="paused")
+
+    tablet.get_by_role("button", name="Resume", exact=True).click()
+
+    assert [done["act"] for done in acted(tablet, desk)] == ["resume"]
+
+
+def test_a_skip_needs_a_reason(desk, tablet):
+    tablet.get_by_role("button", name="Skip", exact=True).click()
+    do = tablet.get_by_role("button", name="Skip for this reason")
+    do.click()
+    tablet.get_by_text("Another reason").click()
+    do.click()
+    assert desk.acts == []
+
+    tablet.get_by_label("Write the reason").fill("the hose is in the way")
+    do.click()
+
+    (act,) = acted(tablet, desk)
+    assert (act["act"], act["reason"]) == ("skip", "the hose is in the way")
+
+
+def test_a_reason_to_choose_goes_into_the_records_in_one_language(desk, chromium, url):
+    with a_tablet(chromium, url, language="fr") as tablet:
+        tablet.goto("/operator/3")
+        tablet.get_by_role("button", name="Passer", exact=True).click()
+        tablet.get_by_text("La longueur ne se stabilise pas").click()
+        tablet.get_by_role("button", name="Passer pour cette raison").click()
+
+        (act,) = acted(tablet, desk)
+    assert act["reason"] == "The length does not settle"
+
+
+def test_ending_the_session_is_asked_twice(desk, tablet):
+    tablet.get_by_role("button", name="Abort").click()
+    tablet.get_by_role("button", name="Cancel").click()
+    tablet.get_by_role("button", name="Abort").click()
+    assert desk.acts == []
+
+    tablet.get_by_role("button", name="End the session").click()
+
+    assert [act["act"] for act in acted(tablet, desk)] == ["abort"]
+
+
+def test_stop_stays_in_reach_of_every_dialogue(desk, tablet):
+    tablet.get_by_role("button", name="Abort").click()
+
+    tablet.get_by_role("button", name="STOP").click()
+
+    assert [act["act"] for act in acted(tablet, desk)] == ["stop"]
+
+
+def test_the_robot_moves_only_after_a_button_was_held(desk, tablet):
+    desk.show(step=move(), ballbar_attached=False)
+    box = tablet.get_by_role("button", name="Hold").bounding_box()
+    tablet.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+
+    tablet.mouse.down()
+    tablet.wait_for_timeout(1200)
+    tablet.mouse.up()
+    tablet.wait_for_timeout(600)
+    assert desk.acts == []
+    tablet.mouse.down()
+    tablet.wait_for_timeout(1700)
+    tablet.mouse.up()
+
+    (act,) = acted(tablet, desk)
+    assert (act["act"], act["step_id"]) == ("confirm", move()["id"])
+    assert act["seen_time_s"] == 512.5  # the service refuses one that comes too late
+
+
+@pytest.mark.parametrize("key", ["Enter", " "])
+def test_a_key_that_is_held_confirms_a_motion_and_a_key_that_is_pressed_does_not(desk, tablet, key):
+    desk.show(step=move(), ballbar_attached=False)
+    tablet.get_by_role("button", name="Hold").focus()
+
+    tablet.keyboard.press(key)
+    tablet.wait_for_timeout(200)
+    assert desk.acts == []
+    tablet.keyboard.down(key)
+    tablet.wait_for_timeout(1700)
+    tablet.keyboard.up(key)
+
+    assert [act["act"] for act in acted(tablet, desk)] == ["confirm"]
+
+
+def test_a_motion_cannot_be_confirmed_where_the_service_does_not_offer_it(desk, tablet):
+    desk.show(step=move(), ballbar_attached=True, acts=["pause", "stop", "abort"])
+
+    expect(tablet.locator("#actions button")).to_be_disabled()
+    expect(tablet.locator("#panel")).to_contain_text("still attached")
+
+
+def test_a_finger_may_rest_on_the_button_while_the_page_is_told_more(desk, tablet):
+    desk.show(step=move(), ballbar_attached=False)
+    tablet.get_by_role("button", name="Hold").hover()
+
+    tablet.mouse.down()
+    for _ in range(8):
+        desk.show(watching=2)
+        tablet.wait_for_timeout(200)
+    tablet.mouse.up()
+
+    assert [act["act"] for act in acted(tablet, desk)] == ["confirm"]
+
+
+def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tablet):
+    desk.show(step=move(12), ballbar_attached=False)
+    tablet.get_by_role("button", name="Hold").hover()
+
+    tablet.mouse.down()
+    tablet.wait_for_timeout(900)
+    desk.show(step=move(13))
+    tablet.wait_for_timeout(1200)
+    tablet.mouse.up()
+
+    assert desk.acts == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "answer", "button"),
+    [
+        ("same_pair", "which was read before", "reconnected", "I have reconnected it"),
+        ("other_pair", "The length goes with B1–T2, not with B2–T3.", "right_pair", "It is on B2–T3"),
+        ("exchanged", "B2–T3 and B1–T2 seem to be exchanged.", "reconnected", "They were exchanged"),
+        ("unlikely", "Expected for B2–T3: 300.420 mm", "right_pair", "It is on B2–T3"),
+    ],
+)
+def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):
+    suspected = None if kind == "unlikely" else SUSPICION["suspected"]
+    desk.show(suspicion={**SUSPICION, "kind": kind, "suspected": suspected})
+    expect(tablet.locator("#panel")).to_contain_text(said)
+    expect(tablet.locator("#panel")).to_contain_text("Nothing is stored yet")
+
+    tablet.get_by_role("button", name=button).click()
+
+    (act,) = acted(tablet, desk)
+    assert (act["act"], act["answer"]) == ("answer", answer)
+
+
+def test_a_doubt_about_the_calibrator_is_about_no_pair(desk, tablet):
+    told = {
+        "kind": "unlikely",
+        "asked": ["B0", "T0"],
+        "suspected": None,
+        "length_mm": 300.0,
+        "expected_mm": None,
+    }
+    desk.show(step=step("initialise", artefact="base"), suspicion=told)
+
+    expect(tablet.locator("#names")).to_have_text("CALIBRATOR")
+    expect(tablet.locator("body")).not_to_contain_text("B0")
+
+
+def test_the_name_is_asked_for_once(desk, chromium, url):
+    with a_tablet(chromium, url, person=None) as tablet:
+        tablet.goto("/operator/3")
+        tablet.get_by_label("Name", exact=True).fill("Grace Hopper")
+        tablet.get_by_role("button", name="Keep my name").click()
+        tablet.get_by_role("button", name="Store now").click()
+        assert acted(tablet, desk)[0]["person"] == "Grace Hopper"
+
+        tablet.reload()
+
+        expect(tablet.locator("#person")).to_have_text("Grace Hopper")
+        expect(tablet.locator("#dialogue")).to_be_hidden()
+
+
+def test_every_control_can_be_reached_and_seen_with_the_keyboard(desk, tablet):
+    expect(tablet.get_by_role("button", name="Store now")).to_be_enabled()
+    reached = []
+    for _ in range(30):
+        tablet.keyboard.press("Tab")
+        reached.append(
+            tablet.evaluate("""() => {
+                const { dataset, id } = document.activeElement;
+                const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
+                return [dataset.act ?? id, outlineStyle === "solid" && parseFloat(outlineWidth) >= 3];
+            }""")
+        )
+
+    seen = {name for name, outlined in reached if outlined}
+    assert {"store", "back", "retry", "skip", "pause", "abort", "stop", "mute", "language"} <= seen
+
+
+def test_the_simulated_hands_do_what_the_step_asks(desk, tablet):
+    asked = tablet.get_by_role("button", name="Do as asked")
+    asked.click()
+    desk.show(step=step("initialise", artefact="base"))
+    tablet.locator("body[data-screen=initialise]").wait_for()
+    asked.click()
+    tablet.get_by_role("button", name="Other pair").click()
+    tablet.get_by_role("button", name="B1–T2").click()
+    tablet.get_by_role("button", name="Pull cable").click()
+    for _ in range(50):
+        if len(desk.hands) == 4:
+            break
+        tablet.wait_for_timeout(20)
+
+    assert desk.hands == [
+        {"action": "connect", "base": 2, "tool": 3},
+        {"action": "calibrator", "bars": "base"},
+        {"action": "connect", "base": 1, "tool": 2},
+        {"action": "pull_cable"},
+    ]

@@ -1,0 +1,142 @@
+"""The live length: colour, word, shape, sound and advice of each state."""
+
+import time
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.tablet.fake_desk import leg, sample, step
+
+STATES = {
+    "in_range": ("In range", sample()),
+    "out_low": ("Too short", sample("out_low", None)),
+    "out_high": ("Too long", sample("out_high", None)),
+    "unstable": ("Unstable", sample("unstable", 300.1)),
+    "no_signal": ("No signal", sample("no_signal", None)),
+}
+# Counts the tones that the page starts; a test cannot hear.
+LISTEN = """() => {
+  window.tones = [];
+  const start = OscillatorNode.prototype.start;
+  OscillatorNode.prototype.start = function (...when) {
+    window.tones.push(this.frequency.value);
+    return start.apply(this, when);
+  };
+}"""
+
+
+def in_state(tablet, desk, state):
+    desk.sample = STATES[state][1]
+    tablet.locator(f"#gauge[data-state={state}]").wait_for()
+
+
+def test_each_state_has_a_colour_a_word_and_a_shape_of_its_own(desk, tablet):
+    colours, shapes = set(), set()
+    for state, (word, _) in STATES.items():
+        in_state(tablet, desk, state)
+        expect(tablet.locator("#word")).to_have_text(word)
+        colours.add(tablet.locator("#word").evaluate("node => getComputedStyle(node).color"))
+        shapes.add(tablet.locator("#shape path").get_attribute("d"))
+
+    assert len(colours) == len(shapes) == len(STATES)
+
+
+def test_the_length_is_shown_to_the_micrometre_with_what_it_is_off(desk, tablet):
+    desk.sample = sample("in_range", 299.6504)
+
+    expect(tablet.locator("#length")).to_have_text("299.650 mm")
+    expect(tablet.locator("#deviation")).to_have_text("−0.770 from 300.420")
+
+
+@pytest.mark.parametrize(("state", "said"), [("out_low", "balls are closer"), ("out_high", "farther apart")])
+def test_out_of_range_is_explained_and_skipping_is_offered_with_its_reason(desk, tablet, state, said):
+    in_state(tablet, desk, state)
+
+    expect(tablet.locator("#advice")).to_contain_text(said)
+    expect(tablet.locator("#advice")).to_contain_text("skip")
+    expect(tablet.locator("#advice")).to_contain_text("150 + 50 mm")
+    tablet.get_by_role("button", name="Skip", exact=True).click()
+    reason = {"out_low": "Out of range: too short", "out_high": "Out of range: too long"}[state]
+    expect(tablet.get_by_role("radio", name=reason)).to_be_checked()
+
+
+def test_a_triangle_out_of_range_is_no_pose_to_be_skipped(desk, tablet):
+    desk.show(step=step("measure_side", artefact="tool", points=["T1", "T2"], bars_mm=[50]))
+    in_state(tablet, desk, "out_high")
+
+    expect(tablet.locator("#advice")).to_contain_text("50 mm")
+    expect(tablet.locator("#advice")).not_to_contain_text("skip")
+
+
+def test_a_base_that_the_robot_placed_badly_may_be_skipped(desk, tablet):
+    desk.show(step=step("measure_side", artefact="base", points=["B1", "B2"]))
+    in_state(tablet, desk, "out_high")
+
+    expect(tablet.locator("#advice")).to_contain_text("skip it with that reason")
+
+
+def test_standing_still_is_seen_to_grow(desk, tablet):
+    desk.sample = sample(stable=0.8)
+    tablet.wait_for_function("document.querySelector('#gauge').style.getPropertyValue('--stable') === '0.8'")
+
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    desk.sample = sample(still=False)
+    expect(tablet.locator("#advice")).to_have_text("The arm is not at rest yet")
+
+
+def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
+    expect(tablet.locator("#last")).to_have_text("Nothing stored yet")
+
+    kept = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.86123, "text": ""}
+    desk.show(last_outcome=kept)
+
+    expect(tablet.locator("#last.fresh")).to_contain_text("STORED: B1–T1  299.861 mm")
+    expect(tablet.locator("#spoken")).to_have_text("Stored")
+    expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1–T1", timeout=4000)
+
+
+def test_states_sound_until_they_are_muted(desk, tablet):
+    tablet.evaluate(LISTEN)
+    tablet.locator("#kicker").click()  # a browser lets a page sound once it was touched
+    in_state(tablet, desk, "out_low")
+    tablet.wait_for_function("window.tones.length >= 2")
+    low = tablet.evaluate("window.tones.splice(0)")
+    in_state(tablet, desk, "out_high")
+    tablet.wait_for_function("window.tones.length >= 3")
+    high = tablet.evaluate("window.tones.splice(0)")
+    tablet.get_by_role("button", name="Sound off").click()
+    in_state(tablet, desk, "in_range")
+    tablet.wait_for_timeout(800)  # a state that lasts sounds after 350 ms
+
+    assert set(low).isdisjoint(high)
+    assert tablet.evaluate("window.tones") == []
+    tablet.reload()
+    expect(tablet.get_by_role("button", name="Sound on")).to_be_visible()
+
+
+def test_a_state_is_spoken_once_it_has_lasted(desk, tablet):
+    in_state(tablet, desk, "unstable")
+    expect(tablet.locator("#spoken")).to_have_text("Unstable")
+    expect(tablet.locator("#spoken")).to_have_attribute("aria-live", "polite")
+
+    # Shorter than the 700 ms after which it is spoken: nobody listens to a flicker.
+    in_state(tablet, desk, "no_signal")
+    in_state(tablet, desk, "unstable")
+    time.sleep(0.3)
+    expect(tablet.locator("#spoken")).to_have_text("Unstable")
+
+
+def test_a_number_is_on_the_screen_as_soon_as_it_has_arrived(desk, tablet):
+    in_state(tablet, desk, "in_range")
+
+    # Age of the number shown, at each frame for two seconds: the fake sends every 50 ms at best.
+    ages = tablet.evaluate("""async () => {
+        const ages = [];
+        for (const end = Date.now() + 2000; Date.now() < end;) {
+            await new Promise(requestAnimationFrame);
+            ages.push(Date.now() - Number(document.querySelector("#gauge").dataset.sampledAtMs));
+        }
+        return ages.sort((a, b) => a - b);
+    }""")
+
+    assert ages[int(0.95 * len(ages))] <= 150

@@ -1,0 +1,239 @@
+"""Every screen, in both languages, upright and lying: what is there, how large, and where."""
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet
+from tests.browser.tablet.fake_desk import ARM_BEFORE, leg, move, sample, scene, step
+
+SUSPICION = {"kind": "other_pair", "asked": ["B2", "T3"], "suspected": ["B1", "T2"]}
+DOUBT = {**SUSPICION, "length_mm": 300.1004, "expected_mm": 300.42}
+STORED = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.8612, "text": ""}
+SCREENS = {
+    "connect_leg": {"step": leg(), "swaps_can_be_seen": False, "last_outcome": STORED},
+    "measure_side": {"step": step("measure_side", artefact="tool", points=["T1", "T2"])},
+    "initialise": {"step": step("initialise", artefact="base")},
+    "place_base": {"step": step("place_base")},
+    "fit_ball": {"step": step("fit_ball")},
+    "clamp_cup": {"step": step("clamp_cup", base_point=1)},
+    "remove_ball": {"step": step("remove_ball")},
+    "detach": {"step": step("detach")},
+    "move": {"step": move(), "ballbar_attached": False},
+    "moving": {"step": move(), "robot_moving": True},
+    "doubt": {"suspicion": DOUBT},
+    "precalibrate": {"step": step("precalibrate")},
+    "planned": {"state": "planned"},
+    "paused": {"state": "paused"},
+    "pausing": {"state": "pausing"},
+    "interrupted": {"state": "awaiting_confirmation"},
+    "finished": {"state": "finished", "step": None},
+    "aborted": {"state": "aborted", "step": None},
+    "failed": {"state": "failed", "step": None, "reason": "The disk is full."},
+}
+STATES = {
+    "in_range": sample(),
+    "out_low": sample("out_low", None),
+    "out_high": sample("out_high", None),
+    "unstable": sample("unstable", 300.1),
+    "no_signal": sample("no_signal", None),
+}
+LAYOUTS = [(PORTRAIT, "en"), (PORTRAIT, "fr"), (LANDSCAPE, "en"), (LANDSCAPE, "fr")]
+BLOCKS = ".top, .notices, .ask, .picture, .panel, .last, .gauge, .actions, .dock"
+# Blocks that lie on another one, and blocks whose content is larger than they are (a list may scroll).
+COVERED = f"""() => {{
+  const blocks = [...document.querySelectorAll("{BLOCKS}")].filter((node) => node.offsetHeight);
+  const found = [];
+  for (const [i, one] of blocks.entries()) {{
+    const a = one.getBoundingClientRect();
+    if (a.bottom > innerHeight + 1 || a.right > innerWidth + 1) found.push(`${{one.className}} leaves the screen`);
+    if (one.scrollHeight > one.clientHeight + 1 && !one.matches(".panel, .picture")) found.push(`${{one.className}} is cut`);
+    for (const other of blocks.slice(i + 1)) {{
+      const b = other.getBoundingClientRect();
+      const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+      const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+      if (across > 1 && down > 1) found.push(`${{one.className}} / ${{other.className}}`);
+    }}
+  }}
+  return found;
+}}"""
+OVERLAPPING_NAMES = """() => {
+  const tags = [...document.querySelectorAll("#picture .tag rect")].map((rect) => rect.getBoundingClientRect());
+  const frame = document.querySelector("#picture").getBoundingClientRect();
+  const outside = tags.filter((a) => a.left < frame.left || a.right > frame.right || a.top < frame.top || a.bottom > frame.bottom);
+  let pairs = 0;
+  tags.forEach((a, i) => tags.slice(i + 1).forEach((b) => {
+    if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0
+        && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 0) pairs += 1;
+  }));
+  return { tags: tags.length, pairs, outside: outside.length };
+}"""
+# Contrast of every text with what lies behind it, after WCAG 2.2, 1.4.3; disabled controls are exempt there.
+FAINT_TEXTS = """() => {
+  const channel = (value) => (value /= 255) <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+  const light = ([r, g, b]) => 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
+  const numbers = (text) => text.match(/[\\d.]+/g).map(Number);
+  const behind = (node) => {
+    for (; node; node = node.parentElement) {
+      const [r, g, b, a = 1] = numbers(getComputedStyle(node).backgroundColor);
+      if (a > 0.5) return [r, g, b];
+    }
+    return [255, 255, 255];
+  };
+  const said = (node) => [...node.childNodes].some((child) => child.nodeType === 3 && child.data.trim());
+  return [...document.querySelectorAll("body *")]
+    .filter((node) => node.checkVisibility() && !node.closest("svg, :disabled, .unseen, script") && said(node))
+    .map((node) => {
+      const [a, b] = [light(numbers(getComputedStyle(node).color)), light(behind(node))].sort((x, y) => y - x);
+      return [node.textContent, (a + 0.05) / (b + 0.05)];
+    })
+    .filter(([, contrast]) => contrast < 4.5);
+}"""
+
+
+def boxes(page, selector):
+    return page.locator(selector).evaluate_all(
+        "nodes => nodes.map(n => (({x, y, width, height}) => [n.className, x, y, width, height])"
+        "(n.getBoundingClientRect()))"
+    )
+
+
+def shown(page, desk, screen):
+    """Bring the page to a screen and wait until it is there."""
+    moving = screen in {"move", "moving"}
+    desk.scene = scene(before=ARM_BEFORE if moving else None)
+    dull = {"state": "running", "step": leg(), "suspicion": None, "robot_moving": False}
+    desk.show(**{**dull, **SCREENS[screen]})
+    page.locator(f"body[data-screen={screen}]").wait_for()
+    page.wait_for_timeout(120)  # the picture is fetched after the words
+
+
+@pytest.fixture(params=LAYOUTS, ids=lambda layout: f"{layout[0]['width']}-{layout[1]}")
+def any_tablet(request, chromium, url):
+    size, language = request.param
+    with a_tablet(chromium, url, size=size, language=language) as page:
+        page.goto("/operator/3")
+        page.locator("#simulated").wait_for()
+        yield page
+
+
+def test_the_controls_are_at_the_same_place_on_every_screen(desk, any_tablet):
+    found = {}
+    for screen in SCREENS:
+        shown(any_tablet, desk, screen)
+        found[screen] = boxes(any_tablet, ".dock button")
+
+    places = found["connect_leg"]
+    assert [name.split()[1] for name, *_ in places] == ["back", "retry", "skip", "pause", "abort", "stop"]
+    assert min(height for *_, height in places) >= 72
+    moved = {screen for screen, at in found.items() if [box[1:] for box in at] != [box[1:] for box in places]}
+    assert moved == set()
+
+
+def test_main_buttons_are_large_and_names_are_readable(desk, any_tablet):
+    for screen in SCREENS:
+        shown(any_tablet, desk, screen)
+        heights = any_tablet.locator("#actions button").evaluate_all("all => all.map(b => b.offsetHeight)")
+        letters = any_tablet.locator("#names").evaluate("n => parseFloat(getComputedStyle(n).fontSize)")
+        capitals = any_tablet.locator("#names").evaluate("n => getComputedStyle(n).textTransform")
+
+        assert all(height >= 72 for height in heights), screen
+        assert (letters >= 48, capitals) == (True, "uppercase"), screen
+
+
+def test_nothing_is_cut_or_covered_and_every_text_stands_out(desk, any_tablet):
+    for screen in SCREENS:
+        shown(any_tablet, desk, screen)
+
+        assert (
+            any_tablet.evaluate("document.documentElement.scrollWidth") == any_tablet.viewport_size["width"]
+        )
+        assert any_tablet.evaluate(COVERED) == [], screen
+        assert any_tablet.evaluate(FAINT_TEXTS) == [], screen
+
+
+def test_no_advice_pushes_anything_away(desk, any_tablet):
+    for swaps_can_be_seen in (True, False):
+        for state, said in STATES.items():
+            desk.sample = said
+            desk.show(swaps_can_be_seen=swaps_can_be_seen)
+            any_tablet.locator(f"#gauge[data-state={state}]").wait_for()
+            any_tablet.wait_for_timeout(60)
+
+            assert any_tablet.evaluate(COVERED) == [], (state, swaps_can_be_seen)
+            assert any_tablet.evaluate(FAINT_TEXTS) == [], state
+
+
+@pytest.mark.parametrize("pair", [(1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1), (3, 3)])
+def test_the_picture_shows_the_pair_and_no_name_lies_on_another(desk, tablet, pair):
+    base, tool = pair
+    desk.show(step=leg(base, tool))
+
+    expect(tablet.locator("#picture .tag.asked")).to_have_count(2)
+    expect(tablet.locator(f"#picture .tag.asked[data-name=B{base}]")).to_be_visible()
+    expect(tablet.locator(f"#picture .tag.asked[data-name=T{tool}]")).to_be_visible()
+    expect(tablet.locator("#picture .ballbar.asked")).to_have_count(1)
+    assert tablet.evaluate(OVERLAPPING_NAMES) == {"tags": 6, "pairs": 0, "outside": 0}
+
+
+@pytest.mark.parametrize(
+    "stand_mm", [(1500, 900, 1600), (-900, 100, 900), (480, -30, 2500), (480, 1800, 150)]
+)
+def test_names_keep_apart_from_wherever_the_person_looks(desk, tablet, stand_mm):
+    desk.scene = {**scene(), "stand_mm": stand_mm}
+    desk.show(step=leg(3, 1))
+
+    expect(tablet.locator("#picture .tag.asked")).to_have_count(2)
+    assert tablet.evaluate(OVERLAPPING_NAMES) == {"tags": 6, "pairs": 0, "outside": 0}
+
+
+def test_what_is_left_of_the_person_is_left_in_the_picture(desk, tablet):
+    # The person stands at +x and looks back along x: +y is on the right hand.
+    points = [("B1", (0, -100, 0), "cup"), ("T1", (0, 100, 50), "nest"), ("T2", (0, 0, 200), "nest")]
+    told = [{"name": name, "position_mm": at, "kind": kind} for name, at, kind in points]
+    desk.scene = {**scene(), "points": told, "stand_mm": (2000, 0, 300), "look_at_mm": (0, 0, 50)}
+    desk.show(step=leg(1, 1))
+    tablet.locator("#picture .tag[data-name=T2]").wait_for()
+
+    at = {
+        name: tablet.locator(f"#picture .ball >> nth={i}").bounding_box()
+        for i, name in enumerate(["T2", "T1", "B1"])
+    }
+
+    assert at["B1"]["x"] < at["T2"]["x"] < at["T1"]["x"]
+    assert at["T2"]["y"] < at["B1"]["y"]
+
+
+def test_the_screen_that_moves_the_robot_looks_like_no_other(desk, tablet):
+    shown(tablet, desk, "move")
+
+    expect(tablet.locator("#names")).to_have_text("ROBOT MOVES")
+    expect(tablet.locator("#picture .arm")).to_have_count(2)  # where it is, and where it goes
+    assert tablet.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 24, 28)"
+
+
+def test_the_page_speaks_the_language_that_was_chosen(desk, tablet):
+    tablet.get_by_role("button", name="Passer en français").click()
+
+    expect(tablet.locator("#word")).to_have_text("Dans la plage")
+    expect(tablet.locator("#length")).to_have_text("300,421 mm")
+    expect(tablet.locator("html")).to_have_attribute("lang", "fr")
+    tablet.reload()
+    expect(tablet.locator("#kicker")).to_have_text("Poser le ballbar")
+
+
+def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
+    desk.simulated = False
+
+    with a_tablet(chromium, url) as page:
+        page.goto("/operator/3")
+        expect(page.locator("#names")).to_have_text("B2T3")
+        expect(page.locator("#simulated")).to_be_hidden()
+
+
+def test_before_the_pre_calibration_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):
+    desk.show(swaps_can_be_seen=False)
+    expect(tablet.locator("#hint")).to_contain_text("cannot be seen yet")
+    expect(tablet.locator("#hint")).to_contain_text("tests all assignments")
+
+    desk.show(swaps_can_be_seen=True)
+    expect(tablet.locator("#hint")).to_be_hidden()
