@@ -12,7 +12,9 @@ from simulators.clock import CellClock, Pace
 from simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
+from simulators.instruments.hands import hands_endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
 from simulators.instruments.truth import truth_endpoint
@@ -117,6 +119,9 @@ def _endpoints(cell: Cell) -> list[Endpoint]:
         logger_endpoint(cell, program),
         clock_endpoint(cell.clock),
         truth_endpoint(cell),
+        # Newer endpoints come last, so that the older ones keep their ports.
+        nd28x_endpoint(cell.ballbar, cell.clock),
+        hands_endpoint(cell.hands),
     ]
 
 
