@@ -1,10 +1,89 @@
 """The pre-calibration of a ballbar session: identify with what is there, aim the rest, test what was read."""
 
-from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
-from service.domain.errors import ConfigurationError
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import Final
+
+from service.analysis.ballbar_assembly import Counting, assemble_ballbar_campaign
+from service.analysis.errors import NothingMeasuredError
+from service.analysis.forecasts import Foreseen
+from service.analysis.next_poses import next_poses
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
+from service.domain.results import Identification, Model, Status
+from service.identification import identify
 from service.storage.records import SessionSetup
+from service.validation.connections import judge_pose
+
+_ROUNDS: Final = 3  # of identifying without the poses whose legs turned out exchanged
+_USABLE: Final = frozenset({Status.CONVERGED, Status.NOT_CONVERGED})
 
 
-def precalibrate(setup: SessionSetup, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
-    """Return what was found; raises TrueposeError."""
-    raise ConfigurationError("The pre-calibration is not there yet; skip it.")
+def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> PreCalibration:
+    """Return where to aim from now on, and which lengths to expect there.
+
+    Parameters
+    ----------
+    setup : SessionSetup
+    plan : BallbarPlan
+    counting : Counting
+        What counts of the session so far.
+
+    Raises
+    ------
+    NothingMeasuredError
+        The legs do not identify a model yet; the sentence says why.
+    """
+    kit = setup.cell.ballbar or BallbarKit()
+    exchanged: tuple[int, ...] = ()
+    for _ in range(_ROUNDS):
+        found, model = _identified(setup, kit, _without(counting, exchanged))
+        foreseen = Foreseen(model, plan, kit)
+        more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
+        if more <= set(exchanged):
+            break
+        exchanged = tuple(sorted({*exchanged, *more}))
+    poses = next_poses(setup.cell, plan, counting, exchanged, foreseen)
+    planned = {pose.config: pose for placement in plan.placements for pose in placement.poses}
+    return PreCalibration(
+        poses=poses,
+        forecasts=foreseen.forecasts([*{**planned, **{pose.config: pose for pose in poses}}.values()]),
+        rms_mm=found.calibration.identified.rms_mm if found.calibration else float("nan"),
+        configurations=found.counts.configurations,
+        exchanged=exchanged,
+    )
+
+
+def _identified(setup: SessionSetup, kit: BallbarKit, counting: Counting) -> tuple[Identification, Model]:
+    campaign = assemble_ballbar_campaign("the session so far", setup, kit, counting)
+    found = identify(campaign)
+    if found.model is None or found.status not in _USABLE:
+        raise NothingMeasuredError(
+            f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
+        )
+    return found, found.model
+
+
+def _without(counting: Counting, exchanged: Collection[int]) -> Counting:
+    return replace(counting, legs=tuple(kept for kept in counting.legs if kept.config not in exchanged))
+
+
+def _measured_poses(counting: Counting) -> list[PlannedPose]:
+    """Return the stops that were measured, under the numbers that they have in the campaign."""
+    stops = {
+        kept.stop: PlannedPose(kept.stop, kept.placement, kept.arrival.commanded_rad, ())
+        for kept in counting.legs
+    }
+    return list(stops.values())
+
+
+def _exchanged(counting: Counting, forecasts: Sequence[PoseForecast], kit: BallbarKit) -> set[int]:
+    """Return the poses that hold a reading of another pair than the one that was asked for."""
+    found = set()
+    for forecast in forecasts:
+        of_stop = [kept for kept in counting.legs if kept.stop == forecast.config]
+        lengths = {kept.leg: kept.length.length_mm for kept in of_stop}
+        suspicions = judge_pose(lengths, forecast, reading_u_mm=kit.reading_u_mm, zero_u_mm=kit.zero_u_mm)
+        if any(suspicion.suspected is not None for suspicion in suspicions):
+            found.add(of_stop[0].config)
+    return found

@@ -191,6 +191,7 @@ def _context(
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     campaign_desk = CampaignDesk(campaigns, sessions, readings)
     work = BallbarWork(perform)
+    ballbar_desk = BallbarDesk(sessions, BallbarLedger(database), rack, work.foresight, work.choose)
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),
@@ -206,8 +207,8 @@ def _context(
         events=EventRepository(database),
         rack=rack,
         session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session),
-        ballbar_desk=BallbarDesk(sessions, BallbarLedger(database), rack, work.foresight, work.choose),
-        hands_desk=HandsDesk(rack),
+        ballbar_desk=ballbar_desk,
+        hands_desk=HandsDesk(rack, ballbar_desk.frame_of),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         stopping=asyncio.Event(),

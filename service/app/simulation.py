@@ -18,7 +18,7 @@ from service.app.errors import ScenarioRefusedError, SimulationFailedError
 from service.domain.cell import Detail, SimulatedCell
 from service.web.context import Endpoint
 
-_NEEDED: Final = {"tracker", "robot", "clock", "truth"}
+_NEEDED: Final = {"tracker", "robot", "clock", "truth", "ballbar", "hands"}
 # Runs `python -m simulators`, and ends it when its input closes: then the service is gone, however it ended.
 _TIED: Final = """
 import os, runpy, sys, threading
@@ -64,10 +64,10 @@ async def running_simulation(simulated: SimulatedCell, pace: int) -> AsyncIterat
 
 
 async def _endpoints(process: asyncio.subprocess.Process) -> tuple[Endpoint, ...]:
-    found: dict[str, Endpoint] = {}
+    found: list[Endpoint] = []
     try:
         async with asyncio.timeout(_START_S):
-            while not found.keys() >= _NEEDED:
+            while not {endpoint.device for endpoint in found} >= _NEEDED:
                 line = await process.stdout.readline() if process.stdout is not None else b""
                 if not line:
                     status = await process.wait()
@@ -78,11 +78,10 @@ async def _endpoints(process: asyncio.subprocess.Process) -> tuple[Endpoint, ...
                     raise SimulationFailedError(
                         f"The simulated cell ended with status {status} before it was ready; see above."
                     )
-                endpoint = Endpoint(**json.loads(line))
-                found[endpoint.device] = endpoint
+                found.append(Endpoint(**json.loads(line)))
     except TimeoutError as error:
         raise SimulationFailedError(f"The simulated cell was not ready after {_START_S:g} s.") from error
-    return tuple(found.values())
+    return tuple(found)
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:

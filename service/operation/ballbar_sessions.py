@@ -14,15 +14,19 @@ from typing import Any, Final, TypeAlias
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
 from service.domain.errors import TrueposeError
+from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
-from service.operation.ballbar_plans import BallbarWish, check_ballbar_plan
+from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.devices import Rack
-from service.operation.errors import DeviceInUseError, NoBallbarError
-from service.operation.interim_runner import BallbarCell, BallbarRunner, Foresight
+from service.operation.errors import DeviceInUseError
 from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import Act, ActName
+from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.ballbar.dry_run import check_plan, motion_limits
+from service.sequencing.ballbar.foresight import Foresight
+from service.sequencing.ballbar.runner import BallbarRunner
 from service.sequencing.ballbar.situation import Situation, situation
 from service.sequencing.errors import NotNowError
 from service.sequencing.states import has_ended, words
@@ -85,15 +89,6 @@ class _Pending:
     task: asyncio.Task[ActAnswer]
 
 
-def kit_of(setup: SessionSetup) -> BallbarKit:
-    """Return the kit of a cell; raises NoBallbarError."""
-    if setup.cell.ballbar is None:
-        raise NoBallbarError(
-            f"The cell file of {setup.cell.name} describes no ballbar; give it a [ballbar] section."
-        )
-    return setup.cell.ballbar
-
-
 class BallbarDesk:
     """Plans, runs and finds again ballbar sessions, and passes on what persons ask of them."""
 
@@ -127,7 +122,8 @@ class BallbarDesk:
         """
         kit = kit_of(setup)
         plan = wish.given or await self._choose(setup, wish)
-        check_ballbar_plan(plan, setup.cell, kit)
+        cell = setup.cell
+        check_plan(plan, kit, cell.robot, motion_limits(cell.robot, cell.limits.joints))
         return await self._sessions.add(name, setup, plan, key)
 
     async def recover(self) -> None:
@@ -140,13 +136,10 @@ class BallbarDesk:
                     # A cell file without its ballbar must not keep the service from starting.
                     await self._sessions.note(record.id, f"The session was not taken up: {error}")
 
-    async def act(
-        self, session_id: int, act: Act, key: RequestKey, seen_time_s: float | None = None
-    ) -> ActAnswer:
+    async def act(self, session_id: int, act: Act, key: RequestKey) -> ActAnswer:
         """Do what a person asks, at most once for each key; the same key gets the same answer.
 
-        `seen_time_s` is the cell time of what the person saw: a motion that was confirmed too long ago, and
-        delivered late, is refused. Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError,
+        Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, ReasonMissingError,
         WatchingTabletError, DeviceInUseError, MissingDeviceError; after an error nothing was kept and the
         key is free.
         """
@@ -154,7 +147,7 @@ class BallbarDesk:
         pending = self._pending.get((session_id, key.key))
         if pending is None:
             # Not cancelled with its request: a tablet that vanishes gets its answer when it is back.
-            task = asyncio.create_task(self._decide(session_id, act, key, seen_time_s))
+            task = asyncio.create_task(self._decide(session_id, act, key))
             pending = self._pending[session_id, key.key] = _Pending(key.fingerprint, task)
             task.add_done_callback(lambda _: self._pending.pop((session_id, key.key), None))
         elif pending.fingerprint != key.fingerprint:
@@ -192,6 +185,13 @@ class BallbarDesk:
         under_way = self._of(session_id)
         return None if under_way is None else under_way.runner
 
+    def frame_of(self, placement: int) -> FramePlacement | None:
+        """Return where the session under way wants the base fixture; None where nobody says."""
+        if self._under_way is None:
+            return None
+        places = self._fixed[self._under_way.session_id].plan.placements
+        return next((place.frame for place in places if place.number == placement), None)
+
     async def entries(self, session_id: int, page: Page) -> list[LedgerRecord]:
         """Return what happened, oldest first; raises NotFoundError."""
         await self._require(session_id)
@@ -204,9 +204,7 @@ class BallbarDesk:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._under_way.task
 
-    async def _decide(
-        self, session_id: int, act: Act, key: RequestKey, seen_time_s: float | None
-    ) -> ActAnswer:
+    async def _decide(self, session_id: int, act: Act, key: RequestKey) -> ActAnswer:
         known = await self._ledger.answer_to(session_id, key)
         if known is not None:
             return known
@@ -214,21 +212,9 @@ class BallbarDesk:
         if kept is not None:  # the service was killed between the entry and its answer
             answer = ActAnswer("That was kept before the service was restarted.", kept.id)
         else:
-            await self._refuse_late(session_id, act, seen_time_s)
             answer = await self._do(session_id, act)
         await self._ledger.keep_answer(session_id, key, answer)
         return answer
-
-    async def _refuse_late(self, session_id: int, act: Act, seen_time_s: float | None) -> None:
-        if seen_time_s is None or act.name is not ActName.CONFIRM:
-            return
-        limit_s = (await self._what_is_fixed(session_id)).plan.state_age_s
-        age_s = await self._rack.clock.now_s() - seen_time_s
-        if age_s > limit_s:
-            raise NotNowError(
-                f"This confirmation comes {age_s:.0f} s after what was seen; look at the cell, then confirm "
-                "again."
-            )
 
     async def _do(self, session_id: int, act: Act) -> ActAnswer:
         async with self._turn:
@@ -294,7 +280,7 @@ class BallbarDesk:
             robot_controller=self._rack.robot,
             clock=self._rack.clock,
             robot=cell.robot,
-            joint_limits=cell.limits.joints or cell.robot.joint_limits,
+            joint_limits=cell.limits.joints,
         )
 
     def _view(

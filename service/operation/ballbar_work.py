@@ -5,7 +5,8 @@ from typing import cast
 from service.analysis.jobs import Perform
 from service.analysis.tasks import BallbarPlanTask, PrecalibrateTask
 from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
-from service.operation.ballbar_plans import BallbarWish
+from service.operation.ballbar_plans import BallbarWish, kit_of
+from service.operation.counting import counting
 from service.storage.records import SessionSetup
 
 
@@ -34,7 +35,8 @@ class WorkerForesight:
 
     async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
         """Return where to aim from now on, and which lengths to expect there; raises TrueposeError."""
-        task = PrecalibrateTask(self._setup, plan, entries)
+        counts = counting(plan, kit_of(self._setup), entries)
+        task = PrecalibrateTask(self._setup, plan, counts)
         return cast(PreCalibration, await self._perform(task, _nobody))
 
 

@@ -1,8 +1,11 @@
 """The hands of the person at a simulated cell: what a demonstration has them do."""
 
+import math
+from collections.abc import Callable
 from typing import Final
 
 from drivers.api import Options
+from service.domain.robot import FramePlacement
 from service.operation.devices import Rack
 from service.operation.errors import RealCellError
 
@@ -25,8 +28,9 @@ _LEAVES: Final = frozenset({"detach"})
 class HandsDesk:
     """Passes on what the hands are to do, and remembers where they put the ballbar."""
 
-    def __init__(self, rack: Rack) -> None:
+    def __init__(self, rack: Rack, place_of: Callable[[int], FramePlacement | None]) -> None:
         self._rack = rack
+        self._place_of = place_of  # where the session wants the base fixture
         self.holding = ""  # where the ballbar is, in words; empty: in the hand
 
     @property
@@ -41,9 +45,17 @@ class HandsDesk:
             raise RealCellError("No hands are simulated in this cell: a person stands there.")
         if not hands.connected:
             await hands.connect()
-        await hands.do(action, details)
+        await hands.do(action, self._placed(details) if action == "place_base" else details)
         if action in _TAKES | _LEAVES:
             self.holding = "" if action in _LEAVES else _words(action, details)
+
+    def _placed(self, details: Options) -> Options:
+        """Return the details with the mark on the table where nobody says another."""
+        frame = self._place_of(int(details.get("placement", 1)))
+        if frame is None or "x_mm" in details:
+            return details
+        turns = {f"r{axis}_deg": math.degrees(getattr(frame, f"r{axis}_rad")) for axis in "xyz"}
+        return {**details, "x_mm": frame.x_mm, "y_mm": frame.y_mm, "z_mm": frame.z_mm, **turns}
 
 
 def _words(action: str, details: Options) -> str:

@@ -13,13 +13,13 @@ from typing import Annotated, Final
 from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
 
-from service.operation.interim_runner import LiveSample
+from service.sequencing.ballbar.live import LiveSample
 from service.web.ballbar_replies import ballbar_session_reply
 from service.web.context import Context, Here
 from service.web.events import Seconds
 from service.web.parameters import Id
 from service.web.problems import problems
-from service.web.schemas.base import VISIBLE, known
+from service.web.schemas.base import VISIBLE
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
@@ -58,7 +58,7 @@ TabletName = Annotated[
 async def follow_ballbar_session(
     here: Here, id: Id, tablet: TabletName, stop_after_s: Seconds = None
 ) -> StreamingResponse:
-    """Follow a session: `sample` is the newest value of the ballbar, up to 20 a second, `situation` the session.
+    """Follow a session: `sample` is the newest value of the ballbar, `situation` the session as it changes.
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
     """
@@ -136,11 +136,11 @@ async def _feed_samples(here: Context, id: int, mailbox: _Mailbox) -> None:
 def _document(sample: LiveSample) -> dict[str, object]:
     return {
         "time_s": sample.time_s,
-        "length_mm": None if sample.length_mm is None else known(sample.length_mm),
-        "deviation_mm": None if sample.deviation_mm is None else known(sample.deviation_mm),
+        "length_mm": sample.length_mm,
+        "deviation_mm": sample.deviation_mm,
         "state": sample.state,
         "stable_share": sample.stable_share,
-        "spread_mm": known(sample.spread_mm),
+        "spread_mm": sample.spread_mm,
         "robot_still": sample.robot_still,
         "sampled_at_ms": sample.sampled_at_ms,
     }

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from fastapi import APIRouter, Response, status
 
+from service.operation.ballbar_plans import kit_of
 from service.operation.ballbar_scene import scene_of
-from service.operation.ballbar_sessions import kit_of
 from service.storage.records import SessionSetup
 from service.web.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from service.web.context import Here
@@ -72,6 +72,6 @@ async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
 @router.post("/{id}/acts", responses=_ACT)
 async def act(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
     """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
-    answer = await here.ballbar_desk.act(id, act_of(wanted, key.key), key, wanted.seen_time_s)
+    answer = await here.ballbar_desk.act(id, act_of(wanted, key.key), key)
     session = ballbar_session_reply(await here.ballbar_desk.view(id))
     return ActReply(sentence=answer.sentence, entry=answer.entry, session=session)

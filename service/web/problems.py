@@ -29,7 +29,12 @@ from service.operation.errors import (
     UnknownDeviceError,
 )
 from service.planning.errors import WorkSpaceError
-from service.sequencing.errors import NotNowError, PersonMissingError, PlanRefusedError
+from service.sequencing.errors import (
+    NotNowError,
+    PersonMissingError,
+    PlanRefusedError,
+    WatchingTabletError,
+)
 from service.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
 
 MEDIA_TYPE: Final = "application/problem+json"
@@ -43,6 +48,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     NeverDiagnosedError: HTTPStatus.NOT_FOUND,
     ConflictError: HTTPStatus.CONFLICT,
     NotNowError: HTTPStatus.CONFLICT,
+    WatchingTabletError: HTTPStatus.CONFLICT,
     DeviceInUseError: HTTPStatus.CONFLICT,
     MissingDeviceError: HTTPStatus.CONFLICT,
     NoBallbarError: HTTPStatus.CONFLICT,

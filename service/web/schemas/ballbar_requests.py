@@ -69,7 +69,7 @@ class BallbarSessionRequest(Request):
         None, min_length=1, max_length=8, description="Null: the service suggests where the base goes."
     )
     placement_count: int = Field(1, ge=1, le=4, description="How many are suggested.")
-    poses: int = Field(24, ge=1, le=200, description="In each placement, where they are not given.")
+    poses: int = Field(24, ge=1, le=200, description="Of the whole session, where they are not given.")
     base_points: Literal[3, 4] | None = Field(None, description="Cups of the base; null: as the cell file.")
     seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same poses.")
 
@@ -138,6 +138,7 @@ def act_of(wanted: ActRequest, key: str) -> Act:
         step_id=wanted.step_id,
         reason=wanted.reason,
         answer=wanted.answer.value if wanted.answer else "",
+        seen_time_s=wanted.seen_time_s,
     )
 
 
