@@ -88,7 +88,7 @@ class Fixture:
         if away_mm > self._setup.reach_mm:
             raise HandsError(
                 f"cup {base_point} does not snap: slid as far as it goes it is {away_mm:.1f} mm from the"
-                f" ball, its magnet reaches {self._setup.reach_mm:g} mm: have the robot hold the ball there first"
+                f" ball and its magnet reaches {self._setup.reach_mm:g}: have the robot hold the ball there"
             )
         place = ball_mm + clamp_mm * self._rng.standard_normal(3)
         cup = ClampedCup(self.placement, base_point, place, time_s)
