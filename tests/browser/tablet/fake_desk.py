@@ -145,7 +145,7 @@ class FakeDesk:
         api = "/api/v1/ballbar-sessions"
         app.add_api_route(api, self._plan, methods=["POST"])
         app.add_api_route(f"{api}/3", lambda: self.session)
-        app.add_api_route(f"{api}/3/steps", lambda: {"steps": [{**s, **_OPEN} for s in self.steps]})
+        app.add_api_route(f"{api}/3/steps", lambda: {"steps": [{**_OPEN, **s} for s in self.steps]})
         app.add_api_route(f"{api}/3/scene", lambda: self.scene)
         app.add_api_route(f"{api}/3/live", self._live)
         app.add_api_route(f"{api}/3/acts", self._act, methods=["POST"])

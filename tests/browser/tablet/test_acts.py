@@ -160,9 +160,19 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
     ("kind", "said", "answer", "button"),
     [
         ("same_pair", "which was read before", "reconnected", "I have reconnected it"),
-        ("other_pair", "The length goes with B1–T2, not with B2–T3.", "right_pair", "It is on B2–T3"),
-        ("exchanged", "B2–T3 and B1–T2 seem to be exchanged.", "reconnected", "They were exchanged"),
-        ("unlikely", "Expected for B2–T3: 300.420 mm", "right_pair", "It is on B2–T3"),
+        (
+            "other_pair",
+            "The length goes with B1\u2013T2, not with B2\u2013T3.",
+            "right_pair",
+            "It is on B2\u2013T3",
+        ),
+        (
+            "exchanged",
+            "B2\u2013T3 and B1\u2013T2 seem to be exchanged.",
+            "reconnected",
+            "They were exchanged",
+        ),
+        ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
     ],
 )
 def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):
@@ -229,7 +239,7 @@ def test_the_simulated_hands_do_what_the_step_asks(desk, tablet):
     tablet.locator("body[data-screen=initialise]").wait_for()
     asked.click()
     tablet.get_by_role("button", name="Other pair").click()
-    tablet.get_by_role("button", name="B1–T2").click()
+    tablet.get_by_role("button", name="B1\u2013T2").click()
     tablet.get_by_role("button", name="Pull cable").click()
     for _ in range(50):
         if len(desk.hands) == 4:

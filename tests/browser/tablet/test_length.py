@@ -45,7 +45,7 @@ def test_the_length_is_shown_to_the_micrometre_with_what_it_is_off(desk, tablet)
     desk.sample = sample("in_range", 299.6504)
 
     expect(tablet.locator("#length")).to_have_text("299.650 mm")
-    expect(tablet.locator("#deviation")).to_have_text("−0.770 from 300.420")
+    expect(tablet.locator("#deviation")).to_have_text("\u22120.770 from 300.420")
 
 
 @pytest.mark.parametrize(("state", "said"), [("out_low", "balls are closer"), ("out_high", "farther apart")])
@@ -90,9 +90,9 @@ def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     kept = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.86123, "text": ""}
     desk.show(last_outcome=kept)
 
-    expect(tablet.locator("#last.fresh")).to_contain_text("STORED: B1–T1  299.861 mm")
+    expect(tablet.locator("#last.fresh")).to_contain_text("STORED: B1\u2013T1  299.861 mm")
     expect(tablet.locator("#spoken")).to_have_text("Stored")
-    expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1–T1", timeout=4000)
+    expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1\u2013T1", timeout=4000)
 
 
 def test_states_sound_until_they_are_muted(desk, tablet):

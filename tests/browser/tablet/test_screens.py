@@ -45,8 +45,9 @@ COVERED = f"""() => {{
   const found = [];
   for (const [i, one] of blocks.entries()) {{
     const a = one.getBoundingClientRect();
-    if (a.bottom > innerHeight + 1 || a.right > innerWidth + 1) found.push(`${{one.className}} leaves the screen`);
-    if (one.scrollHeight > one.clientHeight + 1 && !one.matches(".panel, .picture")) found.push(`${{one.className}} is cut`);
+    const cut = one.scrollHeight > one.clientHeight + 1 && !one.matches(".panel, .picture");
+    if (a.bottom > innerHeight + 1 || a.right > innerWidth + 1) found.push(`${{one.className}} sticks out`);
+    if (cut) found.push(`${{one.className}} is cut`);
     for (const other of blocks.slice(i + 1)) {{
       const b = other.getBoundingClientRect();
       const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
@@ -57,9 +58,11 @@ COVERED = f"""() => {{
   return found;
 }}"""
 OVERLAPPING_NAMES = """() => {
-  const tags = [...document.querySelectorAll("#picture .tag rect")].map((rect) => rect.getBoundingClientRect());
-  const frame = document.querySelector("#picture").getBoundingClientRect();
-  const outside = tags.filter((a) => a.left < frame.left || a.right > frame.right || a.top < frame.top || a.bottom > frame.bottom);
+  const place = (node) => node.getBoundingClientRect();
+  const tags = [...document.querySelectorAll("#picture .tag rect")].map(place);
+  const frame = place(document.querySelector("#picture"));
+  const outside = tags.filter((a) => a.left < frame.left || a.right > frame.right
+    || a.top < frame.top || a.bottom > frame.bottom);
   let pairs = 0;
   tags.forEach((a, i) => tags.slice(i + 1).forEach((b) => {
     if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0
@@ -81,9 +84,11 @@ FAINT_TEXTS = """() => {
   };
   const said = (node) => [...node.childNodes].some((child) => child.nodeType === 3 && child.data.trim());
   return [...document.querySelectorAll("body *")]
-    .filter((node) => node.checkVisibility() && !node.closest("svg, :disabled, .unseen, script") && said(node))
+    .filter((node) => node.checkVisibility() && said(node))
+    .filter((node) => !node.closest("svg, :disabled, .unseen, script"))
     .map((node) => {
-      const [a, b] = [light(numbers(getComputedStyle(node).color)), light(behind(node))].sort((x, y) => y - x);
+      const ink = light(numbers(getComputedStyle(node).color));
+      const [a, b] = [ink, light(behind(node))].sort((x, y) => y - x);
       return [node.textContent, (a + 0.05) / (b + 0.05)];
     })
     .filter(([, contrast]) => contrast < 4.5);

@@ -23,6 +23,7 @@ const OFFERED = {
   precalibrate: [{ key: "act.wait" }],
   waiting: [{ key: "act.wait" }],
   loading: [{ key: "act.wait" }],
+  missing: [],
   pausing: [{ key: "act.wait" }],
   paused: [{ act: "resume", key: "act.resume" }],
   doubt: [

@@ -22,6 +22,7 @@ import { stepInWords } from "./words.js";
 const SAID_MS = 9000; // a sentence of the service stays so long
 const STORED_MS = 2600;
 const SPOKEN_MS = 700; // a state is spoken once it has lasted
+const NOT_FOUND = 404;
 const ACTS = {
   start: "act.start", confirm: "act.done", store: "act.store", answer: "act.answer", hand_over: "act.hand_over",
   resume: "dock.resume", back: "dock.back", retry: "dock.retry", skip: "dock.skip", pause: "dock.pause",
@@ -41,7 +42,7 @@ class SessionPage {
     this.tablet = new Tablet(storage);
     this.model = {
       session: null, steps: [], stepsById: new Map(), scene: null, sceneOf: null, sample: null, sampleOf: null,
-      up: false, opened: false, storedNow: false, tablet: this.tablet, queue: new Queue(storage, this.#id),
+      up: false, opened: false, missing: false, storedNow: false, tablet: this.tablet, queue: new Queue(storage, this.#id),
     };
     this.sound = new Sound(() => this.tablet.muted);
     this.sender = new Sender(this.#id, this.model.queue, {
@@ -94,7 +95,7 @@ class SessionPage {
     this.#drawing = true;
     requestAnimationFrame(() => {
       this.#drawing = false;
-      const screen = screenOf(this.model.session);
+      const screen = screenOf(this.model.session, this.model.missing);
       this.top.show(this.model, this.texts);
       this.stage.show(screen, this.model, this.texts);
       this.dock.show(this.model, this.texts);
@@ -265,7 +266,10 @@ class SessionPage {
   }
 
   #missing(error) {
-    if (error instanceof Refused) this.say(error.message || this.texts.say("queue.failed", { status: error.status }));
+    if (!(error instanceof Refused)) return; // the stream says when the service is back
+    this.model.missing = error.status === NOT_FOUND;
+    this.say(error.message || this.texts.say("queue.failed", { status: error.status }));
+    this.draw();
   }
 }
 

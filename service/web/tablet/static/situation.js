@@ -9,8 +9,8 @@ export const OF_STEP = ["confirm", "store", "answer", "retry", "skip", "back"];
 // Acts that set something going: they are sent while somebody looks at the cell, or not at all.
 const ONLY_NOW = ["start", "resume", "hand_over"];
 
-export function screenOf(session) {
-  if (!session) return "loading";
+export function screenOf(session, missing = false) {
+  if (!session) return missing ? "missing" : "loading";
   if (RESTING.includes(session.state)) return session.state;
   if (session.robot_moving) return "moving";
   // After a stop or a restart of the service: nothing goes on before a person has looked.

@@ -82,6 +82,7 @@ export class Top {
     const here = actsHere(session, tablet.id);
     showIf(at["take-over"], !here && !hasEnded(session));
     at["take-over"].disabled = !up;
-    document.body.classList.toggle("watching", !here);
+    showIf(at.watches, !here && !hasEnded(session));
+    write(at.watches, texts.say("who.not_here"));
   }
 }

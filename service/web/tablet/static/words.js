@@ -2,6 +2,7 @@
 
 const PLAIN = {
   loading: ["loading.title", "loading.names", "loading.text"],
+  missing: ["missing.title", "missing.names", "missing.text"],
   waiting: ["waiting.title", "waiting.names", "waiting.text"],
   planned: ["overview.title", null, "overview.text"],
   paused: ["paused.title", "paused.names", "paused.text"],

@@ -1,0 +1,248 @@
+"""Wi-Fi gone, lid closed, answers lost: nothing is lost, nothing done twice, nothing old moves the robot."""
+
+import time
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.tablet.conftest import a_tablet
+from tests.browser.tablet.fake_desk import leg, move, step
+
+BANNER_MS = 2000
+
+
+def lost(page, wire):
+    wire.cut()
+    expect(page.locator("#lost")).to_be_visible(timeout=BANNER_MS)
+
+
+def back(page, wire):
+    wire.heal()
+    page.locator("#link[data-state=up]").wait_for()
+
+
+def settled(page, desk, n):
+    """Wait until the desk has carried out `n` acts, and a little longer for one too many."""
+    for _ in range(150):
+        if len(desk.acts) >= n:
+            break
+        page.wait_for_timeout(20)
+    page.wait_for_timeout(300)
+    return [act["act"] for act in desk.acts]
+
+
+def test_a_silent_link_is_told_within_two_seconds(desk, wired):
+    page, wire = wired
+    page.evaluate("""() => {
+        const told = () => document.querySelector("#lost").hidden || (window.told_ms ??= Date.now());
+        new MutationObserver(told).observe(document.querySelector("#lost"), { attributes: true });
+    }""")
+
+    cut_ms = time.time() * 1000
+    wire.cut()
+    expect(page.locator("#lost")).to_be_visible(timeout=5000)
+
+    assert page.evaluate("window.told_ms") - cut_ms <= BANNER_MS
+    expect(page.locator("#lost")).to_contain_text("emergency stop")
+    expect(page.locator("#gauge")).to_have_attribute("data-state", "no_signal")  # an old length is no length
+
+
+def test_a_quiet_session_is_not_taken_for_a_lost_one(desk, wired):
+    page, _ = wired
+    desk.sample = None  # a heartbeat each second, and nothing else
+
+    page.wait_for_timeout(3500)
+
+    expect(page.locator("#lost")).to_be_hidden()
+
+
+def test_taps_wait_with_their_number_and_are_sent_once_in_order(desk, wired):
+    page, wire = wired
+    desk.show(step=step("detach", id="placement-1/pose-12/detach"))
+    page.locator("body[data-screen=detach]").wait_for()
+    lost(page, wire)
+
+    page.get_by_role("button", name="Done").click()
+    page.get_by_role("button", name="Pause").click()
+    expect(page.locator("#queued")).to_have_attribute("data-count", "2")
+    expect(page.locator("#queued")).to_contain_text("2 taps wait")
+    expect(page.locator("#actions button")).to_be_disabled()  # the same tap again would be another one
+    assert desk.arrived == []
+    back(page, wire)
+
+    assert settled(page, desk, 2) == ["confirm", "pause"]
+    assert len({act["key"] for act in desk.arrived}) == 2
+    expect(page.locator("#queued")).to_be_hidden()
+
+
+def test_a_tap_whose_answer_was_lost_is_done_once(desk, wired):
+    page, wire = wired
+    wire.lose_answers()
+
+    page.get_by_role("button", name="Store now").click()
+    expect(page.locator("#lost")).to_be_visible(timeout=3000)
+    assert settled(page, desk, 1) == ["store"]
+    back(page, wire)
+
+    for _ in range(200):
+        if len(desk.arrived) >= 2:
+            break
+        page.wait_for_timeout(50)
+    assert len(desk.arrived) >= 2  # it was sent again
+    assert len({act["key"] for act in desk.arrived}) == 1  # with the key it had
+    assert settled(page, desk, 1) == ["store"]
+    assert page.evaluate("JSON.parse(localStorage.getItem('truepose.taps.3'))") == []
+
+
+def test_an_answer_lost_behind_a_gateway_is_no_refusal(desk, chromium, url):
+    desk.lost_answers = 2
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator/3")
+        page.get_by_role("button", name="Store now").click()
+
+        for _ in range(200):
+            if len(desk.arrived) >= 3:
+                break
+            page.wait_for_timeout(50)
+        assert settled(page, desk, 1) == ["store"]
+        assert len({act["key"] for act in desk.arrived}) == 1
+
+
+def test_taps_outlive_the_page(desk, chromium, url):
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator/3")
+        page.get_by_role("button", name="Store now").wait_for()
+        page.locator("#link[data-state=up]").wait_for()
+        page.context.route("**/acts", lambda route: route.abort())
+        page.get_by_role("button", name="Pause").click()
+        page.wait_for_timeout(200)
+        assert desk.arrived == []
+
+        page.context.unroute("**/acts")
+        page.reload()
+
+        assert settled(page, desk, 1) == ["pause"]
+
+
+def test_a_tap_whose_step_is_gone_is_dropped_with_a_sentence(desk, wired):
+    page, wire = wired
+    lost(page, wire)
+    page.get_by_role("button", name="Store now").click()
+    page.get_by_role("button", name="Pause").click()
+
+    desk.show(step=leg(3, 1))
+    back(page, wire)
+
+    expect(page.locator("#said")).to_contain_text("“Store now” was not carried out")
+    expect(page.locator("#said")).to_contain_text("B2\u2013T3) is no longer there")
+    assert settled(page, desk, 1) == ["pause"]  # it belongs to no step
+    expect(page.locator("#names")).to_have_text("B3T1")
+
+
+def test_a_motion_is_not_confirmed_while_the_connection_is_lost(desk, wired):
+    page, wire = wired
+    desk.show(step=move(), ballbar_attached=False)
+    page.locator("body[data-screen=move]").wait_for()
+    lost(page, wire)
+
+    expect(page.locator("#actions button")).to_be_disabled()
+    expect(page.locator("#panel")).to_contain_text("an old confirmation must not move a robot")
+    back(page, wire)
+    page.wait_for_timeout(500)
+
+    assert desk.arrived == []
+    expect(page.locator("#actions button")).to_be_enabled()
+
+
+def test_a_confirmation_of_a_motion_that_went_unheard_is_never_sent_again(desk, chromium, url):
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator/3")
+        desk.show(step=move(), ballbar_attached=False)
+        page.locator("body[data-screen=move]").wait_for()
+        page.context.route("**/acts", lambda route: route.abort())
+
+        page.get_by_role("button", name="Hold").hover()
+        page.mouse.down()
+        page.wait_for_timeout(1700)
+        page.mouse.up()
+        expect(page.locator("#said")).to_contain_text("not sent again")
+        page.context.unroute("**/acts")
+        page.reload()
+        page.locator("#link[data-state=up]").wait_for()
+        page.wait_for_timeout(1500)
+
+        assert desk.arrived == []
+
+
+def test_a_hold_that_outlasts_the_connection_moves_nothing(desk, wired):
+    page, wire = wired
+    desk.show(step=move(), ballbar_attached=False)
+    page.get_by_role("button", name="Hold").hover()
+    wire.cut()
+    page.wait_for_timeout(700)
+
+    page.mouse.down()
+    expect(page.locator("#lost")).to_be_visible(timeout=BANNER_MS)
+    page.wait_for_timeout(1000)
+    page.mouse.up()
+    back(page, wire)
+    page.wait_for_timeout(500)
+
+    assert desk.arrived == []
+
+
+def test_stop_says_that_it_has_not_reached_the_robot(desk, wired):
+    page, wire = wired
+    lost(page, wire)
+
+    page.get_by_role("button", name="STOP").click()
+
+    expect(page.locator("#said")).to_contain_text("has not reached the robot")
+    expect(page.locator("#said")).to_contain_text("emergency stop")
+
+
+def test_the_page_comes_back_by_itself_with_what_is_true_then(desk, wired):
+    page, wire = wired
+    lost(page, wire)
+    desk.show(step=leg(3, 1), progress={**desk.session["progress"], "readings": 90})
+
+    back(page, wire)
+
+    expect(page.locator("#lost")).to_be_hidden()
+    expect(page.locator("#names")).to_have_text("B3T1")
+    expect(page.locator("#progress")).to_contain_text("90 of 431 readings")
+
+
+def test_a_tablet_that_slept_starts_afresh(desk, tablet):
+    tablet.locator("#link[data-state=up]").wait_for()
+    with tablet.expect_request("**/live?*"), tablet.expect_response(lambda r: r.url.endswith("-sessions/3")):
+        # What a browser says when the lid is opened; a test has no lid.
+        tablet.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
+
+    tablet.locator("#link[data-state=up]").wait_for()
+    expect(tablet.locator("#word")).to_have_text("In range")
+
+
+def test_the_screen_is_kept_awake_where_the_browser_can(desk, chromium, url):
+    with a_tablet(chromium, url) as page:
+        page.add_init_script("""
+            window.locks = 0;
+            const request = async () => { window.locks += 1; };
+            Object.defineProperty(navigator, "wakeLock", { value: { request } });
+        """)
+        page.goto("/operator/3")
+        page.locator("#link[data-state=up]").wait_for()
+
+        assert page.evaluate("window.locks") == 1
+
+
+@pytest.mark.parametrize("language", ["en", "fr"])
+def test_the_language_changes_without_a_connection(desk, wired, language):
+    page, wire = wired
+    lost(page, wire)
+
+    for _ in range(1 if language == "fr" else 2):
+        page.locator("#language").click()
+
+    said = {"en": "No connection to the service.", "fr": "Pas de connexion au service."}[language]
+    expect(page.locator("#lost")).to_contain_text(said)

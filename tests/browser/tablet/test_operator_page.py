@@ -1,0 +1,119 @@
+"""The list of sessions, the start of a new one, and the steps listed before anything moves."""
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet
+from tests.browser.tablet.fake_desk import leg, move, step
+
+
+def session(id, state, role="ballbar"):
+    return {"id": id, "name": f"bay {id}", "role": role, "state": state, "measured": 40 * id, "planned": 431}
+
+
+@pytest.fixture(params=[PORTRAIT, LANDSCAPE], ids=["portrait", "landscape"])
+def page(request, chromium, url):
+    with a_tablet(chromium, url, size=request.param) as page:
+        yield page
+
+
+def test_ballbar_sessions_are_listed_newest_first(desk, page):
+    desk.sessions = [session(1, "finished"), session(2, "running", "calibration"), session(3, "paused")]
+
+    page.goto("/operator")
+
+    rows = page.locator("#sessions li")
+    expect(rows).to_have_count(2)
+    expect(rows.nth(0)).to_contain_text("bay 3paused120 of 431 readings")
+    expect(rows.nth(1)).to_contain_text("finished")
+    assert page.evaluate("document.documentElement.scrollWidth") == page.viewport_size["width"]
+    rows.nth(0).click()
+    page.wait_for_url("**/operator/3")
+    expect(page.locator("#names")).to_have_text("B2T3")
+
+
+def test_more_sessions_than_one_answer_holds_are_listed_too(desk, page):
+    desk.sessions = [session(id, "finished") for id in range(1, 131)]
+
+    page.goto("/operator")
+
+    expect(page.locator("#sessions li")).to_have_count(130)
+
+
+def test_a_new_session_is_planned_with_what_was_chosen(desk, page):
+    page.goto("/operator")
+    expect(page.locator("#none")).to_be_visible()
+    estimate = page.locator("#estimate").inner_text()
+    page.get_by_label("Name").fill("left arm")
+    page.get_by_role("group", name="Placements").get_by_text("2").click()
+    page.get_by_role("group", name="Cups").get_by_text("4").click()
+    page.get_by_role("group", name="Poses").get_by_text("12").click()
+    assert page.locator("#estimate").inner_text() != estimate
+
+    page.get_by_role("button", name="Plan the session").click()
+
+    page.wait_for_url("**/operator/3")
+    assert desk.planned == [{"name": "left arm", "placement_count": 2, "base_points": 4, "poses": 12}]
+
+
+def test_a_session_without_a_name_is_not_planned(desk, page):
+    page.goto("/operator")
+
+    page.get_by_role("button", name="Plan the session").click()
+    page.wait_for_timeout(200)
+
+    assert desk.planned == []
+
+
+def test_what_is_tapped_is_large(desk, page):
+    page.goto("/operator")
+    page.locator("#estimate:not(:empty)").wait_for()
+
+    heights = page.locator(".choices .choice span, form .main").evaluate_all(
+        "all => all.map(b => b.offsetHeight)"
+    )
+    assert min(heights) >= 72
+
+
+def test_the_steps_and_the_length_are_known_beforehand(desk, page):
+    poses = [
+        one
+        for pose in (1, 2)
+        for one in (
+            move(pose),
+            step("initialise", id=f"i{pose}", config=pose),
+            *(leg(a, b, pose=pose) for a, b in ((1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1))),
+            step("detach", id=f"d{pose}", config=pose),
+        )
+    ]
+    sides = [step("measure_side", id="tool/side-1-2", artefact="tool", points=["T1", "T2"], placement=None)]
+    desk.steps = [*sides, *poses]
+    desk.show(state="planned", step=sides[0])
+    page.goto("/operator/3")
+
+    expect(page.locator("#panel .facts")).to_have_text("431 readings in 19 steps, about 1 h 30 min.")
+    expect(page.locator("#panel summary").nth(1)).to_contain_text("Placement 1, pose 1")
+    expect(page.locator("#panel summary").nth(1)).to_contain_text("9 steps, 7 readings")
+    page.locator("#panel summary").nth(1).click()
+    expect(page.locator("#panel details[open] li")).to_have_count(9)
+    expect(page.locator("#panel details[open] li").nth(2)).to_have_text("Connect the ballbar: B1\u2013T1")
+    page.get_by_role("button", name="Start the session").click()
+    page.wait_for_timeout(200)
+    assert [act["act"] for act in desk.acts] == ["start"]
+
+
+def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page):
+    desk.steps = [leg(1, 1), {**leg(2, 3), "outcome": "skipped", "text": "Out of range: too long"}]
+    desk.show(state="finished", step=None)
+    page.goto("/operator/3")
+
+    expect(page.locator(".left-out li")).to_have_count(1)
+    expect(page.locator(".left-out li")).to_contain_text("B2\u2013T3Out of range: too long")
+
+
+def test_a_session_that_is_not_there_is_told(desk, chromium, url):
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator/77")
+
+        expect(page.locator("#names")).to_have_text("NO SUCH SESSION")
+        expect(page.locator("#actions button")).to_have_count(0)

@@ -1,0 +1,53 @@
+"""The catalogue: two languages, the same keys, the same blanks, each used, none missing."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import service.web.tablet
+
+HERE = Path(service.web.tablet.__file__).parent
+LANGUAGES = {path.stem: json.loads(path.read_text("utf-8")) for path in (HERE / "texts").glob("*.json")}
+CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").glob("*.js"))
+PAGES = "".join(path.read_text("utf-8") for path in (HERE / "templates").glob("*.html"))
+# Keys stand in the code as they are, never put together from parts: so each can be found.
+USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
+    re.findall(r'data-(?:text|label)="([^"]+)"', PAGES)
+)
+KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person", "truepose.muted"}
+
+
+def blanks(text):
+    return sorted(re.findall(r"\{(\w+)\}", text))
+
+
+def test_the_pages_speak_english_and_french():
+    assert set(LANGUAGES) == {"en", "fr"}
+    assert set(LANGUAGES["en"]) == set(LANGUAGES["fr"])
+
+
+@pytest.mark.parametrize("key", LANGUAGES["en"])
+def test_both_languages_fill_in_the_same(key):
+    assert blanks(LANGUAGES["en"][key]) == blanks(LANGUAGES["fr"][key])
+    assert all(LANGUAGES[language][key].strip() for language in LANGUAGES)
+
+
+def test_every_text_is_used_and_every_text_that_is_used_is_there():
+    used = USED - KEPT_BY_THE_TABLET
+
+    assert used == set(LANGUAGES["en"])
+
+
+def test_no_word_for_people_stands_in_the_code():
+    written = re.findall(r'(?:textContent = |write\([^,]+, |placeholder: |"aria-label": )"([^"]+)"', CODE)
+
+    assert written == []
+
+
+def test_french_keeps_its_spaces_before_high_punctuation():
+    # A no-break space, so that no line begins with a colon.
+    loose = [text for text in LANGUAGES["fr"].values() if re.search(r"[^\u00a0\d][:;!?»]", text)]
+
+    assert loose == []
