@@ -21,9 +21,9 @@ from simulators.physics.table_arm import ArmTable, draw_arm, zero_frames
 
 _ROWS = frozenset({"geometry", "geometry_dhm", "joint_offset", "axis_parallelism"})
 _PLACES = frozenset({"base", "tool"})
-# Anchors and offset of a length gauge, what readings of fixed nests left open: how it was measured, not the
-# robot.
-_MEASURING = frozenset({"legs", "reference"})
+# Anchors, offset and zeros of a length gauge and motions of its fixture, what readings of fixed nests left
+# open: how it was measured, not the robot.
+_MEASURING = frozenset({"ballbar_zero", "fixture_shift", "legs", "reference"})
 
 
 @dataclass(frozen=True)

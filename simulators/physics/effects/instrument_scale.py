@@ -42,7 +42,11 @@ def plant(change: PlantedChange, site: Site) -> WrongScale | WrongCalibrator:
     return kind(change.amplitude, change.from_s)
 
 
-def realise(stated: Stated, site: ModelArm) -> tuple[WrongScale, ...]:
-    """Build the identified scale, `scale` [1]."""
+def realise(stated: Stated, site: ModelArm) -> tuple[WrongScale | WrongCalibrator, ...]:
+    """Build the identified scale, `scale` of a tracker or `ballbar_scale` [1]."""
     del site
-    return tuple(WrongScale(value, ALWAYS_S) for _, value in stated.matching("scale", "scale"))
+    scales = stated.matching("(ballbar_)?scale", "scale, ballbar_scale")
+    return tuple(
+        WrongCalibrator(value, ALWAYS_S) if ballbar else WrongScale(value, ALWAYS_S)
+        for (ballbar,), value in scales
+    )

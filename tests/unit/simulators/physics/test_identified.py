@@ -106,9 +106,23 @@ def test_a_link_without_length_cannot_bend(load):
 
 
 def test_how_it_was_measured_is_no_effect_of_the_robot(load):
-    gauge = [("legs", "length_offset", 1.0, "mm"), ("reference", "frame_x", 0.1, "mm")]
+    gauge = [
+        ("legs", "length_offset", 1.0, "mm"),
+        ("reference", "frame_x", 0.1, "mm"),
+        ("ballbar_zero", "zero_3", 0.01, "mm"),
+        ("fixture_shift", "shift_1_120.5_x", 0.1, "mm"),
+    ]
 
     assert realise(load(*gauge, effects=[])).effects == ()
+
+
+def test_a_scale_is_that_of_the_instrument_whose_name_it_bears(load):
+    parameters = [("instrument_scale", "scale", 1e-5, "1"), ("instrument_scale", "ballbar_scale", 2e-5, "1")]
+
+    tracker, ballbar = realise(load(*parameters)).effects
+
+    assert tracker.relative_scale(np.zeros(1)) == pytest.approx([1e-5])
+    assert ballbar.relative_length(np.zeros(1)) == pytest.approx([2e-5])
 
 
 def test_the_nominal_robot_stands_as_its_drawing_shows(places):
