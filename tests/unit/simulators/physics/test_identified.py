@@ -94,7 +94,7 @@ def test_a_part_that_the_robot_does_not_have_is_refused(load, effect, name, sent
         realise(load((effect, name, 1e-4, "1")))
 
 
-@pytest.mark.parametrize("effect", ["label_swap", "outliers", "ballbar_zero", "own_idea"])
+@pytest.mark.parametrize("effect", ["label_swap", "outliers", "own_idea"])
 def test_an_effect_without_physics_is_refused_by_its_name(load, effect):
     with pytest.raises(ModelError, match=f"effect {effect}: the simulated physics has none of that name"):
         realise(load(effects=[effect]))
