@@ -1,5 +1,7 @@
 """Reading the options of a cell file; every complaint names the option and what belongs there."""
 
+import math
+
 from drivers.api import Options
 from drivers.errors import ConfigurationError
 
@@ -28,3 +30,11 @@ def text(options: Options, name: str) -> str | None:
     if value is not None and (not isinstance(value, str) or not value.strip()):
         raise ConfigurationError(f"option {name} is {value!r}: give a text, or leave it out")
     return value
+
+
+def positive(options: Options, name: str, default: float) -> float:
+    """Return a positive number; raises ConfigurationError when it is something else."""
+    value = options.get(name, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise ConfigurationError(f"option {name} is {value!r}: give a positive number")
+    return float(value)

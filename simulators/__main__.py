@@ -10,6 +10,7 @@ from pathlib import Path
 from simulators.cell import Cell
 from simulators.clock import CellClock, Pace
 from simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
+from simulators.instruments.ballbar_hid import HidBallbarGadget
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.hands import hands_endpoint
@@ -18,6 +19,8 @@ from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
 from simulators.instruments.truth import truth_endpoint
+from simulators.instruments.usb_itn import UsbItnGadget
+from simulators.instruments.usbip import usbip_endpoint
 from simulators.model_file import load_model
 from simulators.physics.identified import IdentifiedModel
 from simulators.scenario_file import load_scenario, shipped_scenarios
@@ -121,6 +124,8 @@ def _endpoints(cell: Cell) -> list[Endpoint]:
         truth_endpoint(cell),
         # Newer endpoints come last, so that the older ones keep their ports.
         nd28x_endpoint(cell.ballbar, cell.clock),
+        usbip_endpoint("hid", HidBallbarGadget(cell.ballbar, cell.clock)),
+        usbip_endpoint("usb_itn", UsbItnGadget(cell.ballbar, cell.clock)),
         hands_endpoint(cell.hands),
     ]
 

@@ -10,16 +10,21 @@ import numpy as np
 
 from drivers.abb_open_abb.driver import OpenAbbRobot
 from drivers.api import Clock
+from drivers.ballbar_hid.driver import HidBallbar
 from drivers.cell_clock.driver import CellClock
 from drivers.cell_hands.driver import CellHands
 from drivers.heidenhain_nd.driver import HeidenhainCounter
 from drivers.leica_emscon.driver import LaserTracker
+from drivers.mitutoyo_usb_itn.driver import UsbItnGauge
 from drivers.monotonic_clock import MonotonicClock
 from drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
+from drivers.transports.hid import HidOverUsb
 from drivers.transports.link import Link
 from drivers.transports.memory import MemoryEnd, MemoryLink
+from drivers.transports.usb import UsbPort
 from simulators.cell import Cell
 from simulators.clock import CellClock as SimulatedClock
+from simulators.instruments.ballbar_hid import HidBallbarGadget
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.hands import hands_endpoint
@@ -27,9 +32,12 @@ from simulators.instruments.leica_emscon import tracker_endpoint
 from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import robot_endpoint
+from simulators.instruments.usb_itn import UsbItnGadget
+from simulators.instruments.usbip import usbip_endpoint
 from simulators.scenario_file import load_scenario
 from simulators.tracker import seen_from
 from tests.length_sources import FakeBar, FakeHands
+from tests.usb_in_memory import UsbInMemory
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
@@ -38,6 +46,10 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
     "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=0.5),
+}
+USB_PORTS: dict[str, Callable[[UsbPort, Clock], object]] = {
+    "ballbar_hid": lambda port, clock: HidBallbar(HidOverUsb(port), clock),
+    "mitutoyo_usb_itn": lambda port, clock: UsbItnGauge(port, clock),
 }
 WITHOUT_A_DEVICE = frozenset({"monotonic_clock"})
 
@@ -96,7 +108,12 @@ class Bench:
         self.clock = MonotonicClock()
         self.bar = FakeBar()
         self.hands = FakeHands()
+        self.gadgets = {
+            "ballbar_hid": HidBallbarGadget(self.bar, self.cell.clock),
+            "mitutoyo_usb_itn": UsbItnGadget(self.bar, self.cell.clock),
+        }
         self.endpoints = {
+            **{name: usbip_endpoint(name, gadget) for name, gadget in self.gadgets.items()},
             "leica_emscon": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
             "cell_clock": clock_endpoint(self.cell.clock),
@@ -106,6 +123,7 @@ class Bench:
         self._way = way
         self._ports: dict[str, int] = {}
         self._ends: list[MemoryEnd] = []
+        self._usb_ports: list[UsbInMemory] = []
         self._opened: list[object] = []
 
     async def listen(self) -> None:
@@ -124,6 +142,8 @@ class Bench:
         """Let the device drop its connections, as one that is switched off and on again."""
         for end in self._ends:
             end.close()
+        for port in self._usb_ports:
+            port.hang_up()
         if self._way == "socket":
             await self.endpoints[name].close()
             await self.endpoints[name].open("127.0.0.1", self._ports[name])
@@ -133,6 +153,10 @@ class Bench:
         if self._way == "socket":
             options = {"host": "127.0.0.1", "port": self._ports[name]}
             driver = registry().open(name, options, self.clock)
+        elif name in USB_PORTS:
+            port = UsbInMemory(self.gadgets[name])
+            self._usb_ports.append(port)
+            driver = USB_PORTS[name](port, self.clock)
         else:
             chunk_bytes = 7  # no packet of any protocol fits
             serve = in_memory(self.endpoints[name], self._ends)

@@ -1,0 +1,1 @@
+"""Ballbars that are USB HID devices with our open report."""

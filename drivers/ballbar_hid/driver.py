@@ -1,0 +1,122 @@
+"""A ballbar that is a USB HID device: through the system's HID driver, or over USB/IP."""
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator
+from typing import Literal
+
+from drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
+from drivers.ballbar_hid.protocol import (
+    BAR_BYTES,
+    COUNTS_PER_MM,
+    BarReading,
+    Rate,
+    Status,
+    decode_bar,
+    decode_reading,
+    encode_rate,
+)
+from drivers.ballbar_hid.report_descriptor import BAR_ID
+from drivers.errors import DeviceRefusedError, DriverError, NoReplyError
+from drivers.monotonic_clock import MonotonicClock
+from drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
+from drivers.transports.usb import UsbDevice
+from drivers.transports.usb_address import LocalUsb, usb_address
+
+_RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
+_REPORT_TIMEOUT_S = 0.5
+_UNTRUSTED = Status.OVERSPEED | Status.NOT_REFERENCED
+
+
+class HidBallbar:
+    """A ballbar that sends reports by itself."""
+
+    def __init__(self, port: ReportPort, clock: Clock) -> None:
+        self._port = port
+        self._clock = clock
+        self._lock = asyncio.Lock()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the device is there as far as known."""
+        return self._port.is_open
+
+    async def connect(self) -> None:
+        """Open the device and let it send; raises ConnectFailedError."""
+        await self._port.open()
+        async with self._turn():
+            await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+
+    async def close(self) -> None:
+        """Let the device rest and close it; never raises."""
+        if self._port.is_open and not self._lock.locked():
+            with contextlib.suppress(DriverError):
+                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=False)))
+        await self._port.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for manufacturer, product and serial number."""
+        async with self._turn():
+            manufacturer, product, serial = await self._port.texts()
+            bar = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES))
+        return DeviceIdentity(
+            manufacturer or "unknown", product or "HID ballbar", bar.serial or serial or "unknown", "unknown"
+        )
+
+    async def read(self) -> BallbarReading:
+        """Return a reading that was made after it was asked for."""
+        async with self._turn():
+            report = await self._port.fresh_report(_REPORT_TIMEOUT_S)
+            if report is None:
+                raise NoReplyError(
+                    f"the ballbar at {self._port.address} sends nothing for {_REPORT_TIMEOUT_S:g} s:"
+                    " check its battery, then plug it in again"
+                )
+            reading = decode_reading(report)
+        signal = _signal(reading)
+        return BallbarReading(
+            deviation_mm=math.nan if signal == "none" else reading.deviation_mm,
+            signal=signal,
+            resolution_mm=1.0 / COUNTS_PER_MM,
+            time_s=await self._clock.now_s(),
+            temperature_c=reading.temperature_c,
+            sequence=reading.sequence,
+        )
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; what breaks off closes the device, a refusal does not."""
+        async with self._lock:
+            try:
+                yield
+            except DeviceRefusedError:
+                raise
+            except BaseException:
+                await self._port.close()
+                raise
+
+
+def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:
+    if reading.status & _UNTRUSTED or math.isnan(reading.deviation_mm):
+        return "none"
+    return "out_of_range" if reading.out_of_range else "good"
+
+
+def _open(options: Options, clock: Clock | None) -> HidBallbar:
+    where = usb_address(options)
+    port = HidapiPort(where) if isinstance(where, LocalUsb) else HidOverUsb(UsbDevice(where))
+    return HidBallbar(port, clock or MonotonicClock())
+
+
+PLUGIN = DriverPlugin(
+    name="ballbar_hid",
+    kind="ballbar",
+    protocol="hid",
+    options={
+        "usb": "vendor:product[:serial number] of a device here, or usbip://host[:port]/busid",
+        "host": "instead of usb: address of a USB/IP server whose only device it is",
+        "port": "TCP port of the USB/IP server, 3240 unless changed",
+    },
+    open=_open,
+)

@@ -1,0 +1,1 @@
+"""Digimatic gauges on a Mitutoyo USB-ITN cable."""

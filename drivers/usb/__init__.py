@@ -1,0 +1,1 @@
+"""What goes over USB and over USB/IP, whatever the device."""

@@ -1,0 +1,1 @@
+"""Bytes of USB and USB/IP; no I/O."""
