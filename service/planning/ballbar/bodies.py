@@ -5,7 +5,7 @@ outline drawings and rounded up; a larger arm needs its own. The tool fixture is
 three spokes 30 mm behind its nests, on a stem from the flange.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -29,6 +29,13 @@ _POINT_MM: Final = 1.0  # shorter pieces of the arm are inside their neighbours
 _TABLE_ARM_RADII_MM: Final = (90.0, 90.0, 70.0, 70.0, 60.0, 45.0, 40.0)
 
 
+def table_arm_radii_mm(joints: int) -> tuple[float, ...]:
+    """Return radii of base and links; an arm of another number of joints thins from foot to flange alike."""
+    place = np.linspace(0.0, 1.0, joints + 1)
+    known = np.linspace(0.0, 1.0, len(_TABLE_ARM_RADII_MM))
+    return tuple(float(radius) for radius in np.interp(place, known, _TABLE_ARM_RADII_MM))
+
+
 @dataclass(frozen=True, slots=True)
 class BallbarCell:
     """What limits the arm: the robot, its tool nests, ranges, the table, and how much room is kept."""
@@ -38,7 +45,7 @@ class BallbarCell:
     nests_mm: FloatArray  # (3, 3) tool nests in the last frame
     ranges: tuple[JointRange, ...]  # in which configurations are chosen
     table_z_mm: float = 0.0  # world
-    link_radii_mm: tuple[float, ...] = field(default=_TABLE_ARM_RADII_MM)  # base and each link
+    link_radii_mm: tuple[float, ...] = ()  # base and each link; empty: those of a table robot
     bar_room_mm: float = 5.0  # around the ballbar
     arm_room_mm: float = 10.0  # around arm and tool
 
@@ -49,6 +56,8 @@ class BallbarCell:
             raise ConfigurationError(
                 f"{len(self.ranges)} joint ranges are given for {self.robot.n_joints} joints."
             )
+        if not self.link_radii_mm:
+            object.__setattr__(self, "link_radii_mm", table_arm_radii_mm(self.robot.n_joints))
         if len(self.link_radii_mm) != self.robot.n_joints + 1:
             raise ConfigurationError(
                 f"{len(self.link_radii_mm)} radii are given for the base and {self.robot.n_joints} links."

@@ -13,12 +13,15 @@ from service.planning.ballbar.information import (
     ArmModel,
     Gathered,
     PoseRows,
+    WorkSpaceSample,
+    error_weight,
     gathered,
     of_poses,
     pose_rows,
     setting_information,
     with_placement,
 )
+from service.planning.ballbar.least_error import exchanged_for_error
 from service.planning.ballbar.poses import Reached, reach
 from service.planning.exchange import choose_by_exchange
 
@@ -77,9 +80,13 @@ def known_after(
 
 
 def choose(
-    model: ArmModel, placements: Sequence[Candidates], n: int, rng: np.random.Generator
+    model: ArmModel,
+    placements: Sequence[Candidates],
+    n: int,
+    rng: np.random.Generator,
+    sample: WorkSpaceSample | None = None,
 ) -> tuple[IntArray, ...]:
-    """Choose n configurations of all placements together so that no single exchange raises O1.
+    """Choose n configurations of all placements together, by observability, then by the error that is left.
 
     Parameters
     ----------
@@ -88,6 +95,8 @@ def choose(
     n : int
     rng : numpy.random.Generator
         Draws the start.
+    sample : WorkSpaceSample, optional
+        Where errors count; without it the choice rests on O1 alone.
 
     Returns
     -------
@@ -102,11 +111,15 @@ def choose(
     counts = [len(own) for own in placements]
     if sum(counts) <= n:
         return tuple(np.arange(count, dtype=np.int64) for count in counts)
-    prior = known_after(model, placements, [np.zeros(0, dtype=np.int64)] * len(placements)).matrix
-    selection = choose_by_exchange(_stacked(model, placements, len(prior)), n, rng, prior_information=prior)
+    prior = known_after(model, placements, [np.zeros(0, dtype=np.int64)] * len(placements))
+    rows = _stacked(model, placements, len(prior.matrix))
+    chosen = choose_by_exchange(rows, n, rng, prior_information=prior.matrix).indices
+    if sample is not None:
+        weight = error_weight(prior.cups_mm, sample)
+        chosen = exchanged_for_error(rows, chosen, prior.matrix, weight)
     ends = np.cumsum(counts)
     return tuple(
-        (selection.indices[(selection.indices >= end - count) & (selection.indices < end)] - (end - count))
+        chosen[(chosen >= end - count) & (chosen < end)] - (end - count)
         for count, end in zip(counts, ends, strict=True)
     )
 

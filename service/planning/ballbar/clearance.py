@@ -1,6 +1,6 @@
 """What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -127,3 +127,10 @@ def is_clear(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) ->
     """Whether arm and tool keep their room, without a bar, shape (n,)."""
     room: BoolArray = arm_room_mm(scene(cell, fixture, joints_rad)) >= cell.arm_room_mm
     return room
+
+
+def without_cups(bodies: Scene, point: int) -> Scene:
+    """Return the bodies without the two cups that hold the setting ball between them at a base point."""
+    tool = bodies.tool.some(range(1, len(bodies.tool)))
+    others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
+    return replace(bodies, tool=tool, fixture=bodies.fixture.some(others))

@@ -12,7 +12,7 @@ define (the rigid motion that fits predicted to true cups best taken off): what 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
@@ -29,6 +29,7 @@ from service.identification.structure import Structure
 from service.kinematics.frames import cross_matrix
 from service.planning.ballbar.bodies import BallbarCell
 
+SPACE_POINTS: Final = 200  # configurations over which errors are averaged
 _CUP_WIDTH_MM: Final = 10.0  # nothing worth mentioning is known of a cup beforehand
 
 
@@ -36,9 +37,9 @@ _CUP_WIDTH_MM: Final = 10.0  # nothing worth mentioning is known of a cup before
 class Scatter:
     """Standard deviations of what a session reads [mm]."""
 
-    # Of the nests at a stop, per axis: the arm's own scatter and what no model of it contains. The second is
-    # not known beforehand; a few hundredths of a millimetre are left by arms of this size.
-    stop_mm: float = 0.03
+    # Of the nests at a stop, per axis: the arm's own scatter (0.0035 for arms of this size) and what no model
+    # of it contains (up to 0.1). The second is not known beforehand; this is between the two.
+    stop_mm: float = 0.015
     leg_mm: float = 0.0016  # of one length: ballbar and its zero
     setup_mm: float = 0.01  # of a clamped cup, per axis
     side_mm: float = 0.0016
@@ -90,6 +91,10 @@ class PoseRows:
 
     def __len__(self) -> int:
         return len(self.arm)
+
+    def some(self, keep: IntArray) -> "PoseRows":
+        """Return the rows of some configurations."""
+        return PoseRows(self.arm[keep], self.cups[keep])
 
 
 def pose_rows(
@@ -203,16 +208,22 @@ def work_space_sample(model: ArmModel, n: int, rng: np.random.Generator) -> Work
 
 def predicted_error_mm(known: Gathered, sample: WorkSpaceSample) -> float:
     """Return the root mean square error (norm) of nest positions in the frame of the cups [mm]."""
-    count, cups = sample.motion.shape[2], known.cups_mm
-    covariance = np.linalg.inv(known.matrix)
-    turns = np.concatenate([np.tile(np.eye(3), (len(cups), 1, 1)), -cross_matrix(cups)], axis=2)
-    fit = np.linalg.pinv(turns.reshape(-1, 6)) * _CUP_WIDTH_MM  # (6, 3 C): motion that fits cup errors best
-    carried = np.concatenate(
-        [np.tile(np.eye(3), (len(sample.position_mm), 1, 1)), -cross_matrix(sample.position_mm)], axis=2
-    )
-    gradient = np.concatenate([sample.motion, -(carried @ fit)], axis=2).reshape(-1, count + 3 * len(cups))
-    variance = float(np.einsum("ri,ri->", gradient @ covariance, gradient)) / len(sample.position_mm)
-    return float(np.sqrt(variance))
+    weight = error_weight(known.cups_mm, sample)
+    return float(np.sqrt(np.sum(weight * np.linalg.inv(known.matrix))))
+
+
+def error_weight(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
+    """Return W: the mean square error of nest positions is tr(W C), C the covariance of arm and cups.
+
+    Errors count in the frame of the cups: the rigid motion that fits the errors of the cups best is taken off.
+    """
+    turns = np.concatenate([np.tile(np.eye(3), (len(cups_mm), 1, 1)), -cross_matrix(cups_mm)], axis=2)
+    fit = np.linalg.pinv(turns.reshape(-1, 6)) * _CUP_WIDTH_MM  # (6, 3 C)
+    points = sample.position_mm
+    carried = np.concatenate([np.tile(np.eye(3), (len(points), 1, 1)), -cross_matrix(points)], axis=2)
+    gradient = np.concatenate([sample.motion, -(carried @ fit)], axis=2)
+    flat = gradient.reshape(-1, gradient.shape[2])
+    return np.asarray(flat.T @ flat / len(points))
 
 
 def of_poses(rows: PoseRows, chosen: IntArray | None = None, weight: float = 1.0) -> FloatArray:
@@ -220,8 +231,3 @@ def of_poses(rows: PoseRows, chosen: IntArray | None = None, weight: float = 1.0
     stacked = np.concatenate([rows.arm, rows.cups], axis=2)
     flat = (stacked if chosen is None else stacked[chosen]).reshape(-1, stacked.shape[2])
     return np.asarray(weight * flat.T @ flat)
-
-
-def repeated(rows: PoseRows, keep: IntArray) -> PoseRows:
-    """Return the rows of some configurations."""
-    return replace(rows, arm=rows.arm[keep], cups=rows.cups[keep])

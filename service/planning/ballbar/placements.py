@@ -25,6 +25,7 @@ from service.planning.ballbar.bodies import BallbarCell
 from service.planning.ballbar.choice import Candidates, candidates, known_after
 from service.planning.ballbar.fixture import BaseFixture, base_fixture
 from service.planning.ballbar.information import (
+    SPACE_POINTS,
     ArmModel,
     WorkSpaceSample,
     arm_model,
@@ -38,7 +39,6 @@ from service.planning.errors import TooFewCandidatesError
 _LOWEST_MM: Final = 60.0  # of cup and hub above the table
 _HIGHEST_MM: Final = 600.0  # a stand that high is still stiff
 _MOST_TILT_RAD: Final = float(np.radians(75.0))
-_SPACE_POINTS: Final = 200  # configurations over which the error is averaged
 _SHIFT_MM: Final = 60.0  # of the moves that refine a place
 _TURN_RAD: Final = 0.3
 
@@ -51,8 +51,9 @@ class Wish:
     base_points: int = 3
     poses: int = 61  # of the whole session, thesis of A. Nubiola, 2014, section 4.4
     side_mm: float = 300.0
-    draws: int = 150
-    moves: int = 60  # per placement
+    draws: int = 240
+    moves: int = 100  # of all placements, per start
+    starts: int = 3  # sets of places that are refined
     seed: int = 0
 
 
@@ -78,9 +79,9 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     rng = np.random.default_rng(wish.seed)
     model = arm_model(cell)
     made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, wish.side_mm))
-    search = _Search(model, work_space_sample(model, _SPACE_POINTS, rng), wish, made)
+    search = _Search(model, work_space_sample(model, SPACE_POINTS, rng), wish, made)
     pool = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
-    chosen = search.refined(search.greedy(pool), rng)
+    chosen = search.best(pool, rng)
     fixtures = tuple(replace(own.fixture, number=number) for number, own in enumerate(chosen, start=1))
     return Suggestion(fixtures, search.error_mm(chosen), wish.draws, len(pool))
 
@@ -116,11 +117,17 @@ class _Search:
         known = known_after(self.model, placements, [None] * len(placements), self.wish.poses)
         return predicted_error_mm(known, self.sample)
 
-    def greedy(self, pool: Sequence[Candidates]) -> list[Candidates]:
-        """Return the best place, then the one that goes best with those before."""
+    def best(self, pool: Sequence[Candidates], rng: np.random.Generator) -> list[Candidates]:
+        """Return the best of several sets of places, each refined."""
+        ranked = sorted(pool, key=lambda own: self.error_mm([own]))
+        starts = [self.greedy(ranked, ranked[k:]) for k in range(min(self.wish.starts, max(1, len(ranked))))]
+        return min((self.refined(start, rng) for start in starts), key=self.error_mm)
+
+    def greedy(self, pool: Sequence[Candidates], first: Sequence[Candidates]) -> list[Candidates]:
+        """Return the first usable of `first`, then the place that goes best with those before."""
         chosen: list[Candidates] = []
-        for _ in range(self.wish.placements):
-            ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own]))
+        for place in range(self.wish.placements):
+            ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own])) if place else first
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
                 raise TooFewCandidatesError(
@@ -133,9 +140,9 @@ class _Search:
     def refined(self, chosen: list[Candidates], rng: np.random.Generator) -> list[Candidates]:
         """Move each placement about as long as the error falls."""
         best = self.error_mm(chosen)
-        for move in range(self.wish.moves * len(chosen)):
+        for move in range(self.wish.moves):
             k = move % len(chosen)
-            scale = 1.0 - 0.75 * move / (self.wish.moves * len(chosen))
+            scale = 1.0 - 0.75 * move / self.wish.moves
             own = self.judged(_moved(chosen[k].fixture.frame, scale, rng))
             if own is None:
                 continue

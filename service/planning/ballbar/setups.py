@@ -1,6 +1,5 @@
 """Where the robot holds the setting ball while a base cup is clamped on it: tool nest 1 at the cup."""
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -15,8 +14,9 @@ from service.kinematics.frames import (
 )
 from service.kinematics.inverse import all_branches, brought_within
 from service.planning.ballbar.bodies import BallbarCell, pose_in_base, tool_normal
-from service.planning.ballbar.clearance import Scene, arm_room_mm, scene
+from service.planning.ballbar.clearance import arm_room_mm, scene, without_cups
 from service.planning.ballbar.fixture import BaseFixture
+from service.planning.ballbar.motions import Stop, Surroundings, can_lift
 from service.planning.errors import WorkSpaceError
 
 _SPINS: Final = 24  # of the tool about the cup's axis
@@ -26,6 +26,7 @@ _TILTS_DEG: Final = (
     30.0,
     45.0,
 )  # of the tool against the cup; beyond, both cups grasp past the ball
+_MOST_LIFTS: Final = 40  # configurations of which it is tried whether the tool can leave the cup
 _TILT_COST: Final = 0.2  # share of a joint's range that a tilt of one radian is worth
 
 
@@ -62,9 +63,12 @@ def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatAr
     if not len(turned):
         return None
     worth = inside(cell.ranges, turned) - _TILT_COST * tilts
-    worth[_room(cell, fixture, turned, point) < cell.arm_room_mm] = -np.inf
-    best = int(np.argmax(worth))
-    return turned[best] if np.isfinite(worth[best]) else None
+    clear = np.flatnonzero(_room(cell, fixture, turned, point) >= cell.arm_room_mm)
+    around = Surroundings(cell, fixture)
+    for row in clear[np.argsort(-worth[clear])][:_MOST_LIFTS]:
+        if can_lift(around, Stop(turned[row], point)):
+            return np.asarray(turned[row])
+    return None
 
 
 def _orientations(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -97,10 +101,3 @@ def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray
 
 def _room(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int) -> FloatArray:
     return arm_room_mm(without_cups(scene(cell, fixture, joints_rad), point))
-
-
-def without_cups(bodies: Scene, point: int) -> Scene:
-    """Return the bodies without the two cups that hold the setting ball between them at a base point."""
-    tool = bodies.tool.some(range(1, len(bodies.tool)))
-    others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
-    return replace(bodies, tool=tool, fixture=bodies.fixture.some(others))

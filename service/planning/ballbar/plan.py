@@ -1,0 +1,252 @@
+"""Plans of ballbar sessions: placements, set-ups, poses in an order with short clear ways."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from service.domain.arrays import FloatArray, IntArray
+from service.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PlannedSetup
+from service.domain.cell import Cell
+from service.domain.errors import ConfigurationError
+from service.planning.ballbar.bodies import BallbarCell
+from service.planning.ballbar.choice import Candidates, candidates, choose
+from service.planning.ballbar.clearance import is_clear
+from service.planning.ballbar.fixture import BaseFixture
+from service.planning.ballbar.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
+from service.planning.ballbar.motions import Stop, Surroundings, lift
+from service.planning.ballbar.placements import Wish, suggest
+from service.planning.ballbar.poses import planned, subset
+from service.planning.ballbar.setups import setups
+from service.planning.ballbar.ways import way
+from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
+
+_TRIES: Final = 3  # stops to which a way is searched before a configuration is left for later
+
+
+def ballbar_plan(
+    cell: Cell, *, placements: int = 1, base_points: int = 3, poses: int = 61, seed: int = 0
+) -> BallbarPlan:
+    """Plan a whole session of a cell: where the base fixture stands, which poses, which ways.
+
+    Parameters
+    ----------
+    cell : Cell
+    placements : int
+        How often the base fixture is put down.
+    base_points : int
+        Cups of the base fixture, 3 or 4.
+    poses : int
+        Configurations of the whole session.
+    seed : int
+        The same seed gives the same plan.
+
+    Raises
+    ------
+    ConfigurationError
+        The cell lacks what a ballbar needs, or fewer than one placement or pose is asked for.
+    WorkSpaceError, TooFewCandidatesError, NoWayError
+        The arm does not offer that many poses, or cannot go to them clear of everything.
+    """
+    if placements < 1 or poses < placements:
+        raise ConfigurationError(
+            f"{placements} placements with {poses} poses are no session; ask for one pose per placement."
+        )
+    space = ballbar_cell(cell)
+    side = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
+    wish = Wish(placements, base_points, poses, side_mm=side, seed=seed)
+    return plan_at(space, suggest(space, wish).fixtures, poses, seed=seed)
+
+
+def ballbar_cell(cell: Cell) -> BallbarCell:
+    """Return what limits the arm in a cell.
+
+    Raises
+    ------
+    ConfigurationError
+        There are not three tool nests with known centres.
+    WorkSpaceError
+        Neither the cell nor the robot says which joint angles are allowed.
+    """
+    centres = [nest.centre_mm for nest in cell.nests if nest.centre_mm is not None]
+    if len(centres) != 3 or len(cell.nests) != 3:
+        raise ConfigurationError(
+            "A ballbar session needs a tool with three nests whose centres are known: enter them in the "
+            "cell file."
+        )
+    robot, limits = cell.robot, cell.limits
+    ranges = limits.calibration or robot.calibration_ranges or limits.joints or robot.joint_limits
+    if ranges is None:
+        raise WorkSpaceError(
+            f"Nothing says how far the joints of {robot.name} may turn: enter `calibration` ranges in the "
+            "cell file."
+        )
+    return BallbarCell(robot, cell.base_nominal, np.array(centres), ranges)
+
+
+def plan_at(
+    cell: BallbarCell,
+    fixtures: Sequence[BaseFixture],
+    poses: int,
+    *,
+    seed: int = 0,
+    template: BallbarPlan | None = None,
+) -> BallbarPlan:
+    """Plan a session with the base fixture at given places; parameters and errors as `ballbar_plan`.
+
+    Where fewer configurations can be measured than were asked for, all of them are planned. `template` gives
+    the times, speeds and the number of poses after which targets are aimed.
+    """
+    rng = np.random.default_rng(seed)
+    model, template = arm_model(cell), template or BallbarPlan(())
+    held = [setups(cell, fixture) for fixture in fixtures]
+    offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
+    chosen = choose(model, offers, poses, rng, work_space_sample(model, SPACE_POINTS, rng))
+    if not sum(len(rows) for rows in chosen):
+        raise TooFewCandidatesError(
+            "No configuration can be measured with the base fixture there: place it elsewhere, or let the "
+            "program suggest a place."
+        )
+    return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
+
+
+@dataclass(frozen=True, slots=True)
+class _Session:
+    cell: BallbarCell
+    model: ArmModel
+    rng: np.random.Generator
+    template: BallbarPlan
+
+    def planned(
+        self,
+        offers: Sequence[Candidates],
+        held: Sequence[tuple[PlannedSetup, ...]],
+        chosen: Sequence[IntArray],
+    ) -> tuple[PlannedPlacement, ...]:
+        """Return the placements with all ways, configurations numbered through."""
+        found: list[PlannedPlacement] = []
+        here: Stop | None = None
+        for place, (own, setup, rows) in enumerate(zip(offers, held, chosen, strict=True)):
+            after = offers[place + 1].fixture if place + 1 < len(offers) else None
+            number = 1 + sum(len(before.poses) for before in found)
+            placed = self._placement(own, setup, rows, here, after, number)
+            found.append(placed)
+            here = Stop(np.array(placed.poses[-1].joints_rad)) if placed.poses else here
+        return tuple(found)
+
+    def _placement(
+        self,
+        own: Candidates,
+        held: tuple[PlannedSetup, ...],
+        rows: IntArray,
+        here: Stop | None,
+        after: BaseFixture | None,
+        number: int,
+    ) -> PlannedPlacement:
+        around = Surroundings(self.cell, own.fixture)
+        setups_there, last = self._with_ways(around, held, here)
+        early = self._early(own, rows) if number == 1 else rows[:0]
+        poses = planned(subset(own.found, rows), own.fixture.number)
+        joints = np.array([pose.joints_rad for pose in poses]).reshape(len(poses), -1)
+        first = np.flatnonzero(np.isin(rows, early))
+        order, vias = self._tour(around, joints, first, last, self._parking(joints, first, after))
+        ordered = tuple(
+            replace(poses[row], config=config, via_rad=via)
+            for config, (row, via) in enumerate(zip(order, vias, strict=True), start=number)
+        )
+        cups = tuple((float(x), float(y), float(z)) for x, y, z in own.fixture.cups_mm)
+        return PlannedPlacement(own.fixture.number, own.fixture.frame, cups, setups_there, ordered)
+
+    def _with_ways(
+        self, around: Surroundings, held: tuple[PlannedSetup, ...], here: Stop | None
+    ) -> tuple[tuple[PlannedSetup, ...], Stop]:
+        """Set-ups with their ways, and the last one as a stop.
+
+        Nobody knows where the arm is before the first one of a session: its way is only the last stretch.
+        """
+        found = []
+        for setup in held:
+            stop = Stop(np.array(setup.joints_rad), setup.base_point)
+            via = _approach(around, stop) if here is None else way(around, here, stop, self.rng)
+            found.append(replace(setup, via_rad=via))
+            here = stop
+        return tuple(found), here if here is not None else Stop(np.zeros(self.cell.robot.n_joints))
+
+    def _early(self, own: Candidates, rows: IntArray) -> IntArray:
+        """Return the configurations from which the pre-calibration sees most; they are measured first."""
+        few = min(self.template.precalibrate_after, len(rows))
+        part = replace(own, found=subset(own.found, rows), rows=own.rows.some(rows))
+        return rows[choose(self.model, [part], few, self.rng)[0]]
+
+    def _parking(self, joints: FloatArray, first: IntArray, after: BaseFixture | None) -> int | None:
+        """Return where the arm may stand while the base fixture is put to its next place; it comes last."""
+        if after is None or not len(joints):
+            return None
+        free = is_clear(self.cell, after, joints)
+        later = np.setdiff1d(np.flatnonzero(free), first)
+        usable = later if len(later) else np.flatnonzero(free)
+        if not len(usable):
+            raise NoWayError(
+                f"The arm would be in the way while the base fixture is put to placement {after.number}: "
+                "place it further from the placement before."
+            )
+        return int(usable[0])
+
+    def _tour(
+        self, around: Surroundings, joints: FloatArray, first: IntArray, here: Stop, last: int | None
+    ) -> tuple[list[int], list[tuple[tuple[float, ...], ...]]]:
+        """Order rows so that each is near the one before; `first` before the others, `last` at the end."""
+        order: list[int] = []
+        vias: list[tuple[tuple[float, ...], ...]] = []
+        early = [int(row) for row in first if row != last]
+        later = [row for row in range(len(joints)) if row not in set(first.tolist()) and row != last]
+        for group in (early, later, [] if last is None else [last]):
+            left = list(group)
+            while left:
+                row, via = self._next(around, joints, left, here)
+                left.remove(row)
+                order.append(row)
+                vias.append(via)
+                here = Stop(joints[row])
+        return order, vias
+
+    def _next(
+        self, around: Surroundings, joints: FloatArray, left: list[int], here: Stop
+    ) -> tuple[int, tuple[tuple[float, ...], ...]]:
+        """Return the nearest row that a clear way leads to."""
+        nearest = sorted(left, key=lambda row: float(np.max(np.abs(joints[row] - here.joints_rad))))
+        for row in nearest[:_TRIES]:
+            try:
+                return row, way(around, here, Stop(joints[row]), self.rng)
+            except NoWayError:
+                continue
+        raise NoWayError(
+            f"From one stop of placement {around.fixture.number} no clear way leads on: move the base "
+            "fixture a little, or ask for fewer poses."
+        )
+
+
+def _approach(around: Surroundings, stop: Stop) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(q) for q in point) for point in lift(around, stop)[:0:-1])
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRow:
+    """One configuration of a plan as a recorder takes it."""
+
+    placement: int
+    config: int
+    joints_deg: tuple[float, ...]
+    legs: tuple[Leg, ...]
+    aimed_mm: tuple[float, ...] | None
+
+
+def plan_rows(plan: BallbarPlan) -> tuple[PlanRow, ...]:
+    """Return the configurations of a plan, in their order."""
+    return tuple(_row(pose) for placement in plan.placements for pose in placement.poses)
+
+
+def _row(pose: PlannedPose) -> PlanRow:
+    joints = tuple(float(angle) for angle in np.degrees(pose.joints_rad))
+    return PlanRow(pose.placement, pose.config, joints, pose.legs, pose.aimed_mm)
