@@ -16,6 +16,20 @@ START_S = 10.0
 BUDGET_PER_CONFIGURATION_S = 25.0 / 1200
 
 
+# Scripts count on the order: a newer endpoint comes behind the older ones and takes no port of theirs.
+ANNOUNCED = [
+    ("tracker", "emscon"),
+    ("robot", "open_abb"),
+    ("robot-log", "open_abb_log"),
+    ("clock", "clock"),
+    ("truth", "truth"),
+    ("ballbar", "nd28x"),
+    ("ballbar", "hid"),
+    ("ballbar", "usb_itn"),
+    ("hands", "hands"),
+]
+
+
 class Simulators:
     """One started cell."""
 
@@ -26,11 +40,12 @@ class Simulators:
             stderr=subprocess.PIPE,
             text=True,
         )
-        lines = [self.process.stdout.readline() for _ in range(5)]
-        self.endpoints = {entry["device"]: entry for entry in map(json.loads, lines)}
+        self.announced = [json.loads(self.process.stdout.readline()) for _ in ANNOUNCED]
 
     def connect(self, device):
-        entry = self.endpoints[device]
+        return self.connect_to(next(entry for entry in self.announced if entry["device"] == device))
+
+    def connect_to(self, entry):
         connection = socket.create_connection((entry["host"], entry["port"]), timeout=START_S)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return connection
@@ -75,24 +90,16 @@ def ask_truth(connection, **request):
 def test_every_endpoint_is_announced_on_a_line_of_its_own(start):
     cell = start("--pace", "0")
 
-    protocols = {device: entry["protocol"] for device, entry in cell.endpoints.items()}
-
-    assert protocols == {
-        "tracker": "emscon",
-        "robot": "open_abb",
-        "robot-log": "open_abb_log",
-        "clock": "clock",
-        "truth": "truth",
-    }
-    assert {entry["host"] for entry in cell.endpoints.values()} == {"127.0.0.1"}
-    for device in cell.endpoints:
-        cell.connect(device).close()
+    assert [(entry["device"], entry["protocol"]) for entry in cell.announced] == ANNOUNCED
+    assert {entry["host"] for entry in cell.announced} == {"127.0.0.1"}
+    for entry in cell.announced:
+        cell.connect_to(entry).close()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_cell_ends_cleanly_even_with_clients(start, number):
     cell = start("irb120-clean", "--pace", "1")
-    clients = [cell.connect(device) for device in cell.endpoints]
+    clients = [cell.connect_to(entry) for entry in cell.announced]
 
     status, out, err = cell.stop(number)
 
@@ -107,7 +114,7 @@ def test_ports_follow_each_other_from_the_port_base(start):
 
     cell = start("--pace", "0", "--port-base", str(base))
 
-    assert [entry["port"] for entry in cell.endpoints.values()] == [base + offset for offset in range(5)]
+    assert [entry["port"] for entry in cell.announced] == [base + offset for offset in range(len(ANNOUNCED))]
 
 
 def test_a_port_in_use_is_one_sentence_and_status_3():
