@@ -5,7 +5,6 @@ runs out of its range, so what follows is a new connection. Where that was too q
 has jumped: between two samples, and to another value than the one that was taken. A slow drift is neither.
 """
 
-import math
 from typing import Final
 
 # Twenty times the scatter of a reading and three times what the zero walks by; two legs of a pose agree as
@@ -32,7 +31,12 @@ class Contact:
 
     def take(self, deviation_mm: float) -> None:
         """Remember that a length was taken here, or that what is connected now is not what is asked for."""
-        self._taken_mm = deviation_mm if math.isfinite(deviation_mm) else None
+        self._taken_mm = deviation_mm
+        self._lost = self._jumped = False
+
+    def distrust(self) -> None:
+        """Let nothing but a lost signal count as new: values are counted from elsewhere now."""
+        self._taken_mm = None
         self._lost = self._jumped = False
 
     def forget(self) -> None:
@@ -42,5 +46,5 @@ class Contact:
     def is_new(self, deviation_mm: float) -> bool:
         """Whether a length that stands at this deviation belongs to another connection."""
         if self._lost or self._taken_mm is None:
-            return True
+            return self._lost
         return self._jumped and abs(deviation_mm - self._taken_mm) > JUMP_MM

@@ -86,7 +86,7 @@ class Floor:
 
     async def note_lost_power(self) -> None:
         """Record that the ballbar was without supply, so that its zero is read anew."""
-        self.readings.take_note_of_zero()
+        self.readings.take_note_of_lost_zero()
         if self.now.initialisations:
             await self.book.append(EntryKind.CONTROL, text=control.ZERO_LOST)
 

@@ -12,6 +12,7 @@ LiveState: TypeAlias = Literal["in_range", "out_low", "out_high", "unstable", "n
 # The ballbar of the thesis read up to 0.025 mm beyond its range (section 3.6): a good signal counts so far.
 _BEYOND_RANGE_MM: Final = 0.05
 _FEWEST: Final = 3  # samples that can show a scatter at all
+_SURE: Final = 8  # differences from the mean from which a scatter can be judged; two samples differ by chance
 _ROUNDING_S: Final = 1e-6  # twenty steps of 0.05 s are a second
 
 
@@ -73,12 +74,13 @@ class Window:
 
     @property
     def spread_mm(self) -> float:
-        """Twice their standard deviation; 0 where there are less than two."""
+        """Twice their standard deviation; of a few samples as if the missing ones agreed with their mean."""
         count = len(self._samples)
         if count < 2:
             return 0.0
         mean = self.mean_mm
-        return 2.0 * math.sqrt(sum((value - mean) ** 2 for _, value in self._samples) / (count - 1))
+        squares = sum((value - mean) ** 2 for _, value in self._samples)
+        return 2.0 * math.sqrt(squares / max(count - 1, _SURE))
 
     @property
     def share(self) -> float:

@@ -44,7 +44,7 @@ class Readings:
 
     @property
     def lost_power(self) -> bool:
-        """Whether the ballbar was without supply since it was last put on its calibrator."""
+        """Whether the ballbar was without supply, and nobody has taken note of it yet."""
         return self._gauge.lost_power
 
     async def poll(self, now: Situation, *, robot_still: bool) -> LiveSample:
@@ -78,9 +78,10 @@ class Readings:
         """Forget the samples: what follows belongs to another prompt."""
         self._window.clear()
 
-    def take_note_of_zero(self) -> None:
-        """Remember that the ballbar was put on its calibrator."""
+    def take_note_of_lost_zero(self) -> None:
+        """Remember that the zero is known to be lost; what is connected now is not the calibrator."""
         self._gauge.lost_power = False
+        self.contact.distrust()
 
     def is_ready(self, now: Situation, *, robot_still: bool) -> bool:
         """Whether the length may be stored without anybody asking for it."""
@@ -108,8 +109,9 @@ class Readings:
         before = self._latest
         self._latest = reading
         if reading is None or not is_usable(reading):
-            self.contact.note(None)
             self._window.clear()
+            if reading is not None:  # without a link nobody knows whether it left its cups
+                self.contact.note(None)
             return
         self.contact.note(reading.deviation_mm)
         same = before is not None and reading.sequence is not None and before.sequence == reading.sequence

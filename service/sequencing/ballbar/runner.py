@@ -140,7 +140,7 @@ class BallbarRunner:
             await self._book.open()
         loops = [asyncio.create_task(loop) for loop in self._loops()]
         try:
-            await asyncio.wait(loops, return_when=asyncio.FIRST_EXCEPTION)
+            await asyncio.wait(loops, return_when=asyncio.FIRST_COMPLETED)
         finally:
             for task in loops:
                 task.cancel()
@@ -185,7 +185,7 @@ class BallbarRunner:
         try:
             arrival = await self._motion.perform(step)
         except MotionForbiddenError as error:
-            failure = str(error)
+            failure = None if self._motion.wish is not None else str(error)
         except DriverError as error:
             failure = str(error)
             await self._stand.close()
