@@ -1,7 +1,7 @@
 """Inverse kinematics of any arm: damped Gauss-Newton from many starts at once.
 
-For arms without a closed form. The starts are the same every time (scrambled nothing: a Halton sequence),
-so that the same pose gives the same answer. An arm with more than six joints reaches a pose in
+For arms without a closed form. The starts are a Halton sequence, the same every time, so that the same pose
+gives the same answer. An arm with more than six joints reaches a pose in
 infinitely many ways, of which some are returned.
 """
 
@@ -9,42 +9,55 @@ from typing import Final
 
 import numpy as np
 
-from service.domain.arrays import BoolArray, FloatArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.robot import Robot
 from service.kinematics.chain import Chain, nominal_chain
 from service.kinematics.frames import cross, vector_from_rotation
 
 BRANCHES: Final = 8
-_STARTS: Final = 96
-_PASSES: Final = 60
+_STARTS: Final = 64
+_PASSES: Final = 40
 _LEVER_MM: Final = 300.0  # weighs turns against shifts: about the arm's own size
 _DAMPING: Final = 1e-3  # of the squared lever per joint; keeps steps short near singularities
 _LONGEST_STEP_RAD: Final = 0.5
 _ARRIVED_MM: Final = 1e-7  # with turns at the lever; hundred times the rounding of the chain
 _SAME_RAD: Final = 1e-4  # two solutions closer than this are one
+_AT_ONCE: Final = 64  # poses that are searched together; a few megabytes
 _PRIMES: Final = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 def searched_branches(robot: Robot, pose: FloatArray) -> FloatArray:
     """Return up to eight different joint angles per pose (n, 4, 4), NaN rows after them, shape (n, 8, J)."""
     found = np.full((len(pose), BRANCHES, robot.n_joints), np.nan)
-    for row, wanted in enumerate(pose):
-        for place, joints in enumerate(_different(_search(robot, wanted))):
-            found[row, place] = joints
+    for first in range(0, len(pose), _AT_ONCE):
+        part = pose[first : first + _AT_ONCE]
+        joints, arrived = _search(robot, part)
+        for row in range(len(part)):
+            for place, angles in enumerate(_different(joints[row][arrived[row]])):
+                found[first + row, place] = angles
     return found
 
 
-def _search(robot: Robot, wanted: FloatArray) -> FloatArray:
-    """Joint angles that arrived, each wrapped into (-pi, pi], shape (m, J)."""
-    joints = _starts(robot.n_joints)
+def _search(robot: Robot, wanted: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Where each start of each pose ended, wrapped, (n, starts, J), and whether it arrived, (n, starts)."""
+    starts = _starts(robot.n_joints)
+    joints = np.tile(starts, (len(wanted), 1))
+    goal = np.repeat(wanted, len(starts), axis=0)
+    left = np.arange(len(joints))
     for _ in range(_PASSES):
-        chain = nominal_chain(robot, joints)
-        step = _step(chain, _error(chain, wanted), _signs(robot))
+        chain = nominal_chain(robot, joints[left])
+        error = _error(chain, goal[left])
+        under_way = np.linalg.norm(error, axis=1) >= _ARRIVED_MM
+        step = _step(chain, error, _signs(robot))
         longest = np.abs(step).max(axis=1, keepdims=True)
-        joints = joints + step * np.minimum(1.0, _LONGEST_STEP_RAD / np.maximum(longest, 1e-300))
-    arrived = np.linalg.norm(_error(nominal_chain(robot, joints), wanted), axis=1) < _ARRIVED_MM
-    wrapped: FloatArray = -(np.mod(np.pi - joints[arrived], 2 * np.pi) - np.pi)
-    return wrapped
+        joints[left] += step * np.minimum(1.0, _LONGEST_STEP_RAD / np.maximum(longest, 1e-300))
+        left = left[under_way]
+        if not len(left):
+            break
+    arrived = np.linalg.norm(_error(nominal_chain(robot, joints), goal), axis=1) < _ARRIVED_MM
+    wrapped = -(np.mod(np.pi - joints, 2 * np.pi) - np.pi)
+    shape = (len(wanted), len(starts))
+    return wrapped.reshape(*shape, robot.n_joints), arrived.reshape(shape)
 
 
 def _starts(joints: int) -> FloatArray:
@@ -54,7 +67,7 @@ def _starts(joints: int) -> FloatArray:
     return (2.0 * np.stack(columns, axis=1) - 1.0) * np.pi
 
 
-def _radical_inverse(index: np.ndarray, base: int) -> FloatArray:
+def _radical_inverse(index: IntArray, base: int) -> FloatArray:
     value, share, rest = np.zeros(len(index)), 1.0 / base, index.copy()
     while rest.any():
         value += share * (rest % base)
@@ -64,9 +77,9 @@ def _radical_inverse(index: np.ndarray, base: int) -> FloatArray:
 
 
 def _error(chain: Chain, wanted: FloatArray) -> FloatArray:
-    """Shift [mm] and turn [mm at the lever] that are left to go, shape (n, 6)."""
-    turn = vector_from_rotation(wanted[:3, :3] @ np.swapaxes(chain.end_rotation, 1, 2))
-    return np.concatenate([wanted[:3, 3] - chain.end_origin, _LEVER_MM * turn], axis=1)
+    """Shift [mm] and turn [mm at the lever] that are left to go to poses (n, 4, 4), shape (n, 6)."""
+    turn = vector_from_rotation(wanted[:, :3, :3] @ np.swapaxes(chain.end_rotation, 1, 2))
+    return np.concatenate([wanted[:, :3, 3] - chain.end_origin, _LEVER_MM * turn], axis=1)
 
 
 def _signs(robot: Robot) -> FloatArray:
@@ -85,6 +98,7 @@ def _step(chain: Chain, error: FloatArray, signs: FloatArray) -> FloatArray:
 
 
 def _different(joints: FloatArray) -> list[FloatArray]:
+    """Return the first of every group of joint angles (m, J) that are the same."""
     kept: list[FloatArray] = []
     for row in joints:
         if len(kept) < BRANCHES and not any(_same(row, other) for other in kept):

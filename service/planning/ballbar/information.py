@@ -215,7 +215,7 @@ def predicted_error_mm(known: Gathered, sample: WorkSpaceSample) -> float:
 def error_weight(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
     """Return W: the mean square error of nest positions is tr(W C), C the covariance of arm and cups.
 
-    Errors count in the frame of the cups: the rigid motion that fits the errors of the cups best is taken off.
+    Errors count in the frame of the cups: the rigid motion that fits their errors best is taken off.
     """
     turns = np.concatenate([np.tile(np.eye(3), (len(cups_mm), 1, 1)), -cross_matrix(cups_mm)], axis=2)
     fit = np.linalg.pinv(turns.reshape(-1, 6)) * _CUP_WIDTH_MM  # (6, 3 C)
