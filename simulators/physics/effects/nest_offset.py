@@ -44,7 +44,16 @@ def plant(change: PlantedChange, site: Site) -> OffsetNest:
 
 def realise(stated: Stated, site: ModelArm) -> tuple[OffsetNest, ...]:
     """Build the identified offsets, `offset_<nest>_x`.. [mm, last frame]."""
+    return _realised("offset", stated, site)
+
+
+def realise_certificate(stated: Stated, site: ModelArm) -> tuple[OffsetNest, ...]:
+    """Build the errors that a certificate allows, `certified_<nest>_x`.. [mm, last frame]."""
+    return _realised("certified", stated, site)
+
+
+def _realised(prefix: str, stated: Stated, site: ModelArm) -> tuple[OffsetNest, ...]:
     offsets = np.zeros((site.n_nests, 3))
-    for nest, offset_mm in stated.vectors("offset_([0-9]+)", "offset_<nest>").items():
+    for nest, offset_mm in stated.vectors(f"{prefix}_([0-9]+)", f"{prefix}_<nest>").items():
         offsets[stated.index(nest, site.n_nests, "nest")] = offset_mm
     return (OffsetNest(offsets, ALWAYS_S),)

@@ -90,6 +90,7 @@ REALISED: Mapping[str, Callable[[Stated, ModelArm], tuple[Effect, ...]]] = Mappi
     "nest_offset": nest_offset.realise,
     "payload": payload.realise,
     "thermal_growth": thermal_growth.realise,
+    "tool_certificate": nest_offset.realise_certificate,
     "tool_reseating": tool_reseating.realise,
 })
 

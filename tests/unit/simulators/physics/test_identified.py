@@ -31,6 +31,7 @@ STRANGE = [
     ("payload", "payload_w"),
     ("thermal_growth", "growth_2"),
     ("tool", "nest_x"),
+    ("tool_certificate", "certified_1_rx"),
     ("tool_reseating", "seat_x"),
 ]
 BEYOND = [
@@ -43,6 +44,7 @@ BEYOND = [
     ("link_mass", "mass_8", "no link 8, there are 6"),
     ("nest_offset", "offset_2_x", "no nest 2, there are 1"),
     ("tool", "nest_4_x", "no nest 4, there are 1"),
+    ("tool_certificate", "certified_2_x", "no nest 2, there are 1"),
 ]
 
 
@@ -123,6 +125,13 @@ def test_a_scale_is_that_of_the_instrument_whose_name_it_bears(load):
 
     assert tracker.relative_scale(np.zeros(1)) == pytest.approx([1e-5])
     assert ballbar.relative_length(np.zeros(1)) == pytest.approx([2e-5])
+
+
+def test_a_nest_is_off_by_what_its_certificate_allowed(load):
+    (offset,) = realise(load(("tool_certificate", "certified_1_y", 0.002, "mm"))).effects
+    stop = Conditions(np.zeros((1, 6)), np.zeros((1, 6)), np.zeros(1), np.full(1, 20.0), np.ones(1))
+
+    assert offset.nest_offsets_mm(stop) == pytest.approx(np.array([[[0.0, 0.002, 0.0]]]))
 
 
 def test_the_nominal_robot_stands_as_its_drawing_shows(places):
