@@ -27,7 +27,7 @@ _SERVICES = compose_file()["services"]
 _ANYWHERE, _HERE = "0.0.0.0", "127.0.0.1"
 _DATA, _CELL_FILE = "/var/lib/truepose", "/etc/truepose/cell.toml"
 _PAGES = ("/", "/docs", "/openapi.json", "/api/v1/sessions")
-_ENDPOINTS = ("tracker", "robot", "robot-log", "clock", "truth")
+_ENDPOINTS = ("tracker", "robot", "robot-log", "clock", "truth", "ballbar", "ballbar", "ballbar", "hands")
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +64,11 @@ def test_the_simulators_image_runs_without_the_service(cell_image):
 def test_the_cell_puts_every_device_on_the_port_that_the_files_count_on(running_cell):
     first, endpoints = running_cell
 
-    offsets = {endpoint["device"]: endpoint["port"] - first for endpoint in endpoints}
+    offsets = [endpoint["port"] - first for endpoint in endpoints]
 
     (exposed,) = dockerfiles()["cell"].all("EXPOSE")
-    assert exposed.split() == [str(7000 + offset) for offset in offsets.values()]
-    assert offsets["clock"] == 3  # what the health check asks
+    assert exposed.split() == [str(7000 + offset) for offset in offsets]
+    assert offsets[_ENDPOINTS.index("clock")] == 3  # what the health check asks
 
 
 def test_the_cell_files_notes_on_where_the_nests_are_belong_to_this_cell(running_cell):
