@@ -40,7 +40,8 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
     parameters = sum(len(effect_named(name).specs(setting_of(campaign, readings.stops))) for name in effects)
     configurations = len(np.unique(np.round(readings.stops.joints_rad / _SAME_RAD), axis=0))
     per_reading = 3 if isinstance(readings, PointReadings) else 1
-    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), readings.nest])
+    ends = [readings.nest] if isinstance(readings, PointReadings) else [readings.nest, readings.base_point]
+    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), *ends])
     observations = per_reading * len(np.unique(pairs, axis=0))
     if configurations == 1:
         return (
