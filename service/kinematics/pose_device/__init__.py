@@ -10,11 +10,11 @@ from service.kinematics.pose_device.cascade import (
 )
 from service.kinematics.pose_device.designs import DESIGNS, Design, designs
 from service.kinematics.pose_device.least_squares import (
-    Fixtures,
     PoseEstimate,
     fitting_poses,
     least_squares_pose,
 )
+from service.kinematics.pose_device.legs import Fixtures, LinearLegs, foreseen, linear_legs
 from service.kinematics.pose_device.poses import Pose, pose_covariance, pose_of, turn_between
 from service.kinematics.pose_device.recognition import RecognisedAssembly, recognise_assembly
 
@@ -23,6 +23,7 @@ __all__ = [
     "Assembly",
     "Design",
     "Fixtures",
+    "LinearLegs",
     "Pose",
     "PoseEstimate",
     "RecognisedAssembly",
@@ -31,8 +32,10 @@ __all__ = [
     "designs",
     "distinct",
     "fitting_poses",
+    "foreseen",
     "fourth_cup",
     "least_squares_pose",
+    "linear_legs",
     "measurable",
     "points_covariance",
     "pose_covariance",

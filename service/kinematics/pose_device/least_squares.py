@@ -25,6 +25,7 @@ from service.domain.arrays import FloatArray
 from service.domain.ballbar import Leg
 from service.domain.errors import ConfigurationError, UnderdeterminedError
 from service.kinematics.frames import rotation_from_vector
+from service.kinematics.pose_device.legs import Fixtures, linear_legs
 from service.kinematics.pose_device.poses import Pose, points_gradient
 from service.kinematics.pose_device.starts import starting_poses
 
@@ -49,16 +50,6 @@ class PoseEstimate:
     residual_mm: FloatArray  # (n,) observed minus predicted
     chi2: float
     degrees_of_freedom: int  # n - 6
-
-
-@dataclass(frozen=True, slots=True, eq=False)  # arrays: equal means the same object
-class Fixtures:
-    """Cups and nests as they are known, and how well."""
-
-    cups_mm: FloatArray  # (K, 3) in the frame in which the pose is wanted
-    nests_mm: FloatArray  # (3, 3) in the last frame of the arm
-    cups_covariance_mm2: FloatArray | None = None  # (3K, 3K), cup by cup; None: exact
-    nests_covariance_mm2: FloatArray | None = None  # (9, 9), nest by nest; None: exact
 
 
 def least_squares_pose(
@@ -111,10 +102,10 @@ def _nearest(
     covariance: FloatArray,
 ) -> PoseEstimate:
     """Return the pose next to the commanded one among those that fit about equally well."""
-    nominal = np.zeros(len(legs))
-    residual, gradient, total = _linear(fixtures, legs, nominal, covariance, commanded)
-    normal = gradient.T @ cho_solve(_factor(total), gradient)
-    if not _holds(normal, commanded, fixtures.nests_mm, -residual, total):
+    there = linear_legs(fixtures, legs, commanded)
+    total = covariance + there.fixtures_covariance_mm2
+    normal = there.gradient.T @ cho_solve(_factor(total), there.gradient)
+    if not _holds(normal, commanded, fixtures.nests_mm, there.length_mm, total):
         raise UnderdeterminedError(_FREE)  # else a solution elsewhere would be taken for this one
     rivals = [one for one in found if one.chi2 < found[0].chi2 + _CLEAR]
     return min(rivals, key=lambda one: _apart_mm(one.pose, commanded, fixtures.nests_mm))
@@ -162,11 +153,12 @@ def _settled(
 ) -> PoseEstimate | None:
     """Return the minimum next to a start; None where there is none, or the legs leave the tool free."""
     for _ in range(_ROUNDS):
-        residual, gradient, total = _linear(fixtures, legs, length_mm, covariance, pose)
+        here = linear_legs(fixtures, legs, pose)
+        residual, total = length_mm - here.length_mm, covariance + here.fixtures_covariance_mm2
         weighing = _factor(total)
-        normal = gradient.T @ cho_solve(weighing, gradient)
+        normal = here.gradient.T @ cho_solve(weighing, here.gradient)
         try:
-            step = np.linalg.solve(normal, gradient.T @ cho_solve(weighing, residual))
+            step = np.linalg.solve(normal, here.gradient.T @ cho_solve(weighing, residual))
         except np.linalg.LinAlgError:
             return None
         if not np.abs(step).max() < _LOST_MM:
@@ -184,23 +176,6 @@ def _settled(
     return PoseEstimate(pose, np.asarray(np.linalg.inv(normal), dtype=float), residual, chi2, len(legs) - 6)
 
 
-def _linear(
-    fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covariance: FloatArray, pose: Pose
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return residuals (n,), gradient (n, 6) by the pose, and the covariance of the residuals (n, n)."""
-    cup, nest = np.array(legs).T - 1
-    apart = pose.points(fixtures.nests_mm)[nest] - fixtures.cups_mm[cup]
-    predicted = np.linalg.norm(apart, axis=1)
-    unit = apart / predicted[:, None]
-    gradient = np.einsum("ni,nij->nj", unit, points_gradient(pose, fixtures.nests_mm)[nest])
-    total = covariance
-    if fixtures.cups_covariance_mm2 is not None:
-        total = total + _through(unit, cup, fixtures.cups_covariance_mm2)
-    if fixtures.nests_covariance_mm2 is not None:
-        total = total + _through(unit @ pose.rotation, nest, fixtures.nests_covariance_mm2)
-    return length_mm - predicted, gradient, total
-
-
 def _factor(covariance: FloatArray) -> tuple[FloatArray, bool]:
     try:
         factor, lower = cho_factor(covariance)
@@ -209,13 +184,6 @@ def _factor(covariance: FloatArray) -> tuple[FloatArray, bool]:
             "The covariance of the lengths is not positive: give each an uncertainty above 0 mm."
         ) from error
     return np.asarray(factor, dtype=float), bool(lower)
-
-
-def _through(unit: FloatArray, point: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return what uncertain points add to the covariance of lengths along `unit` from them, (n, n)."""
-    blocks = covariance.reshape(len(covariance) // 3, 3, -1, 3)[point][:, :, point]
-    added: FloatArray = np.einsum("ni,nimj,mj->nm", unit, blocks, unit)
-    return added
 
 
 def _holds(

@@ -8,8 +8,8 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.kinematics.pose_device.poses import Pose
 
-# Per coordinate of a nest. The nominal robot of the thesis is off by 1.7 mm in space (rms, chapter 4), 1 mm per
-# coordinate; twice that, so that its worst 5.2 mm still counts as the robot's own error.
+# Per coordinate of a nest. The nominal robot of the thesis is off by 1.7 mm in space (rms, chapter 4), 1 mm
+# per coordinate; twice that, so that its worst 5.2 mm still counts as the robot's own error.
 _ARM_U_MM = 2.0
 _FAR = 33.7  # 99.99 % quantile of chi-squared with 9 degrees of freedom, one for each nest coordinate
 _LOG_ODDS = float(np.log(1000.0))  # by which the nearest must be more likely than the next
