@@ -29,6 +29,4 @@ def telling_legs(**changes):
 def leg_scene(campaign=None, **changes):
     """The scene of a campaign of legs that was fitted with the geometry."""
     campaign = telling_legs() if campaign is None else campaign
-    legs = campaign.legs
-    own = {"legs": True, "initialisation": legs.initialisation, "placement": legs.placement}
-    return scene_of(build(campaign, LEG_START), **(own | changes))
+    return scene_of(build(campaign, LEG_START), **changes)

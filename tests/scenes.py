@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
+from service.diagnosis.scene import scene_at
 from service.domain.campaign import FixedNestReadings
 from service.domain.robot import FixedNest
-from service.effects.causes import Scene
-from service.identification.evaluation import evaluate, rows_of
+from service.identification.evaluation import evaluate
 from service.identification.problem import build
 from tests.robots import IRB_120
 from tests.synthetic import nominal_campaign
@@ -52,28 +52,11 @@ def without_masses(robot=IRB_120):
 
 def scene_of(problem, values=None, campaign=None, **changes):
     """What a diagnosis would look at after a fit that ended at `values`."""
-    structure = problem.structure
     values = problem.start if values is None else values
-    state = evaluate(structure, values, problem.blocks[0].targets)
-    rows = rows_of(state)
-    joints = range(1, structure.robot.n_joints + 1)
-    by_name = dict(zip(structure.names, values, strict=True))
+    state = evaluate(problem.structure, values, problem.blocks[0].targets)
     reference = None if campaign is None else campaign.reference
-    scene = Scene(
-        setting=problem.setting,
-        stops=state.targets.stops,
-        nest=state.targets.nest,
-        chain=state.chain,
-        torque_n_mm=rows.torque_n_mm,
-        turn_rad=rows.turn_rad,
-        softness_rad_per_n_mm=np.array([by_name.get(f"c_{joint}", 0.0) for joint in joints]),
-        present=frozenset(structure.names),
-        effects=structure.effects,
-        reference_s=np.zeros(0) if reference is None else reference.time_s,
-        origin_s=structure.origin_s,
-        gravity_m_s2=tuple(structure.gravity_m_s2.tolist()),
-    )
-    return replace(scene, **changes)
+    read_s = np.zeros(0) if reference is None else reference.time_s
+    return replace(scene_at(problem, state, read_s), **changes)
 
 
 def telling_scene(effects=START, campaign=None, **changes):

@@ -46,7 +46,7 @@ def make_selected(start, picked, rivals=()):
     """The candidates `picked` fitted, those of `rivals` tried: each (effect, subject, first name or None)."""
     picks = tuple(found for one in picked for found in proposed(start.scene, *one)[:1])
     fit = refitted(start.fit, start.fit, picks) if picks else start.fit
-    scene = scene_of(start.campaign, start.problem, fit)
+    scene = scene_of(start.problem, fit)
     tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
     return Selected(fit, picks, pooled(fit, (*picks, *tried)), full=False)
 

@@ -90,7 +90,7 @@ def answered(
         tested = _tested(start, selected, judging, without, refuted)
     tell(0.85, "putting it into words")
     left = replace(_with_doubts(tested), worse_unseen=_worse_unseen(tested.judged, start))
-    scene = scene_of(start.campaign, start.problem, tested.selected.fit)
+    scene = scene_of(start.problem, tested.selected.fit)
     return _told(_Answer(start, replace(tested, left=left), scene), withdrawn, without)
 
 

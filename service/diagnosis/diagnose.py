@@ -51,7 +51,7 @@ def diagnose(
         return unanswerable(campaign, effects or (), start)
 
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
-        return proposed(scene_of(start.campaign, start.problem, fit), without)
+        return proposed(scene_of(start.problem, fit), without)
 
     tell(0.1, "screening the ways in which the model may be wrong")
     selected = select(start.fit, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))

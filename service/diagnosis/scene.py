@@ -2,22 +2,27 @@
 
 import numpy as np
 
-from service.domain.campaign import Campaign
+from service.domain.arrays import FloatArray
 from service.effects.causes import Scene
 from service.effects.names import joint_name
-from service.identification.evaluation import rows_of
+from service.identification.evaluation import State, rows_of
 from service.identification.problem import Problem
 from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 
 
-def scene_of(campaign: Campaign, problem: Problem, fit: RobustFit) -> Scene:
+def scene_of(problem: Problem, fit: RobustFit) -> Scene:
     """Return the scene of a fitted problem."""
-    state = fit.results[0].state
-    rows, structure = rows_of(state), fit.structure
-    spring = dict(zip(structure.names, fit.values.tolist(), strict=True))
     fixed = [block.targets.stops.time_s for block in fit.blocks if isinstance(block, ReferenceBlock)]
     times = [time_s for time_s in fixed if time_s is not None]
+    return scene_at(problem, fit.results[0].state, np.concatenate(times) if times else np.zeros(0))
+
+
+def scene_at(problem: Problem, state: State, reference_s: FloatArray) -> Scene:
+    """Return the scene of a model evaluated at its readings; fixed nests were read at `reference_s`, (r,)."""
+    rows, structure = rows_of(state), state.structure
+    spring = dict(zip(structure.names, state.values.tolist(), strict=True))
+    x, y, z = structure.gravity_m_s2.tolist()
     return Scene(
         setting=problem.setting,
         stops=state.targets.stops,
@@ -30,9 +35,9 @@ def scene_of(campaign: Campaign, problem: Problem, fit: RobustFit) -> Scene:
         ]),
         present=frozenset(structure.names),
         effects=structure.effects,
-        reference_s=np.concatenate(times) if times else np.zeros(0),
+        reference_s=reference_s,
         origin_s=structure.origin_s,
-        gravity_m_s2=campaign.gravity_m_s2,
+        gravity_m_s2=(x, y, z),
         legs=problem.quantity == "length",
         initialisation=state.targets.initialisation,
         placement=state.targets.placement,

@@ -56,7 +56,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
     status, message = verdict.judge(corrected, problem, fitted, fitted)
     if status in _UNUSABLE:
         return message
-    return Start(corrected, problem, fitted, scene_of(corrected, problem, fitted), chosen, campaign)
+    return Start(corrected, problem, fitted, scene_of(problem, fitted), chosen, campaign)
 
 
 def _problem(campaign: Campaign, effects: tuple[str, ...]) -> Problem:

@@ -86,7 +86,7 @@ def selected(start):
 def propose_for(start):
     return lambda fitted: tuple(
         one
-        for one in every_cause(scene_of(start.campaign, start.problem, fitted), ())
+        for one in every_cause(scene_of(start.problem, fitted), ())
         if one.effect in {"joint_gain", "backlash"}
     )
 

@@ -13,7 +13,7 @@ BACKLASH = {"gap_3": 4e-4}
 
 
 def everything(start):
-    return lambda fit: proposed(scene_of(start.campaign, start.problem, fit), ())
+    return lambda fit: proposed(scene_of(start.problem, fit), ())
 
 
 def silent(_share):
