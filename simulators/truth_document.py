@@ -23,6 +23,10 @@ def plant_document(cell: Cell) -> dict[str, Any]:
             {"placement": cup.placement, "base_point": cup.base_point, "position_mm": cup.place_mm.tolist()}
             for cup in cell.fixture.cups
         ],
+        "ballbar": {
+            "accidents": cell.hands.accidents,
+            "motions_attached": cell.hands.motions_attached,
+        },
         "effects": [_stated(change) for change in cell.planted.changes],
         "identified": None if cell.model is None else dict(cell.model.parameters),
     }

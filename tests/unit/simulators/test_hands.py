@@ -8,6 +8,7 @@ from simulators.ballbar_accuracy import BallbarSetup
 from simulators.errors import HandsError
 from simulators.physics.effects import PlantedChange
 from simulators.robot import SpeedLimits
+from simulators.truth_document import plant_document
 
 FAST = SpeedLimits(tool_mm_s=1e6, orientation_rad_s=1e6)
 # The LR Mate holds the ball of nest 1 at corners 300 mm apart, then stands above them.
@@ -237,6 +238,17 @@ async def test_a_motion_beyond_its_travel_tears_the_ballbar_off(posed):
     assert (cell.hands.accidents, cell.hands.motions_attached) == (1, 1)
     with pytest.raises(HandsError, match="not attached"):
         cell.hands.do("detach", {})
+
+
+async def test_the_truth_about_a_cell_counts_accidents_and_lists_the_cups(posed):
+    cell = await posed(ballbar=wide())
+    cell.hands.do("connect", LEG)
+    await move(cell, OTHER_POSE)
+
+    truth = plant_document(cell)
+
+    assert truth["ballbar"] == {"accidents": 1, "motions_attached": 1}
+    assert [cup["position_mm"] for cup in truth["cups"]] == [c.place_mm.tolist() for c in cell.fixture.cups]
 
 
 async def test_motions_with_the_ballbar_aside_or_on_its_calibrator_are_no_accident(posed):

@@ -41,7 +41,12 @@ def drawn_up(placements=1, repeats=1, **changes):
                 "number": number,
                 "setups": [{"base_point": k, "joints_deg": row} for k, row in enumerate(SETUPS, start=1)],
                 "poses": [
-                    {"config": 100 * number + k, "joints_deg": POSES[k % 2], "legs": LEGS[k % 2], **changes}
+                    {
+                        "config": 100 * number + k,
+                        "joints_deg": POSES[k % 2],
+                        "legs": [*LEGS[k % 2]],
+                        **changes,
+                    }
                     for k in range(2 * repeats)
                 ],
             }
@@ -92,6 +97,48 @@ def test_without_noise_cups_are_where_the_true_robot_held_the_ball_and_triangles
         ends = points[sides.point_b[mine] - 1] - points[sides.point_a[mine] - 1]
         assert mine.sum() == 3
         assert sides.length_mm[mine] == pytest.approx(np.linalg.norm(ends, axis=1), abs=1e-9)
+
+
+def test_a_fourth_cup_makes_six_sides_and_further_legs():
+    document = drawn_up()
+    document["placements"][0]["setups"].append({"base_point": 4, "joints_deg": POSES[0]})
+    document["placements"][0]["poses"][1]["legs"] += [[4, 1], [4, 2]]
+
+    recording = recorded(generous(NOISE_FREE), plan=plan_from(document, "plan"))
+
+    cups, sides, legs = recording.cups, recording.sides, recording.legs
+    mine = sides.placement == 1
+    pairs = list(zip(sides.point_a[mine].tolist(), sides.point_b[mine].tolist(), strict=True))
+    assert pairs == [(1, 2), (1, 3), (1, 4), (2, 3), (2, 4), (3, 4)]
+    assert cups.base_point.tolist() == [1, 2, 3, 4]
+    fourth = legs.base_point == 4
+    nests = true_nests_mm(recording.cell, legs)[fourth, legs.tool_point[fourth] - 1]
+    assert legs.length_mm[fourth] == pytest.approx(np.linalg.norm(nests - cups.true_mm[3], axis=1), abs=1e-9)
+
+
+def test_a_pose_that_the_arm_cannot_correct_is_left_out_and_named():
+    plan = plan_from(drawn_up(aimed_mm=[300.0, 300.0, 300.0, 300.0, 300.0, 900.0]), "plan")
+
+    recording = recorded(plan=plan, aimed=True)
+
+    assert recording.not_reached == (100, 101)
+    assert len(recording.legs) + len(recording.out_of_range) == 0
+
+
+def test_set_ups_of_later_placements_are_aimed_at_their_cups():
+    document = drawn_up(placements=2)
+    cups = recorded(
+        replace(NOISE_FREE, errors=replace(NOISE_FREE.errors, link_translation_mm=0.0))
+    ).cups.true_mm
+    for placement in document["placements"]:
+        placement["cups_mm"] = cups.tolist()
+
+    aimed = recorded(NOISE_FREE, plan=plan_from(document, "plan"), aimed=True).cups
+
+    off_mm = np.linalg.norm(aimed.true_mm.reshape(2, 3, 3) - cups, axis=2)
+    # Another robot than that of the plan misses by its own errors, a corrected one by 0.05 per axis.
+    assert off_mm[0].max() > 0.2
+    assert off_mm[1].max() < 4 * 0.05 * np.sqrt(3.0)
 
 
 def test_a_reading_out_of_range_is_no_row():
