@@ -167,7 +167,7 @@ def _suspicion(
     instead = int(account[reading])
     suspected = foreseen.pairs[instead] if instead < len(foreseen.pairs) else None
     kind = _kind(suspected, account, legs, foreseen)
-    return Suspicion(kind, legs[reading], suspected, readings[legs[reading]], expected_mm)
+    return Suspicion(kind, legs[reading], suspected, float(readings[legs[reading]]), expected_mm)
 
 
 def _kind(
