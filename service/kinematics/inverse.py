@@ -68,8 +68,8 @@ def all_branches(robot: Robot, pose: FloatArray) -> FloatArray:
     -------
     ndarray, shape (..., 8, J)
         Radians in (-pi, pi], joint limits not looked at; NaN rows where a branch does not exist. At a wrist
-        singularity joint 4 is 0. Arms without a closed form: the branches that the search finds, at most
-        eight, in no order that has a meaning.
+        singularity joint 4 is 0; with the wrist on axis 1, theta_1 is 0 or -pi. Arms without a closed form:
+        the branches that the search finds, at most eight, in no order that has a meaning.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def _closed_form(robot: Robot, pose: FloatArray) -> FloatArray:
     rotation = tilt.T @ pose[:, :3, :3]
     wrist = pose[:, :3, 3] - robot.joints[5].d_mm * pose[:, :3, 2]
     wrist = (wrist - np.array([first.a_mm, 0.0, 0.0])) @ tilt - np.array([0.0, 0.0, first.d_mm])
-    with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
         branches = [
             _branch(robot, rotation, wrist, back, down, flip)
             for back, down, flip in product((0, 1), repeat=3)
@@ -175,7 +175,9 @@ def _column_angle(robot: Robot, wrist: FloatArray, back: int) -> FloatArray:
     upper, elbow, forearm = robot.joints[1:4]
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
     along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
-    share = -along_axis_2 / np.sin(upper.alpha_rad) / np.hypot(wrist[:, 0], wrist[:, 1])
+    distance = np.hypot(wrist[:, 0], wrist[:, 1])
+    on_axis = (distance < _STRUCTURE_MM) & (abs(along_axis_2) < _STRUCTURE_MM)
+    share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
     aside = np.arcsin(_rounded(share))
     direction = np.arctan2(wrist[:, 1], wrist[:, 0])
     return np.asarray(direction - np.pi + aside if back else direction - aside)
