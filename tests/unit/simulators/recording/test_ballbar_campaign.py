@@ -15,6 +15,7 @@ from simulators.recording.__main__ import main
 from simulators.recording.ballbar import BallbarWishes, record_ballbar
 from simulators.recording.ballbar_plan import plan_from
 from simulators.recording.campaign import record
+from simulators.robot import SpeedLimits
 from simulators.scenario_file import load_scenario
 
 TILTED = load_scenario("lrmate-tilted")
@@ -396,3 +397,28 @@ def test_a_plan_file_that_is_none_is_refused_by_its_name(tmp_path, capsys, text)
 
     assert main(["lrmate-tilted", "--ballbar", str(plan), "--out", str(tmp_path / "out")]) == 2
     assert "plan.json" in capsys.readouterr().err
+
+
+async def test_a_campaign_is_what_a_person_would_have_measured_in_the_cell():
+    scenario = replace(NOISE_FREE, ballbar=BallbarSetup(range_mm=3.0))
+    recording = recorded(scenario)
+    cell, limits = Cell(scenario, 3, CellClock(0)), SpeedLimits(1e6, 1e6)
+
+    cell.hands.do("place_base", {"placement": 1})
+    cell.hands.do("fit_ball", {})
+    for point, joints_deg in enumerate(SETUPS, start=1):
+        await cell.move_robot([np.radians(joints_deg)], limits, np.zeros(3))
+        cell.hands.do("clamp", {"base_point": point})
+    cell.hands.do("remove_ball", {})
+    lengths = []
+    for joints_deg, legs in zip(POSES, LEGS, strict=True):
+        await cell.move_robot([np.radians(joints_deg)], limits, np.zeros(3))
+        cell.hands.do("calibrator", {"bars": "base"})
+        for base, tool in legs:
+            cell.hands.do("connect", {"base": base, "tool": tool})
+            lengths.append(300.0 + cell.ballbar.sample(cell.clock.now_s).deviation_mm)
+        cell.hands.do("detach", {})
+
+    clamped = np.array([cup.place_mm for cup in cell.fixture.cups])
+    assert clamped == pytest.approx(recording.cups.true_mm, abs=1e-9)
+    assert lengths == pytest.approx(recording.legs.length_mm, abs=1e-9)
