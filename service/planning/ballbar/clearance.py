@@ -81,10 +81,15 @@ def _of_links(bodies: Scene, links: range) -> Capsules:
 
 
 def _self_gaps(bodies: Scene) -> list[FloatArray]:
-    """Gaps between the tool and the links before the wrist, and between links that do not meet."""
+    """Gaps between the tool and the links before the wrist, and between links that do not meet.
+
+    The stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
+    """
     last = bodies.cell.robot.n_joints
-    before_wrist = _of_links(bodies, range(last - _NEIGHBOURS))
-    free = [smallest_gap(bodies.tool, before_wrist)]
+    forearm = _of_links(bodies, range(last - _NEIGHBOURS, last - _NEIGHBOURS + 1))
+    before = _of_links(bodies, range(last - _NEIGHBOURS))
+    plate = bodies.tool.some(range(len(bodies.tool) - 1))
+    free = [smallest_gap(bodies.tool, before), smallest_gap(plate, forearm)]
     for link in range(_NEIGHBOURS + 2, last + 1):
         lower = _of_links(bodies, range(link - _NEIGHBOURS - 1))
         free.append(smallest_gap(_of_links(bodies, range(link, link + 1)), lower))
