@@ -29,7 +29,7 @@ from tests.unit.service.sequencing.fakes import IRB120
 
 HOME = joints(0)
 LIMITS = (JointRange(-1.0, 1.0),) * 6
-_TURNS = 12  # of the event loop: more than any chain of tasks that wake each other is long
+_MOST_TURNS = 1000  # of the event loop; tasks that keep each other awake for longer never rest
 
 
 class Clock:
@@ -59,9 +59,14 @@ class Clock:
         self.time_s = until_s
 
 
-async def turns(number: int = _TURNS) -> None:
-    for _ in range(number):
+async def turns() -> None:
+    """Let all other tasks run until each of them waits for the clock or for the test."""
+    loop = asyncio.get_running_loop()
+    for _ in range(_MOST_TURNS):
         await asyncio.sleep(0)
+        if not loop._ready:
+            return
+    raise AssertionError("some task never waits for the clock")
 
 
 class Hands:
@@ -119,6 +124,7 @@ class Bar:
         self.temperature_c: float | None = 22.5
         self.out_of_range_mm: float | None = None
         self._samples = count()
+        self.read_at: tuple[str, tuple[int, int]] | None = None  # where it was at the last reading
 
     async def connect(self) -> None:
         if not self.plugged:
@@ -135,6 +141,7 @@ class Bar:
         if not self.plugged or not self.connected:
             raise self.lost("the ballbar is gone; check the cable")
         number = next(self._samples)
+        self.read_at = self._hands.at
         shown, signal = self._hands.deviation_mm, "good"
         if math.isnan(shown):
             signal = "none"
@@ -162,6 +169,7 @@ class Robot:
         self.judge: Callable[[], None] = lambda: None
         self.fault: DriverError | None = None  # of the next motion
         self.under_way = False
+        self.told_s = -math.inf  # the time of its last statement where it is
 
     async def connect(self) -> None:
         if not self.plugged:
@@ -194,7 +202,8 @@ class Robot:
         if not self.plugged or not self.connected:
             self.connected = False
             raise ConnectionLostError("the link to the robot is down")
-        return JointReading(self.joints, math.radians(0.01), self._clock.time_s - self.state_age_s)
+        self.told_s = self._clock.time_s - self.state_age_s
+        return JointReading(self.joints, math.radians(0.01), self.told_s)
 
 
 class Disk:
@@ -211,7 +220,9 @@ class Disk:
         await asyncio.sleep(0)
         self.entries.append(entry)
         self.on_append(entry)
-        return len(self.entries) - 1
+        number = len(self.entries) - 1
+        await asyncio.sleep(0)  # kept, and nobody has been told yet
+        return number
 
 
 class Oracle:
@@ -236,15 +247,15 @@ class Oracle:
 class Suspect:
     """A judge of lengths that sees what is really connected."""
 
-    def __init__(self, hands: Hands) -> None:
-        self._hands = hands
+    def __init__(self, bar: Bar) -> None:
+        self._bar = bar
         self.blind = False
         self.of_pose: tuple[Suspicion, ...] = ()
 
     def leg(self, asked, length_mm, earlier, forecast, **_) -> Suspicion | None:
-        if self.blind or self._hands.at is None or self._hands.at[1] == asked:
+        what, pair = self._bar.read_at or ("", (0, 0))
+        if self.blind or (pair == asked and what != "calibrator"):
             return None
-        pair = self._hands.at[1]
         return Suspicion("same_pair" if pair in earlier else "other_pair", asked, pair, length_mm, 300.0)
 
     def pose(self, lengths, forecast, **_) -> tuple[Suspicion, ...]:
@@ -264,7 +275,7 @@ class Bench:
         self.disk = Disk()
         self.disk.entries += entries
         self.oracle = Oracle()
-        self.suspect = Suspect(self.hands)
+        self.suspect = Suspect(self.bar)
         self.keys = count()
         self.cell = BallbarCell(self.bar, self.robot, self.clock, IRB120, LIMITS)
         self.runner = self._runner()
