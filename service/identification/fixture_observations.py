@@ -22,7 +22,7 @@ from service.identification.leg_observations import anchor_name
 from service.identification.observations import BlockResult, IndependentReadings, targets_subset
 from service.identification.structure import Structure
 
-_TOOL = 0  # number of the placement that stands for the tool
+TOOL_PLACEMENT = 0  # number of the placement that stands for the tool
 _BALL_NEST = 1  # tool nest that holds the setting ball
 Anchors = tuple[tuple[int, int], ...]
 
@@ -74,8 +74,8 @@ class SideBlock(IndependentReadings):
         return np.asarray(points[self.ends[:, 1]] - points[self.ends[:, 0]])
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> "SideBlock":
-        """Return the block with other weights and another discrepancy [mm]."""
-        return replace(self, weights=weights, discrepancy=discrepancy)
+        """Return the block with other weights; no model of an arm is in it that could lack something."""
+        return replace(self, weights=weights)
 
     def subset(self, rows: IntArray) -> "SideBlock":
         """Return the block with some of its readings."""
@@ -163,7 +163,7 @@ def _point(fixture: FixtureLengths, row: int, end: str, anchors: Anchors, nests:
     """Return the number of a point as `SideBlock` counts them, -1 for one that has no legs."""
     placement = int(fixture.placement[row])
     number = int((fixture.point_a if end == "a" else fixture.point_b)[row])
-    if placement == _TOOL:
+    if placement == TOOL_PLACEMENT:
         return len(anchors) + number - 1 if number <= nests else -1
     return anchors.index((placement, number)) if (placement, number) in anchors else -1
 

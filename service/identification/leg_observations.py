@@ -4,14 +4,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from service.domain.arrays import FloatArray, IntArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.identification.evaluation import State, Targets, evaluate
 from service.identification.leg_lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from service.identification.observations import BlockResult, targets_subset
 from service.identification.structure import Structure
 from service.identification.whitening import Whitener, whitener
+from service.kinematics.chain import theta_gradient
 
 LEG_OFFSET = "length_offset"
+# What a model of an arm lacks is angles of joints first of all: gears, backlash, couplings. The legs of a
+# stop see such an angle together, each at its own lever; a discrepancy of d mm is one of d / 400 mm in every
+# joint, and besides a part of d in each leg by itself, for what is no angle of a joint.
+_ARM_MM = 400.0
+_OWN_SHARE = 0.6
 
 
 def anchor_name(anchor: tuple[int, int], component: int) -> str:
@@ -29,7 +35,7 @@ class LegBlock:
     uncertainty_mm: FloatArray  # (n,)
     scatter_mm: float
     weights: FloatArray  # (n,)
-    discrepancy: float = 0.0  # mm
+    discrepancy: float = 0.0  # mm, at an arm's length from the joints
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
@@ -39,7 +45,9 @@ class LegBlock:
         direction = arm / distance[:, None]
         offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
         residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
-        return BlockResult(residual, self.derivatives(state), state, self._whitening(direction), direction)
+        lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)
+        whitening = self._whitening(direction, lever)
+        return BlockResult(residual, self.derivatives(state), state, whitening, direction, lever)
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""
@@ -73,21 +81,27 @@ class LegBlock:
 
     def whitened(self, result: BlockResult) -> FloatArray:
         """Return residuals with this block's weights, shape (n,)."""
-        direction = np.zeros((len(self.anchor), 3)) if result.direction is None else result.direction
-        return self._whitening(direction).apply(result.residual).reshape(-1)
+        n, joints = self.targets.stops.joints_rad.shape
+        direction = np.zeros((n, 3)) if result.direction is None else result.direction
+        lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
+        return self._whitening(direction, lever).apply(result.residual).reshape(-1)
 
     def squared(self, result: BlockResult) -> FloatArray:
         """Return each length's squared residual over its variance, scatter included, shape (n,)."""
         return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
 
-    def _whitening(self, direction: FloatArray) -> Whitener:
-        return whitener(
-            self.component_variance()[:, None, None],
-            self.weights,
-            self.targets.stops.config,
-            direction[:, None, :],
-            self.scatter_mm,
-        )
+    def _whitening(self, direction: FloatArray, lever_mm: FloatArray) -> Whitener:
+        together = self._together()
+        part = np.where(together, _OWN_SHARE, 1.0) * self.discrepancy
+        own = (self.uncertainty_mm**2 + part**2)[:, None, None]
+        joints = together[:, None] * self.discrepancy / _ARM_MM * lever_mm
+        shared = np.hstack([self.scatter_mm * direction, joints])
+        return whitener(own, self.weights, self.targets.stops.config, shared[:, None, :])
+
+    def _together(self) -> BoolArray:
+        """Return which legs were read at a stop with others, shape (n,)."""
+        _, stop, legs = np.unique(self.targets.stops.config, return_inverse=True, return_counts=True)
+        return np.asarray(legs[stop] > 1)
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> "LegBlock":
         """Return the block with other weights and another discrepancy [mm]."""

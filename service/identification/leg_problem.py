@@ -3,16 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2
 
 from service.domain.arrays import FloatArray, IntArray
-from service.domain.campaign import Campaign, LegReadings
+from service.domain.campaign import Campaign, FixtureLengths, LegReadings
 from service.domain.errors import ConfigurationError
 from service.domain.robot import FramePlacement
 from service.effects.ports import ParameterSpec, Setting
 from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from service.effects.tool_certificate import certificate_specs
 from service.identification.evaluation import Targets
-from service.identification.fixture_observations import clamp_block, side_block
+from service.identification.fixture_observations import TOOL_PLACEMENT, clamp_block, side_block
 from service.identification.leg_observations import LEG_OFFSET, LegBlock, anchor_name
 from service.identification.legs_start import LegPlacement, place_legs
 from service.identification.observations import Block
@@ -25,6 +26,7 @@ from service.kinematics.frames import placement_rotation, placement_translation
 
 _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
 _LEG_OWNER = "legs"
+_CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradict the nests' certificates
 
 
 def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
@@ -103,14 +105,39 @@ def _with_certified_nests(
     structure: Structure, start: FloatArray, campaign: Campaign, legs: LegReadings
 ) -> tuple[Structure, FloatArray]:
     """Let certified nests move within their certificates: legs are finer than these."""
-    read = np.unique(legs.nest).tolist()
-    stated = {
-        k: campaign.nests[k - 1].standard_uncertainty_mm for k in read if k not in unknown_nests(campaign)
-    }
-    specs = certificate_specs({k: u for k, u in stated.items() if u})
+    known = sorted(set(np.unique(legs.nest).tolist()) - set(unknown_nests(campaign)))
+    stated = {k: campaign.nests[k - 1].standard_uncertainty_mm for k in known}
+    wider = _certificates_contradicted(campaign)
+    specs = certificate_specs({k: wider * u for k, u in stated.items() if u})
     if not specs:
         return structure, start
     return structure.extended(TOOL_CERTIFICATE, specs), np.concatenate([start, np.zeros(len(specs))])
+
+
+def _certificates_contradicted(campaign: Campaign) -> float:
+    """Return how much wider than certified nests scatter, by the measured triangle of the tool; 1 or more."""
+    fixture = campaign.fixture
+    if fixture is None:
+        return 1.0
+    tool = np.flatnonzero(fixture.placement == TOOL_PLACEMENT).tolist()
+    squares = [square for row in tool if (square := _against_certificate(campaign, fixture, row)) is not None]
+    total = float(np.sum(squares))
+    if not squares or total <= chi2.isf(_CONTRADICTION_LEVEL, len(squares)):
+        return 1.0
+    return float(np.sqrt(total / len(squares)))
+
+
+def _against_certificate(campaign: Campaign, fixture: FixtureLengths, row: int) -> float | None:
+    """Return the square of a side's deviation from its certificate over its variance, None without one."""
+    ends = (int(fixture.point_a[row]), int(fixture.point_b[row]))
+    if max(ends) > len(campaign.nests):
+        return None
+    first, second = (campaign.nests[end - 1] for end in ends)
+    if first.centre_mm is None or second.centre_mm is None:
+        return None
+    off_mm = float(fixture.length_mm[row] - np.linalg.norm(np.subtract(first.centre_mm, second.centre_mm)))
+    stated = (first.standard_uncertainty_mm or 0.0, second.standard_uncertainty_mm or 0.0)
+    return off_mm**2 / (float(fixture.standard_uncertainty_mm[row]) ** 2 + stated[0] ** 2 + stated[1] ** 2)
 
 
 def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:

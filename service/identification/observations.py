@@ -28,6 +28,7 @@ class BlockResult:
     state: State
     whitening: Whitener
     direction: FloatArray | None = None  # (n, 3) of the legs
+    lever_mm: FloatArray | None = None  # (n, J) of the legs: change of the length per angle of each joint
 
     @property
     def white_residual(self) -> FloatArray:
@@ -175,9 +176,8 @@ class PositionBlock:
 
     def prepared(self) -> "PositionBlock":
         """Return the block with its whitening computed once."""
-        shared = np.broadcast_to(np.eye(3), self.covariance_mm2.shape)
-        stop = self.targets.stops.config
-        built = whitener(self.total_covariance(), self.weights, stop, shared, self.scatter_mm)
+        shared = np.broadcast_to(self.scatter_mm * np.eye(3), self.covariance_mm2.shape)
+        built = whitener(self.total_covariance(), self.weights, self.targets.stops.config, shared)
         return replace(self, whitening=built)
 
     def weighted(self, weights: FloatArray, discrepancy: float) -> "PositionBlock":

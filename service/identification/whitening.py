@@ -1,8 +1,8 @@
 """Weights: covariance of each reading plus what all readings of one stop share.
 
 The scatter of the arm is drawn once per stop, so readings of one stop are correlated: with D the
-covariance of the readings and F what a motion of the arm does to each of them,
-cov = D + s^2 F F^T. Whitening multiplies residuals and derivatives by the inverse of its
+covariance of the readings and S what one standard deviation of each shared thing does to each of them,
+cov = D + S S^T. Whitening multiplies residuals and derivatives by the inverse of its
 Cholesky factor.
 """
 
@@ -35,9 +35,7 @@ class Whitener:
         return result
 
 
-def whitener(
-    covariance: FloatArray, weights: FloatArray, stop: IntArray, shared: FloatArray, scatter_mm: float
-) -> Whitener:
+def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared: FloatArray) -> Whitener:
     """Build the whitening of n readings of d components.
 
     Parameters
@@ -48,10 +46,8 @@ def whitener(
         1 for a full reading, 0 for one that gets no weight.
     stop : ndarray, shape (n,)
         Readings with equal numbers belong to one stop.
-    shared : ndarray, shape (n, d, 3)
-        What a motion of the arm [mm] does to each component.
-    scatter_mm : float
-        Standard deviation of the arm per axis.
+    shared : ndarray, shape (n, d, k)
+        What a standard deviation of each of k things that a stop's readings share does to each component.
 
     Returns
     -------
@@ -59,8 +55,8 @@ def whitener(
     """
     inflated = covariance / np.maximum(weights, 1.0 / _NO_WEIGHT)[:, None, None]
     _, inverse, sizes = np.unique(stop, return_inverse=True, return_counts=True)
-    if scatter_mm == 0.0 or sizes.max(initial=1) == 1:
-        total = inflated + scatter_mm**2 * shared @ np.swapaxes(shared, 1, 2) / _floor(weights)
+    if not shared.any() or sizes.max(initial=1) == 1:
+        total = inflated + shared @ np.swapaxes(shared, 1, 2) / _floor(weights)
         return _of_single(total)
     order = np.argsort(inverse, kind="stable")
     ends = np.cumsum(sizes)
@@ -68,7 +64,7 @@ def whitener(
     for size in np.unique(sizes):
         starts = (ends - sizes)[sizes == size]
         rows = order[starts[:, None] + np.arange(size)]
-        groups.append((rows, _factors(inflated, shared, scatter_mm, rows)))
+        groups.append((rows, _factors(inflated, shared, rows)))
     return Whitener(tuple(groups), None)
 
 
@@ -84,16 +80,14 @@ def _of_single(total: FloatArray) -> Whitener:
     return Whitener(((rows, _inverse_cholesky(total)),), None)
 
 
-def _factors(inflated: FloatArray, shared: FloatArray, scatter_mm: float, rows: IntArray) -> FloatArray:
+def _factors(inflated: FloatArray, shared: FloatArray, rows: IntArray) -> FloatArray:
     stops, size = rows.shape
     d = inflated.shape[1]
     blocks = np.zeros((stops, size, d, size, d))
     for k in range(size):
         blocks[:, k, :, k, :] = inflated[rows[:, k]]
-    arms = shared[rows].reshape(stops, size * d, 3)
-    return _inverse_cholesky(
-        blocks.reshape(stops, size * d, size * d) + scatter_mm**2 * arms @ np.swapaxes(arms, 1, 2)
-    )
+    arms = shared[rows].reshape(stops, size * d, -1)
+    return _inverse_cholesky(blocks.reshape(stops, size * d, size * d) + arms @ np.swapaxes(arms, 1, 2))
 
 
 def _inverse_cholesky(covariance: FloatArray) -> FloatArray:

@@ -31,7 +31,7 @@ def test_equal_axes_on_their_own_are_divided_by_their_uncertainty():
     sigma = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 4.0])
     own = sigma[:, None, None] ** 2 * np.eye(3)
 
-    whitening = whitener(own, np.ones(6), np.arange(6), UNIT, 0.0)
+    whitening = whitener(own, np.ones(6), np.arange(6), 0.0 * UNIT)
 
     residual = np.ones((6, 3))
     assert whitening.apply(residual) == pytest.approx(residual / sigma[:, None])
@@ -44,7 +44,7 @@ def test_equal_axes_on_their_own_are_divided_by_their_uncertainty():
 def test_whitened_readings_have_unit_covariance(stops, scatter):
     own = covariances()
 
-    matrix = as_matrix(whitener(own, np.ones(6), stops, UNIT, scatter))
+    matrix = as_matrix(whitener(own, np.ones(6), stops, scatter * UNIT))
 
     white = matrix @ stacked(own, stops, scatter) @ matrix.T
     assert white == pytest.approx(np.eye(18), abs=1e-10)
@@ -54,7 +54,7 @@ def test_lengths_share_the_scatter_along_their_own_directions():
     direction = np.array([[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
     own = np.full((3, 1, 1), 0.04)
 
-    matrix = as_matrix(whitener(own, np.ones(3), np.ones(3), direction[:, None, :], 0.5), n=3, d=1)
+    matrix = as_matrix(whitener(own, np.ones(3), np.ones(3), 0.5 * direction[:, None, :]), n=3, d=1)
 
     covariance = 0.04 * np.eye(3) + 0.25 * direction @ direction.T
     assert matrix @ covariance @ matrix.T == pytest.approx(np.eye(3), abs=1e-12)
@@ -66,15 +66,15 @@ def test_a_reading_of_no_weight_says_nothing_and_leaves_the_others_alone(stops):
     kept = weights > 0
     residual = np.random.default_rng(1).standard_normal((6, 3))
 
-    white = whitener(own, weights, stops, UNIT, 0.3).apply(residual)
+    white = whitener(own, weights, stops, 0.3 * UNIT).apply(residual)
 
-    alone = whitener(own[kept], np.ones(4), stops[kept], UNIT[kept], 0.3).apply(residual[kept])
+    alone = whitener(own[kept], np.ones(4), stops[kept], 0.3 * UNIT[kept]).apply(residual[kept])
     # no weight is a variance 1e12 times as large: what is left of it is of the order of 1e-6
     assert np.sum(white**2) == pytest.approx(np.sum(alone**2), rel=1e-5)
 
 
 def test_derivatives_are_whitened_like_residuals():
-    whitening = whitener(covariances(), np.ones(6), STOPS, UNIT, 0.3)
+    whitening = whitener(covariances(), np.ones(6), STOPS, 0.3 * UNIT)
     several = np.random.default_rng(2).standard_normal((5, 6, 3))
 
     together = whitening.apply(several)
