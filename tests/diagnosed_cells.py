@@ -5,11 +5,8 @@ import numpy as np
 from service.domain.diagnosis import (
     Cause,
     Confidence,
-    Curve,
     Dependence,
     Detail,
-    Diagnosis,
-    Finding,
     Gain,
     HeldOutErrors,
     NextMeasurement,
@@ -19,6 +16,7 @@ from service.domain.diagnosis import (
     Verdict,
 )
 from service.domain.results import Statistics
+from tests import diagnoses
 from tests.builders import make_model, make_parameter
 
 NOISE_MM = 0.02
@@ -64,28 +62,22 @@ def make_curve(n=100, seed=1, shape=None, **changes):
         "line": shape(line_x),
         "line_band": np.full(200, 0.004),
     }
-    return Curve(**{**values, **changes})
+    return diagnoses.make_curve(**{**values, **changes})
 
 
 def make_finding(**changes):
-    """A wave of two periods in joint 6, certain."""
+    """A wave of two periods in joint 6, certain, with the curve that shows it."""
     values = {
-        "effect": "joint_harmonics",
-        "subject": "joint 6",
         "amplitude": 0.0293,
-        "unit": "deg",
         "amplitude_standard_uncertainty": 0.0019,
         "p_value": 3e-11,
-        "confidence": Confidence.CERTAIN,
         "details": (Detail("order", 2.0, "1", 0.0), Detail("phase", 41.2, "deg", 3.7)),
         "sentence": "Joint 6 is off by a wave of 2 periods per turn, 0.029 deg: typical of its gear.",
-        "confusable_with": (),
         "gain": Gain(0.0612, 0.0389, (0.0171, 0.0282)),
-        "parameters": ("wave_6_2_cos", "wave_6_2_sin"),
         "share": 0.71,
         "curve": make_curve(),
     }
-    return Finding(**{**values, **changes})
+    return diagnoses.make_wave(**{**values, **changes})
 
 
 def make_gain_finding(**changes):
@@ -190,7 +182,7 @@ def make_diagnosis(**changes):
         "errors": errors,
         "model": model,
     }
-    return Diagnosis(**{**values, **changes})
+    return diagnoses.make_diagnosis(**{**values, **changes})
 
 
 def consistent():

@@ -5,6 +5,7 @@ import asyncio
 import httpx
 import pytest
 
+from service.analysis.worker_process import perform_in_worker
 from service.app import create_app
 from service.settings import Settings
 from tests.integration.web.bench import CELL, Bench
@@ -23,8 +24,14 @@ def settings(tmp_path, database_url):
 
 
 @pytest.fixture
-async def app(settings, bench):
-    application = create_app(settings, bench.registry())
+def worker():
+    """Who does the jobs: processes, as in a service; modules that know the answers say who else."""
+    return perform_in_worker
+
+
+@pytest.fixture
+async def app(settings, bench, worker):
+    application = create_app(settings, bench.registry(), worker)
     async with application.router.lifespan_context(application):
         yield application
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from service.app import create_app
 from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from service.exchange.diagnosis_document import diagnosis_document
 from tests.builders import make_campaign, make_robot
@@ -17,13 +16,6 @@ ZIP = {"Content-Type": "application/zip"}
 @pytest.fixture
 def worker():
     return Diagnostician()
-
-
-@pytest.fixture
-async def app(settings, bench, worker):
-    application = create_app(settings, bench.registry(), worker)
-    async with application.router.lifespan_context(application):
-        yield application
 
 
 async def uploaded(client, **changes):

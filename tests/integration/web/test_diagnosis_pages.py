@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from service.app import create_app
 from service.exchange.campaign_zip import write_campaign_zip
 from tests.builders import make_campaign
 from tests.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
@@ -26,13 +25,6 @@ class Diagnostician:
 @pytest.fixture
 def worker():
     return Diagnostician()
-
-
-@pytest.fixture
-async def app(settings, bench, worker):
-    application = create_app(settings, bench.registry(), worker)
-    async with application.router.lifespan_context(application):
-        yield application
 
 
 @pytest.fixture

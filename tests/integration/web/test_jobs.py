@@ -98,13 +98,6 @@ def worker():
 
 
 @pytest.fixture
-async def app(settings, bench, worker):
-    application = create_app(settings, bench.registry(), worker)
-    async with application.router.lifespan_context(application):
-        yield application
-
-
-@pytest.fixture
 async def campaign_id(client):
     archive = write_campaign_zip(make_campaign())
     answer = await client.post(

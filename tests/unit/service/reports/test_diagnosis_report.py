@@ -1,6 +1,5 @@
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -19,31 +18,9 @@ from tests.diagnosed_cells import (
     make_gain_finding,
     two_findings,
 )
+from tests.pages import Page
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
-
-
-class Page(HTMLParser):
-    """What a browser would find: elements with attributes, and the text between them."""
-
-    def __init__(self, html):
-        super().__init__()
-        self.elements, self._texts = [], []
-        self.feed(html)
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs)))
-
-    def handle_data(self, data):
-        self._texts.append(data)
-
-    @property
-    def text(self):
-        return " ".join(" ".join(self._texts).split())
-
-    @property
-    def tags(self):
-        return {tag for tag, _ in self.elements}
 
 
 def page_of(diagnosis, **parts):

@@ -1,6 +1,5 @@
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -21,31 +20,9 @@ from service.reports import (
 )
 from service.reports.errors import UnwritableReportError
 from tests.builders import make_identification, make_model, make_statistics
+from tests.pages import Page
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
-
-
-class Page(HTMLParser):
-    """What a browser would find: elements with attributes, and the text between them."""
-
-    def __init__(self, html):
-        super().__init__()
-        self.elements, self._texts = [], []
-        self.feed(html)
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append((tag, dict(attrs)))
-
-    def handle_data(self, data):
-        self._texts.append(data)
-
-    @property
-    def text(self):
-        return " ".join(" ".join(self._texts).split())
-
-    @property
-    def tags(self):
-        return {tag for tag, _ in self.elements}
 
 
 def report_of(tmp_path, identification, campaign, **parts):

@@ -1,0 +1,26 @@
+"""Pages as a browser finds them: for tests of what is written as HTML."""
+
+from html.parser import HTMLParser
+
+
+class Page(HTMLParser):
+    """What a browser would find: elements with attributes, and the text between them."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self._texts = [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self._texts.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self._texts).split())
+
+    @property
+    def tags(self):
+        return {tag for tag, _ in self.elements}
