@@ -15,7 +15,7 @@ References
 A. Nubiola, PhD thesis, ETS Montreal, 2014, section 3.3 and equations (3.12) to (3.16).
 """
 
-from itertools import combinations
+from collections.abc import Collection
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,8 @@ from service.kinematics.trilateration import tri, tri_gradient
 
 # Sides of t2 and t3 in the four solutions, numbered as in table 3.1.
 _SIDES = ((1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0))
+# A cup less than a tenth of a side out of the plane of the others is in no nest's way.
+_FLAT = 0.1
 # The lengths that a tool triangle has between nests 1-2, 2-3, 3-1, looked up by the two nests' numbers.
 _TOOL_SIDE = {frozenset((1, 2)): 0, frozenset((2, 3)): 1, frozenset((1, 3)): 2}
 
@@ -71,20 +73,36 @@ def fourth_cup(cups_mm: FloatArray, b14_mm: float, b24_mm: float, b34_mm: float)
     return cup
 
 
-def outward(design: Design, cups_mm: FloatArray) -> float:
-    """Return the side of the design's three cups, in the pattern's order, on which the tool is: +1 or -1.
+def outward(cups_mm: FloatArray, used: Collection[int]) -> FloatArray:
+    """Return the normal of three cups that points to the side on which the tool is, shape (3,).
 
-    With three cups it is up: the side of (B2 - B1) x (B3 - B1). With four it is the side away from the cup
-    that the design does not use, whose place above a tool nest would take.
+    With three cups, or all of them about in a plane, it is up: the side of (B2 - B1) x (B3 - B1). Otherwise
+    it is the side away from the cup that is not used, which is where a tool nest would come on the other.
+
+    Parameters
+    ----------
+    cups_mm : ndarray, shape (K, 3)
+        All cups of the base fixture.
+    used : collection of int
+        Numbers of the three cups, from 1.
+
+    Raises
+    ------
+    ConfigurationError
+        The cups are on a line.
     """
-    v1, v2, v3 = (cups_mm[cup - 1] for cup in design.base)
+    v1, v2, v3 = (cups_mm[cup - 1] for cup in sorted(used))
+    up = np.cross(cups_mm[1] - cups_mm[0], cups_mm[2] - cups_mm[0])
     normal = np.cross(v2 - v1, v3 - v1)
-    idle = set(range(1, len(cups_mm) + 1)) - set(design.base)
-    if not idle:
-        up = np.cross(cups_mm[1] - cups_mm[0], cups_mm[2] - cups_mm[0])
-        return float(np.sign(np.real(normal @ up)))
-    others = np.mean([cups_mm[cup - 1] for cup in idle], axis=0)
-    return float(np.sign(np.real(normal @ (v1 - others))))
+    idle = [cup for number, cup in enumerate(cups_mm, start=1) if number not in used]
+    away = v1 - np.mean(idle, axis=0) if idle else np.zeros(3)
+    size = float(np.abs(normal @ normal)) ** 0.5  # an area: its root is a side
+    if size and abs(normal @ away) < _FLAT * size**1.5:
+        away = up
+    side = np.sign(np.real(normal @ away))
+    if not size or side == 0.0:
+        raise ConfigurationError("The cups of the base fixture lie on a line; they must form a triangle.")
+    return np.asarray(side * normal)
 
 
 def solve(
@@ -115,8 +133,10 @@ def solve(
     lengths = np.asarray(length_mm)
     if lengths.shape[-1:] != (6,):
         raise ConfigurationError(f"A design has six legs; lengths of shape {lengths.shape} were given.")
-    side = _checked_side(design, cups_mm)
+    if max(design.base) > len(cups_mm):
+        raise ConfigurationError(f"The design uses cup {max(design.base)} of {len(cups_mm)}.")
     b1, b2, b3 = (cups_mm[cup - 1] for cup in design.base)
+    side = float(np.sign(np.real(np.cross(b2 - b1, b3 - b1) @ outward(cups_mm, design.base))))
     t12, t23, t31 = (tool_sides_mm[k] for k in _pattern_sides(design))
     side2, side3 = side * np.array(_SIDES).T
     r11, r21, r31, r12, r22, r23 = np.moveaxis(lengths[..., None, :], -1, 0)  # each (..., 1): the solutions
@@ -127,15 +147,6 @@ def solve(
     for place, point in zip(design.tool, (t1, t2, t3), strict=True):
         points[..., place - 1, :] = point
     return points
-
-
-def _checked_side(design: Design, cups_mm: FloatArray) -> float:
-    if max(design.base) > len(cups_mm):
-        raise ConfigurationError(f"The design uses cup {max(design.base)} of {len(cups_mm)}.")
-    side = outward(design, cups_mm)
-    if side == 0.0:
-        raise ConfigurationError("The cups lie on a line, or all four in a plane: give their true places.")
-    return side
 
 
 def _pattern_sides(design: Design) -> tuple[int, int, int]:
@@ -232,8 +243,3 @@ def sides(points_mm: FloatArray) -> FloatArray:
     """Return the distances 1-2, 2-3 and 3-1 of three points in rows, shape (..., 3) [mm]."""
     apart = points_mm - np.roll(points_mm, -1, axis=-2)
     return np.asarray(np.sqrt((apart**2).sum(axis=-1)))
-
-
-def pairs(base_points: int) -> tuple[tuple[int, int], ...]:
-    """Return the pairs of cups whose distances define the base fixture: three, or six for four cups."""
-    return tuple(combinations(range(1, base_points + 1), 2))

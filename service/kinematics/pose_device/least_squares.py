@@ -25,6 +25,7 @@ from service.domain.arrays import FloatArray
 from service.domain.ballbar import Leg
 from service.domain.errors import ConfigurationError, UnderdeterminedError
 from service.kinematics.frames import rotation_from_vector
+from service.kinematics.pose_device.cascade import outward
 from service.kinematics.pose_device.legs import Fixtures, linear_legs
 from service.kinematics.pose_device.poses import Pose, points_gradient
 from service.kinematics.pose_device.starts import starting_poses
@@ -213,9 +214,5 @@ def _is_above(pose: Pose, fixtures: Fixtures, legs: Sequence[Leg]) -> bool:
     used = sorted({cup for cup, _ in legs})
     if len(used) > 3:
         return True
-    v1, v2, v3 = (fixtures.cups_mm[cup - 1] for cup in used)
-    up = np.cross(v2 - v1, v3 - v1)
-    idle = [cup for number, cup in enumerate(fixtures.cups_mm, start=1) if number not in used]
-    if idle:
-        up = up * np.sign(up @ (v1 - np.mean(idle, axis=0)))
-    return bool((pose.points(fixtures.nests_mm).mean(axis=0) - v1) @ up > 0.0)
+    height = pose.points(fixtures.nests_mm).mean(axis=0) - fixtures.cups_mm[used[0] - 1]
+    return bool(height @ outward(fixtures.cups_mm, used) > 0.0)

@@ -116,11 +116,18 @@ def test_a_design_on_a_cup_that_is_not_there_is_refused():
         solve(on_the_fourth, CUPS, TOOL, LEGS)
 
 
-def test_four_cups_in_one_plane_are_refused_since_no_side_is_free():
-    flat = np.vstack([CUPS, [150.0, -260.0, 0.0]])
+@pytest.mark.parametrize("warped_mm", [-5.0, 0.0, 5.0])
+def test_over_four_cups_in_a_plane_the_tool_is_above_whatever_the_fourth_is_out_of_flat(warped_mm):
+    rhombus = np.vstack([CUPS, [450.0, 259.81, warped_mm]])
 
-    with pytest.raises(ConfigurationError, match="plane"):
-        solve(designs(4)[0], flat, TOOL, LEGS)
+    for design in designs(4):
+        first = solve(design, rhombus, TOOL, LEGS)[:, design.tool[0] - 1]
+        assert np.isnan(first).any() or (first[:, 2] > 50.0).all()
+
+
+def test_cups_on_a_line_are_refused():
+    with pytest.raises(ConfigurationError, match="on a line"):
+        solve(PATTERN, np.array([[0.0, 0.0, 0.0], [150.0, 0.0, 0.0], [300.0, 0.0, 0.0]]), TOOL, LEGS)
 
 
 def test_sides_that_form_no_triangle_are_refused():
@@ -194,11 +201,11 @@ def _uncorrelated(point, holders):
 def test_monte_carlo_confirms_the_propagated_uncertainty():
     sigma = 0.00051
     rng = np.random.default_rng(7)
-    drawn = TWELVE + sigma * rng.normal(size=(4000, 12))
+    drawn = TWELVE + sigma * rng.normal(size=(2500, 12))
 
     spread = np.array([solutions(PATTERN, one) for one in drawn]).std(axis=0) / sigma
 
-    # 4,000 draws give a standard deviation to 1.1 %, a norm of three to less; 3 % is asked for
+    # 2,500 draws give a standard deviation to 1.4 %, the norm of three to 1 %; 3 % is asked for
     assert np.linalg.norm(spread, axis=2) == pytest.approx(_norms(), rel=0.03)
 
 
@@ -206,7 +213,7 @@ def test_the_covariance_of_the_pose_says_how_the_nests_scatter():
     points = solutions(PATTERN, TWELVE)[0]
     covariance = points_covariance(PATTERN, CUPS, points, 0.00051**2 * np.eye(12))
     rng = np.random.default_rng(8)
-    drawn = rng.multivariate_normal(points.ravel(), covariance, size=4000, method="eigh").reshape(-1, 3, 3)
+    drawn = rng.multivariate_normal(points.ravel(), covariance, size=2500, method="eigh").reshape(-1, 3, 3)
 
     middle = pose_of(NESTS, points)
     poses = [pose_of(NESTS, one) for one in drawn]  # of triangles that are off by microns: the best alignment
@@ -214,7 +221,7 @@ def test_the_covariance_of_the_pose_says_how_the_nests_scatter():
     spread = np.std(np.hstack([[one.origin_mm for one in poses], turns]), axis=0)
 
     stated = np.sqrt(np.diag(pose_covariance(middle, NESTS, covariance)))
-    assert spread == pytest.approx(stated, rel=0.04)  # 3.5 standard errors of 1.1 %
+    assert spread == pytest.approx(stated, rel=0.05)  # 3.5 standard errors of 1.4 %
 
 
 def test_nests_on_a_line_give_no_pose():
