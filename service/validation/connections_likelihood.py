@@ -64,7 +64,8 @@ def foreseen_by(forecast: PoseForecast, noise_mm2: float, spread_mm2: float) -> 
             f"covariance for each of its {len(forecast.legs)} legs."
         )
     finite = np.isfinite(length).all() and np.isfinite(covariance).all()
-    if not finite or np.linalg.eigvalsh(covariance)[0] < -1e-9 * (1.0 + np.trace(covariance)):
+    # a little below 0 by rounding does no harm: the noise outweighs it at every scale
+    if not finite or np.linalg.eigvalsh(covariance)[0] < -0.01 * noise_mm2:
         raise ConfigurationError(
             f"The covariance of the forecast of configuration {forecast.config} is not one of real lengths."
         )
