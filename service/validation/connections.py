@@ -67,6 +67,8 @@ def judge_leg(
     """
     readings = {leg: length for leg, length in earlier.items() if leg != asked} | {asked: length_mm}
     noise = _checked_noise(readings, reading_u_mm, zero_u_mm)
+    if not 0.0 < range_mm < np.inf:
+        raise ConfigurationError(f"The ballbar's range is {range_mm:g} mm; give it as a number above 0 mm.")
     spread = range_mm**2 / 3.0  # variance of a length that may be anywhere within the range
     if forecast is None:
         foreseen = nothing_foreseen(tuple(readings), nominal_mm, noise, spread)

@@ -248,6 +248,12 @@ def test_a_leg_that_the_forecast_does_not_know_is_refused():
         judge((4, 1), 300.0)
 
 
+@pytest.mark.parametrize("range_mm", [0.0, -1.0, np.nan])
+def test_a_ballbar_without_a_range_is_refused(range_mm):
+    with pytest.raises(ConfigurationError, match="range"):
+        judge_leg((1, 1), 300.0, {}, None, **{**BALLBAR, "range_mm": range_mm})
+
+
 @pytest.mark.parametrize("u_mm", [0.0, np.nan])
 def test_a_reading_without_uncertainty_is_refused(u_mm):
     with pytest.raises(ConfigurationError, match="above 0 mm"):
