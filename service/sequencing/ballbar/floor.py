@@ -18,6 +18,7 @@ from service.sequencing.ballbar.motion import Motion
 from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.ballbar.stand import Stand
+from service.sequencing.errors import NotNowError
 
 _PUT_IT_RIGHT = "Put it right."
 
@@ -97,6 +98,21 @@ class Floor:
         if self.now.stop is None or arrival is None:
             return None
         return self.stand.moved_from(arrival, reading)
+
+    async def require_stop(self) -> None:
+        """See for oneself that the arm still is where a reading was taken; raises NotNowError."""
+        if self.now.stop is None:
+            return
+        try:
+            moved = await self.look_at_robot()
+        except DriverError as error:
+            await self.stand.close()
+            await self.hold(str(error))
+            raise NotNowError(f"Nothing was stored: {error}") from error
+        if moved is not None:
+            await self.lose_stop(moved)
+            await self.hold(moved)
+            raise NotNowError(f"Nothing was stored: {moved}")
 
     async def _enter_cell(self) -> bool:
         """Open the robot and see whether it stands where the session left it; returns whether it answers."""

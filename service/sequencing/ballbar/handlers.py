@@ -8,7 +8,6 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias
 
 from drivers.api import Clock
-from drivers.errors import DriverError
 from service.domain.ballbar import EntryKind, StepKind, Suspicion
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
@@ -157,28 +156,12 @@ class ActHandlers:
             )
 
     async def _store(self, act: Act) -> ActOutcome:
-        await self._require_stop()
+        await self._floor.require_stop()
         taken = self._floor.readings.length(self._floor.now, await self._clock.now_s(), by_hand=True)
         number, suspicion = await self._floor.store(taken, act)
         if suspicion is None:
             return ActOutcome(f"Stored: {taken.length_mm:.4f} mm.", number)
         return ActOutcome(f"Not stored yet: {_SUSPICIONS[suspicion.kind]}.", number)
-
-    async def _require_stop(self) -> None:
-        """See for oneself that the arm is where the reading is to be taken; raises NotNowError."""
-        floor = self._floor
-        if floor.now.stop is None:
-            return
-        try:
-            moved = await floor.look_at_robot()
-        except DriverError as error:
-            await floor.stand.close()
-            await floor.hold(str(error))
-            raise NotNowError(f"Nothing was stored: {error}") from error
-        if moved is not None:
-            await floor.lose_stop(moved)
-            await floor.hold(moved)
-            raise NotNowError(f"Nothing was stored: {moved}")
 
     async def _answer(self, act: Act) -> ActOutcome:
         suspected = self._floor.now.suspicion

@@ -193,6 +193,9 @@ class Record:
             self.zeros.pop(group, None)
         if kind is StepKind.DETACH:
             self.attached = True
+        doubted = self.suspicion is not None and step_ids.group_of(self.suspicion.step_id) == group
+        if doubted and kind in {StepKind.MOVE, StepKind.INITIALISE}:
+            self.suspicion = None  # the reading in doubt was of that stop, or counted from that zero
         self.shown = None
         self.confirmed = None
 

@@ -8,6 +8,7 @@
 """
 
 import asyncio
+import contextlib
 import time
 from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any, Final
@@ -31,7 +32,7 @@ from service.sequencing.ballbar.motion import Motion
 from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.ballbar.stand import Stand
-from service.sequencing.errors import MotionForbiddenError, SequencingError
+from service.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
 from service.sequencing.states import has_ended
 
 POLL_S: Final = 0.05  # of the ballbar: 20 Hz
@@ -261,9 +262,16 @@ class BallbarRunner:
             if self._readings.lost_power:
                 await self._floor.note_lost_power()
             elif self._is_ready():
-                now_s = await self._cell.clock.now_s()
-                await self._floor.store(self._readings.length(self.situation, now_s, by_hand=False))
+                await self._store()
             await self._floor.settle()
+
+    async def _store(self) -> None:
+        """Store the length by itself, or see why it cannot be: then the session has said so."""
+        now_s = await self._cell.clock.now_s()
+        with contextlib.suppress(NotNowError):
+            taken = self._readings.length(self.situation, now_s, by_hand=False)
+            await self._floor.require_stop()  # after the last sample of it
+            await self._floor.store(taken)
 
     def _is_ready(self) -> bool:
         running = self.situation.state is SessionState.RUNNING

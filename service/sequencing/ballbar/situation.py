@@ -160,6 +160,8 @@ def _present(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> Bal
     if index == len(agenda):
         return None
     step = agenda[index]
+    if record.suspicion is not None:
+        return step
     if step.kind is StepKind.MOVE and record.attached:
         return _before(step, step_ids.detach(step.id), StepKind.DETACH)
     is_of_a_cup = step.base_point is not None and step.kind in {StepKind.MOVE, StepKind.CLAMP_CUP}

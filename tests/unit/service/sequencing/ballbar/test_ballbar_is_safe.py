@@ -217,6 +217,7 @@ class Crowd:
                 robot.state_age_s = self.rng.choice((1.0, 2.5, 60.0))
             case 3:
                 robot.joints = joints(self.rng.randrange(5))  # by somebody with the pendant
+                self.guard.retries += 1  # what is connected has another length now
             case _:
                 robot.fault = self.rng.choice((ConnectionLostError("cut"), TargetRefusedError("joint 2")))
         await self.bench.clock.advance(0.6)
