@@ -10,6 +10,7 @@ from drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Opt
 from drivers.ballbar_hid.protocol import (
     BAR_BYTES,
     COUNTS_PER_MM,
+    READING_BYTES,
     BarReading,
     Rate,
     Status,
@@ -18,7 +19,7 @@ from drivers.ballbar_hid.protocol import (
     encode_rate,
 )
 from drivers.ballbar_hid.report_descriptor import BAR_ID
-from drivers.errors import DeviceRefusedError, DriverError, NoReplyError
+from drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
 from drivers.monotonic_clock import MonotonicClock
 from drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
 from drivers.transports.usb import UsbDevice
@@ -45,8 +46,15 @@ class HidBallbar:
     async def connect(self) -> None:
         """Open the device and let it send; raises ConnectFailedError."""
         await self._port.open()
-        async with self._turn():
-            await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+        try:
+            async with self._turn():
+                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+        except DeviceRefusedError as error:
+            await self._port.close()
+            raise ConnectFailedError(
+                f"the HID device at {self._port.address} cannot be told to send ({error}):"
+                " check that it is a ballbar"
+            ) from error
 
     async def close(self) -> None:
         """Let the device rest and close it; never raises."""
@@ -105,7 +113,7 @@ def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:
 
 def _open(options: Options, clock: Clock | None) -> HidBallbar:
     where = usb_address(options)
-    port = HidapiPort(where) if isinstance(where, LocalUsb) else HidOverUsb(UsbDevice(where))
+    port = HidapiPort(where, READING_BYTES) if isinstance(where, LocalUsb) else HidOverUsb(UsbDevice(where))
     return HidBallbar(port, clock or MonotonicClock())
 
 

@@ -26,7 +26,6 @@ from drivers.usb.protocol.control import (
 )
 
 _SLICE_S = 0.05
-_LONGEST_REPORT = 64  # of a device of full speed
 _INTERFACE = 0
 # A device at rest keeps the packet that nobody fetched, and the one behind it where it has two buffers.
 _STALE_PACKETS = 2
@@ -75,9 +74,13 @@ class ReportPort(Protocol):
 class HidapiPort:
     """A HID device of this computer."""
 
-    def __init__(self, where: LocalUsb) -> None:
+    def __init__(self, where: LocalUsb, report_bytes: int, system: Any = hidapi) -> None:
+        """Prepare for input reports of `report_bytes`, their number included; `system` is hidapi."""
         self._where = where
+        self._report_bytes = report_bytes
+        self._system = system
         self._device: Any = None
+        self._texts = ("", "", "")
         self._thread: ThreadPoolExecutor | None = None
 
     @property
@@ -95,7 +98,7 @@ class HidapiPort:
         await self.close()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=f"hid {self.address}")
         try:
-            self._device = await self._in_thread(lambda: _open_device(self._where))
+            self._device, self._texts = await self._in_thread(lambda: _open_device(self._system, self._where))
         except BaseException:
             await self.close()
             raise
@@ -112,14 +115,8 @@ class HidapiPort:
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""
-        device = self._opened()
-        return await self._guarded(
-            lambda: (
-                device.get_manufacturer_string() or "",
-                device.get_product_string() or "",
-                device.get_serial_number_string() or "",
-            )
-        )
+        self._opened()
+        return self._texts
 
     async def fresh_report(self, timeout_s: float) -> bytes | None:
         """Return an input report that was made after this call; None after `timeout_s` of silence.
@@ -127,7 +124,7 @@ class HidapiPort:
         The system keeps dozens of reports and drops the newest when nobody fetches them, so all are dropped.
         """
         device = self._opened()
-        await self._guarded(lambda: _drain(device))
+        await self._guarded(lambda: _drain(device, self._report_bytes))
         give_up_s = time.monotonic() + timeout_s
         while True:
             left_s = give_up_s - time.monotonic()
@@ -150,7 +147,7 @@ class HidapiPort:
 
     async def _slice(self, timeout_ms: int) -> bytes:
         device = self._opened()
-        return await self._guarded(lambda: bytes(device.read(_LONGEST_REPORT, timeout_ms)))
+        return await self._guarded(lambda: bytes(device.read(self._report_bytes, timeout_ms)))
 
     async def _refusable(self, call: Callable[[], Value]) -> Value:
         """Make a call that a device may refuse, which looks as if it had gone: the next reading will tell."""
@@ -227,18 +224,19 @@ class HidOverUsb:
         await self._port.control_out(CLASS_TO_INTERFACE, HidRequest.SET_REPORT, value, _INTERFACE, report)
 
 
-def _open_device(where: LocalUsb) -> Any:
-    """Open by path: the system's list finds a device that opening by numbers overlooks."""
+def _open_device(system: Any, where: LocalUsb) -> tuple[Any, tuple[str, str, str]]:
+    """Open the first device that fits, by its path, which is the same whatever hidapi makes of numbers."""
     found = [
         entry
-        for entry in hidapi.enumerate(where.vendor, where.product)
-        if where.serial in (None, entry["serial_number"])
+        for entry in system.enumerate()
+        if (entry["vendor_id"], entry["product_id"]) == (where.vendor, where.product)
+        and where.serial in (None, entry["serial_number"])
     ]
     if not found:
         raise ConnectFailedError(
             f"there is no HID device {where}: check its cable, and the numbers with lsusb"
         )
-    device = hidapi.device()
+    device = system.device()
     try:
         device.open_path(found[0]["path"])
         device.set_nonblocking(1)
@@ -247,9 +245,11 @@ def _open_device(where: LocalUsb) -> Any:
             f"HID device {where} cannot be opened ({error}): give this user the right to it (on Linux a udev"
             " rule for hidraw), and check that no other program has it"
         ) from error
-    return device
+    names = ("manufacturer_string", "product_string", "serial_number")
+    manufacturer, product, serial = (found[0][name] or "" for name in names)
+    return device, (manufacturer, product, serial)
 
 
-def _drain(device: Any) -> None:
-    while device.read(_LONGEST_REPORT):
+def _drain(device: Any, report_bytes: int) -> None:
+    while device.read(report_bytes):
         pass

@@ -1,0 +1,215 @@
+"""The USB-ITN cable: its text, and its conversation against a scripted port."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    RemoteProtocolError,
+)
+from drivers.mitutoyo_usb_itn.driver import PLUGIN, UsbItnGauge
+from drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Error, ReplyReader, Value, decode, encode
+from drivers.monotonic_clock import MonotonicClock
+
+
+@pytest.mark.parametrize(
+    ("text", "reply"),
+    [
+        (b"01A+00123.456", Value(123.456, 3)),
+        (b"01A-0000.1234", Value(-0.1234, 4)),
+        (b"01A+0000.123", Value(0.123, 3)),
+        (b"01A+00.12345", Value(0.12345, 5)),
+        (b"01A+00001234", Value(1234.0, 0)),
+        (b"02A-00000.00", Value(-0.0, 2)),
+        (b"911", Error(911)),
+        (b"1USB-ITN V1.00", DeviceInfo("USB-ITN V1.00")),
+    ],
+)
+def test_lines_of_the_manual_are_read(text, reply):
+    assert decode(text) == reply
+
+
+def test_a_value_has_a_field_of_nine_characters():
+    assert encode(Value(-0.1234, 4)) == b"01A-0000.1234\r"
+    assert encode(Value(12.5, 3)) == b"01A+00012.500\r"
+
+
+@given(counts=st.integers(-99_999_999, 99_999_999))
+def test_values_make_the_round_trip(counts):
+    assert decode(encode(Value(counts / 10_000, 4)).rstrip(b"\r")) == Value(counts / 10_000, 4)
+
+
+@pytest.mark.parametrize(
+    "text", [b"", b"0", b"01A", b"01A0.1", b"01A+.", b"01B+0.1", b"9", b"91", b"\xff", b"01A+1e5"]
+)
+def test_what_is_no_reply_is_told(text):
+    with pytest.raises(RemoteProtocolError, match="no reply of a USB-ITN"):
+        decode(text)
+
+
+def test_packets_are_put_together_and_padding_is_dropped():
+    reader = ReplyReader()
+
+    for packet in (b"01A-0000", b".1234\r\0\0", b"911\r"):
+        reader.receive_packet(packet)
+
+    assert [reader.next_reply() for _ in range(3)] == [Value(-0.1234, 4), Error(911), None]
+
+
+def test_a_stream_without_end_is_told():
+    reader = ReplyReader()
+    reader.receive_packet(b"x" * 65)
+
+    with pytest.raises(RemoteProtocolError, match="does not end"):
+        reader.next_reply()
+
+
+class FakeCable:
+    """Answers commands by what the test put there; None is silence."""
+
+    address = "here"
+
+    def __init__(self, **answers: list[bytes] | None) -> None:
+        self.answers = {b"1\r": [b"01A+0000", b".1234\r"], b"V\r": [b"1V2\r"]}
+        self.answers |= {f"{command}\r".encode(): packets for command, packets in answers.items()}
+        self.packets: list[bytes] = []
+        self.said: list[tuple] = []
+        self.is_open = False
+        self.refuses = False
+
+    async def open(self) -> None:
+        self.is_open = True
+        self.packets.clear()
+
+    async def close(self) -> None:
+        self.is_open = False
+
+    async def texts(self) -> tuple[str, str, str]:
+        return "", "", ""
+
+    async def control_out(self, request_type, request, value=0, index=0, data=b"") -> None:
+        if not self.is_open:
+            raise ConnectionLostError("connect first")
+        if self.refuses:
+            raise DeviceRefusedError("stalled")
+        self.said.append((request_type, request, value, data))
+        self.packets += self.answers.get(data) or []
+
+    async def control_in(self, request_type, request, value, index, length) -> bytes:
+        self.said.append((request_type, request, value, length))
+        return b"\x01"
+
+    async def interrupt_in(self, timeout_s: float) -> bytes | None:
+        return self.packets.pop(0) if self.packets else None
+
+
+async def connected(cable: FakeCable, **options) -> UsbItnGauge:
+    driver = UsbItnGauge(cable, MonotonicClock(), **options)
+    await driver.connect()
+    return driver
+
+
+async def test_the_cable_is_taken_out_of_keyboard_mode_as_public_clients_do():
+    cable = FakeCable()
+    driver = await connected(cable)
+
+    await driver.read()
+
+    assert cable.said == [(0x40, 1, 0xA5A5, b""), (0xC0, 2, 0, 1), (0x40, 3, 0, b"1\r")]
+
+
+@pytest.mark.parametrize(
+    ("packets", "deviation_mm", "resolution_mm", "signal"),
+    [
+        ([b"01A+0000", b".1234\r"], 0.1234, 1e-4, "good"),
+        ([b"01A-0000", b"0.987\r"], -0.987, 1e-3, "good"),
+        ([b"01A+0001", b".0000\r"], 1.0, 1e-4, "good"),
+        ([b"01A+0001", b".0001\r"], 1.0001, 1e-4, "out_of_range"),
+        ([b"01A-0001", b".0500\r"], -1.05, 1e-4, "out_of_range"),
+    ],
+)
+async def test_a_reading_is_what_the_gauge_shows(packets, deviation_mm, resolution_mm, signal):
+    driver = await connected(FakeCable(**{"1": packets}))
+
+    reading = await driver.read()
+
+    assert (reading.deviation_mm, reading.signal) == (deviation_mm, signal)
+    assert reading.resolution_mm == pytest.approx(resolution_mm, rel=1e-12)
+
+
+@pytest.mark.parametrize("number", [911, 912, 913])
+async def test_an_error_of_the_cable_is_no_length_and_the_link_stays(number):
+    driver = await connected(FakeCable(**{"1": [f"{number}\r".encode()]}))
+
+    reading = await driver.read()
+
+    assert reading.signal == "none"
+    assert math.isnan(reading.deviation_mm)
+    assert driver.connected
+
+
+async def test_a_wider_gauge_has_a_wider_range():
+    driver = await connected(FakeCable(**{"1": [b"01A+0001", b".5000\r"]}), range_mm=5.0)
+
+    assert (await driver.read()).signal == "good"
+
+
+async def test_silence_closes_the_cable_so_that_a_late_reply_is_never_misread():
+    cable = FakeCable(**{"1": None})
+    driver = await connected(cable)
+
+    with pytest.raises(NoReplyError, match="check the gauge's battery"):
+        await driver.read()
+    assert not driver.connected
+    await driver.connect()
+    cable.answers[b"1\r"] = [b"01A+0000", b".0001\r"]
+    assert (await driver.read()).deviation_mm == 0.0001
+
+
+async def test_an_answer_to_something_else_is_told_and_closes():
+    driver = await connected(FakeCable(**{"1": [b"1V2\r"], "V": [b"911\r"]}))
+
+    with pytest.raises(RemoteProtocolError, match="told about itself"):
+        await driver.read()
+    assert (await _again(driver, "identify")) == "RemoteProtocolError"
+
+
+async def _again(driver, action) -> str:
+    await driver.connect()
+    try:
+        await getattr(driver, action)()
+    except RemoteProtocolError as error:
+        return type(error).__name__
+    return "nothing"
+
+
+async def test_a_keyboard_that_is_no_cable_is_told_when_connecting():
+    cable = FakeCable()
+    cable.refuses = True
+
+    with pytest.raises(ConnectFailedError, match="check that it is a USB-ITN"):
+        await connected(cable)
+    assert not cable.is_open
+
+
+async def test_the_cable_tells_its_firmware():
+    identity = await (await connected(FakeCable())).identify()
+
+    assert (identity.manufacturer, identity.model, identity.firmware) == ("Mitutoyo", "USB-ITN", "V2")
+
+
+@pytest.mark.parametrize("value", [0, -1.0, "1", True, math.nan, math.inf])
+def test_a_range_that_is_none_is_refused(value):
+    with pytest.raises(ConfigurationError, match="range_mm"):
+        PLUGIN.open({"range_mm": value}, None)
+
+
+def test_without_an_address_it_is_any_such_cable_here():
+    assert PLUGIN.open({}, None)._port.address == "0fe7:4001"
