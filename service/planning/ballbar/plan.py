@@ -26,7 +26,13 @@ _TRIES: Final = 3  # stops to which a way is searched before a configuration is 
 
 
 def ballbar_plan(
-    cell: Cell, *, placements: int = 1, base_points: int = 3, poses: int = 61, seed: int = 0
+    cell: Cell,
+    *,
+    placements: int = 1,
+    base_points: int = 3,
+    poses: int = 61,
+    seed: int = 0,
+    draws: int = 240,
 ) -> BallbarPlan:
     """Plan a whole session of a cell: where the base fixture stands, which poses, which ways.
 
@@ -41,6 +47,8 @@ def ballbar_plan(
         Configurations of the whole session.
     seed : int
         The same seed gives the same plan.
+    draws : int
+        Random places that the search for placements begins with; it takes some ten seconds for 240.
 
     Raises
     ------
@@ -55,7 +63,8 @@ def ballbar_plan(
         )
     space = ballbar_cell(cell)
     side = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
-    wish = Wish(placements, base_points, poses, side_mm=side, seed=seed)
+    moves = draws * 5 // 12
+    wish = Wish(placements, base_points, poses, side_mm=side, draws=draws, moves=moves, seed=seed)
     return plan_at(space, suggest(space, wish).fixtures, poses, seed=seed)
 
 

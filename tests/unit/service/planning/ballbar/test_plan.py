@@ -1,0 +1,171 @@
+"""Whole plans: numbers, orders, ways, and what cannot be planned."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from service.domain.ballbar import BallbarKit, BallbarPlan, Bars
+from service.domain.cell import CellLimits
+from service.domain.errors import ConfigurationError
+from service.planning.ballbar.bodies import chain_of
+from service.planning.ballbar.clearance import is_clear
+from service.planning.ballbar.fixture import base_fixture
+from service.planning.ballbar.information import arm_model, of_poses, pose_rows
+from service.planning.ballbar.motions import between
+from service.planning.ballbar.plan import ballbar_cell as cell_for
+from service.planning.ballbar.plan import ballbar_plan, plan_at, plan_rows
+from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
+from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+
+CELL = ballbar_cell()
+AT_HAND = plan_at(CELL, [fixture_before_the_arm()], 24)
+
+
+def test_every_pose_has_a_number_of_its_own_and_six_legs():
+    (placement,) = AT_HAND.placements
+
+    assert [pose.config for pose in placement.poses] == list(range(1, 25))
+    assert all(len(set(pose.legs)) == 6 for pose in placement.poses)
+    assert all(pose.aimed_mm is None for pose in placement.poses)
+    assert len({pose.joints_rad for pose in placement.poses}) == 24
+
+
+def test_from_stop_to_stop_the_arm_keeps_room():
+    (placement,) = AT_HAND.placements
+    fixture = fixture_before_the_arm()
+
+    for before, pose in pairwise(placement.poses):
+        points = [np.array(p) for p in (before.joints_rad, *pose.via_rad, pose.joints_rad)]
+        for a, b in pairwise(points):
+            assert is_clear(replace(CELL, arm_room_mm=9.0), fixture, between(a, b)).all()
+
+
+def test_the_way_from_the_last_set_up_to_the_first_pose_begins_with_a_lift():
+    (placement,) = AT_HAND.placements
+
+    held, above = placement.setups[-1].joints_rad, placement.poses[0].via_rad[0]
+
+    nests = chain_of(CELL, np.array([held, above])).points(CELL.nests_mm[0])
+    assert np.linalg.norm(nests[1] - nests[0]) >= 60.0 - 1e-6
+
+
+def test_the_first_poses_are_those_that_the_pre_calibration_needs():
+    (placement,) = AT_HAND.placements
+    model = arm_model(CELL)
+    joints = np.array([pose.joints_rad for pose in placement.poses])
+    rows = pose_rows(model, np.array(placement.cups_mm), joints, [pose.legs for pose in placement.poses])
+    prior = np.eye(model.parameters + 9)
+
+    def worth(members):
+        return np.linalg.slogdet(prior + of_poses(rows, np.array(members)))[1]
+
+    rng = np.random.default_rng(0)
+    by_chance = [worth(rng.choice(24, 12, replace=False)) for _ in range(30)]
+    assert worth(range(12)) > np.quantile(by_chance, 0.95)
+
+
+def test_configurations_are_numbered_through_all_placements():
+    plan = plan_at(CELL, [fixture_before_the_arm(), base_fixture(2, frame(300, 150, 120, 0, 0, 30))], 20)
+
+    first, second = plan.placements
+    assert [placement.number for placement in plan.placements] == [1, 2]
+    assert [p.config for p in (*first.poses, *second.poses)] == list(range(1, 21))
+    assert {p.placement for p in second.poses} == {2}
+
+
+def test_while_the_fixture_is_put_to_its_next_place_the_arm_is_out_of_the_way():
+    after = base_fixture(2, frame(300, 150, 120, 0, 0, 30))
+
+    plan = plan_at(CELL, [fixture_before_the_arm(), after], 20)
+
+    assert is_clear(CELL, after, np.array([plan.placements[0].poses[-1].joints_rad])).all()
+
+
+def test_the_template_gives_times_and_speeds():
+    plan = plan_at(CELL, [fixture_before_the_arm()], 6, template=BallbarPlan((), tool_speed_mm_s=100.0))
+
+    assert plan.tool_speed_mm_s == 100.0
+    assert len(plan.placements[0].poses) == 6
+
+
+def test_a_whole_session_is_planned_from_a_cell():
+    plan = ballbar_plan(domain_cell(), poses=20, seed=2, draws=40)
+
+    (placement,) = plan.placements
+    assert len(placement.poses) == 20
+    assert len(placement.setups) == 3
+
+
+def test_four_cups_and_another_bar_are_taken_from_what_was_asked():
+    kit = BallbarKit(base_bars=Bars(300.0, 300.0, 0.0005, (150.0, 50.0)))
+
+    plan = ballbar_plan(domain_cell(ballbar=kit), base_points=4, poses=20, draws=40)
+
+    assert len(plan.placements[0].cups_mm) == 4
+    assert len(plan.placements[0].setups) == 4
+
+
+def test_rows_for_a_recorder_are_the_poses_in_their_order():
+    rows = plan_rows(AT_HAND)
+
+    pose = AT_HAND.placements[0].poses[3]
+    assert len(rows) == 24
+    assert (rows[3].placement, rows[3].config, rows[3].legs) == (1, 4, pose.legs)
+    assert rows[3].joints_deg == pytest.approx(np.degrees(pose.joints_rad))
+
+
+def test_from_a_place_out_of_reach_nothing_is_planned():
+    with pytest.raises(WorkSpaceError, match="base point 1"):
+        plan_at(CELL, [base_fixture(1, frame(3000, 0, 100))], 10)
+
+
+def test_a_place_where_the_ball_can_be_held_and_no_pose_measured_is_refused():
+    with pytest.raises(TooFewCandidatesError, match="place it elsewhere"):
+        plan_at(replace(CELL, bar_room_mm=500.0), [fixture_before_the_arm()], 10)
+
+
+def test_a_next_place_where_the_arm_stands_whatever_it_measured_last_is_refused():
+    # the next fixture stands where the tool is in all poses of the first, above its cups
+    first = base_fixture(1, frame(450, -200, 80, 0, 0, 60))
+    above = base_fixture(2, frame(450, -200, 375, 0, 0, 60))
+
+    with pytest.raises(NoWayError, match="put to placement 2"):
+        plan_at(CELL, [first, above], 10)
+
+
+@pytest.mark.parametrize(("placements", "poses"), [(0, 10), (3, 2), (1, 0)])
+def test_no_session_is_asked_for(placements, poses):
+    with pytest.raises(ConfigurationError, match="no session"):
+        ballbar_plan(domain_cell(), placements=placements, poses=poses)
+
+
+def test_a_tool_with_two_nests_is_refused():
+    cell = domain_cell()
+
+    with pytest.raises(ConfigurationError, match="three nests"):
+        cell_for(replace(cell, nests=cell.nests[:2]))
+
+
+def test_a_nest_without_a_centre_is_refused():
+    cell = domain_cell()
+
+    with pytest.raises(ConfigurationError, match="centres are known"):
+        cell_for(replace(cell, nests=(*cell.nests[:2], replace(cell.nests[2], centre_mm=None))))
+
+
+def test_the_ranges_of_the_cell_go_before_those_of_the_robot():
+    cell = domain_cell()
+    narrow = cell.robot.calibration_ranges[::-1]
+
+    assert cell_for(replace(cell, limits=CellLimits(calibration=narrow))).ranges == narrow
+    assert cell_for(cell).ranges == cell.robot.calibration_ranges
+
+
+def test_without_any_range_nothing_is_planned():
+    cell = domain_cell()
+    unlimited = replace(cell, robot=replace(cell.robot, calibration_ranges=None, joint_limits=None))
+
+    with pytest.raises(WorkSpaceError, match="how far the joints"):
+        cell_for(unlimited)
