@@ -1,6 +1,8 @@
 """The commands on files, as a user types them: documents, exit statuses, a sentence for whatever is wrong."""
 
+import contextlib
 import csv
+import io
 import json
 import math
 import os
@@ -13,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from service.cli import main
 from service.exchange.campaign_folder import write_campaign
 from tests.synthetic import measured, nominal_campaign
 
@@ -21,9 +24,22 @@ COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "val
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
 
 
-def truepose(*arguments, cwd=None):
+def installed(*arguments):
+    """The installed command, a process of its own."""
     command = [str(TRUEPOSE), *(str(argument) for argument in arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+def truepose(*arguments, cwd="."):
+    """The same in this process, which has loaded already what a new one takes a second for."""
+    printed, said = io.StringIO(), io.StringIO()
+    given, sys.argv = sys.argv, ["truepose", *(str(argument) for argument in arguments)]
+    try:
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said), contextlib.chdir(cwd):
+            status = main()
+    finally:
+        sys.argv = given
+    return subprocess.CompletedProcess(sys.argv, status, printed.getvalue(), said.getvalue())
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +55,7 @@ def good(campaign, tmp_path_factory):
     """A campaign folder and the model that `identify` makes of it."""
     folder = tmp_path_factory.mktemp("good")
     write_campaign(campaign, folder / "campaign")
-    done = truepose("identify", folder / "campaign", "--model-out", folder / "model.json", "--json")
+    done = installed("identify", folder / "campaign", "--model-out", folder / "model.json", "--json")
     assert done.returncode == 0, done.stderr
     (folder / "identify.json").write_text(done.stdout)
     return folder
@@ -137,7 +153,7 @@ def test_the_table_of_an_identification_names_the_figures(good):
 
 
 def test_validate_prints_positions_and_distances_and_passes(good):
-    done = truepose("validate", good / "model.json", good / "campaign" / "validation.csv", "--json")
+    done = installed("validate", good / "model.json", good / "campaign" / "validation.csv", "--json")
 
     document = json.loads(done.stdout)
     assert done.returncode == 0
@@ -175,7 +191,7 @@ def test_predict_answers_in_the_order_of_the_input(good, tmp_path):
     ]
     write_rows(tmp_path / "points.csv", rows)
 
-    done = truepose("predict", good / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv")
+    done = installed("predict", good / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv")
 
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     answers = rows_of(tmp_path / "out.csv")
@@ -287,7 +303,7 @@ def test_a_bad_table_is_one_sentence_with_file_line_and_column(folder, change, w
 def test_a_missing_file_is_named(folder):
     calibration_file(folder).unlink()
 
-    assert_one_sentence(truepose("identify", folder), "calibration.csv")
+    assert_one_sentence(installed("identify", folder), "calibration.csv")
 
 
 def test_a_missing_folder_is_named(tmp_path):
