@@ -162,7 +162,7 @@ class FakeDesk:
         return [session for session in self.sessions if session["id"] > after]
 
     async def _has_hands(self):
-        return {"simulated": self.simulated, "actions": [], "holding": ""}
+        return {"simulated": self.simulated, "actions": [], "holding": "connect base 1 tool 1"}
 
     async def _do(self, request: Request):
         self.hands.append(await request.json())

@@ -84,6 +84,15 @@ def test_standing_still_is_seen_to_grow(desk, tablet):
     expect(tablet.locator("#advice")).to_have_text("The arm is not at rest yet")
 
 
+def test_a_bar_that_was_not_moved_is_told_of(desk, tablet):
+    desk.sample = sample(stable=1.0)
+
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+    expect(tablet.locator("#advice")).to_contain_text("still sits where it was read before", timeout=4000)
+    desk.show(step=leg(3, 1))
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+
+
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     expect(tablet.locator("#last")).to_have_text("Nothing stored yet")
 

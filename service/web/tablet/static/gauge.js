@@ -17,6 +17,7 @@ const OUT = {
   side: { out_low: "advice.out_low_side", out_high: "advice.out_high_side" },
   other: { out_low: "advice.out_low_set", out_high: "advice.out_high_set" },
 };
+const OVERDUE_MS = 2500;
 const RANGE_MM = 1.0; // of the ballbar, either way of its nominal length
 const SHOWN_MM = 1.25; // the scale goes so far either way
 const SCALE = { width: 720, top: 14, height: 28 };
@@ -53,6 +54,7 @@ export class Gauge {
   #nodes;
   #texts;
   #state = null;
+  #still = { step: null, since_ms: null }; // since when the length of this step could have been stored
 
   constructor(nodes, texts) {
     this.#nodes = nodes;
@@ -102,9 +104,19 @@ export class Gauge {
   }
 
   #advice(sample, step) {
+    const overdue = this.#overdue(sample, step);
+    if (overdue) return this.#texts.say("advice.overdue");
     if (sample.state === "in_range") return this.#texts.say(sample.robot_still ? "advice.stable" : "advice.robot");
     const key = ADVICE[sample.state] ?? outOf(step)[sample.state];
     return this.#texts.say(key, { bars: barsInWords(step?.bars_mm, this.#texts) });
+  }
+
+  // The service stores no connection twice by itself; a person who did not move the bar must be told.
+  #overdue(sample, step) {
+    const ready = sample.state === "in_range" && sample.robot_still && sample.stable_share >= 1;
+    if (!ready || this.#still.step !== step?.id) this.#still = { step: step?.id, since_ms: null };
+    if (ready) this.#still.since_ms ??= performance.now();
+    return ready && performance.now() - this.#still.since_ms > OVERDUE_MS;
   }
 
   #drawScale(sample, step) {

@@ -11,6 +11,8 @@ const BUTTONS = [
   ["pull_cable", "hands.pull"],
   ["plug_cable", "hands.plug"],
 ];
+const OFF_MS = 400; // long enough for the service to see that the bar has left its cups
+const TAKEN = ["calibrator", "side", "connect"];
 const pointNumber = (name) => Number(name.slice(1));
 
 // What a person does when the step asks for it; null where there is nothing to do with the hands.
@@ -64,11 +66,19 @@ export class Hands {
     else this.#do({ action: name });
   }
 
+  // As hands do it: the bar comes off where it was before it is put elsewhere.
   async #do(action) {
     try {
+      if (TAKEN.includes(action.action)) await this.#takeOff();
       await post(PATH, action);
     } catch (error) {
       this.#on.failed(error.status ? error.message : "");
     }
+  }
+
+  async #takeOff() {
+    if (!(await ask(PATH)).holding) return;
+    await post(PATH, { action: "detach" });
+    await new Promise((resolve) => setTimeout(resolve, OFF_MS));
   }
 }

@@ -29,6 +29,9 @@ const ACTS = {
   abort: "dock.abort", stop: "dock.stop",
 };
 
+// An outcome, or a listed step with its outcome, that kept a length.
+const measured = (said) => [said?.kind, said?.outcome].includes("measured") && said.length_mm !== null;
+
 class SessionPage {
   #at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
   #id = document.body.dataset.session;
@@ -42,7 +45,7 @@ class SessionPage {
     this.tablet = new Tablet(storage);
     this.model = {
       session: null, steps: [], stepsById: new Map(), scene: null, sceneOf: null, sample: null, sampleOf: null,
-      up: false, opened: false, missing: false, storedNow: false, tablet: this.tablet, queue: new Queue(storage, this.#id),
+      up: false, opened: false, missing: false, stored: null, storedNow: false, tablet: this.tablet, queue: new Queue(storage, this.#id),
     };
     this.sound = new Sound(() => this.tablet.muted);
     this.sender = new Sender(this.#id, this.model.queue, {
@@ -110,6 +113,7 @@ class SessionPage {
     const before = this.model.session;
     if (before && (session.ledger_number ?? 0) < (before.ledger_number ?? 0)) return;
     this.model.session = session;
+    if (measured(session.last_outcome)) this.model.stored = session.last_outcome;
     if (before) this.#news(before, session);
     if (before?.step?.id !== session.step?.id || before?.robot_moving !== session.robot_moving) this.#newStep(session);
     this.draw();
@@ -182,7 +186,7 @@ class SessionPage {
 
   #news(before, session) {
     const told = JSON.stringify(session.last_outcome) !== JSON.stringify(before.last_outcome);
-    if (told && session.last_outcome?.kind === "measured") this.#stored();
+    if (told && measured(session.last_outcome)) this.#stored();
     if (!before.suspicion && session.suspicion) this.sound.play("doubt");
     if (before.step?.id !== session.step?.id && session.step?.kind === "move") this.sound.play("move");
   }
@@ -207,6 +211,8 @@ class SessionPage {
     const { steps } = await ask(`${this.#path}/steps`);
     this.model.steps = steps;
     this.model.stepsById = new Map(steps.map((step) => [step.id, step]));
+    const last = steps.findLast(measured);
+    this.model.stored ??= last ? { step_id: last.id, length_mm: last.length_mm } : null;
     this.draw();
   }
 

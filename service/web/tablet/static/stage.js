@@ -121,15 +121,13 @@ export class Stage {
     svg.setAttribute("aria-label", texts.say(caption(screen, asked), { first, second }));
   }
 
-  #showLast({ session, stepsById, storedNow }, texts) {
+  #showLast({ session, stepsById, stored, storedNow }, texts) {
     const { last } = this.#at;
-    const outcome = session?.last_outcome;
-    const stored = outcome?.kind === "measured" && outcome.length_mm !== null;
-    last.classList.toggle("fresh", stored && storedNow);
+    last.classList.toggle("fresh", stored !== null && storedNow);
     if (!stored) return write(last, session ? texts.say("stored.none") : "");
-    const step = stepsById.get(outcome.step_id);
+    const step = stepsById.get(stored.step_id);
     const what = step?.points ? pairInWords(step.points) : texts.say("initialise.names");
-    const length = texts.say("length.mm", { length: texts.number(outcome.length_mm, 3) });
+    const length = texts.say("length.mm", { length: texts.number(stored.length_mm, 3) });
     return write(last, texts.say(storedNow ? "stored.now" : "stored.last", { what, length }));
   }
 }
