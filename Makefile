@@ -17,9 +17,10 @@ $(VENV)/.installed: pyproject.toml
 demo: setup
 	$(BIN)/truepose demo --out out/demo
 
-# One thread of linear algebra: the matrices are small, and two threads wait for each other on busy cores.
+# Two processes, a file of tests at a time, so that what a module sets up is set up once. One thread of linear
+# algebra each: the matrices are small, and two threads wait for each other on busy cores.
 test: setup
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile
 
 check: setup
 	$(BIN)/ruff check .
