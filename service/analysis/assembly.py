@@ -1,7 +1,7 @@
 """From sessions to a campaign: pure, no storage, no clock."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,6 +55,25 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         fixed_nests=cell.fixed_nests,
         registration=None if registration is None else WorldRegistration(registration.covariance),
         notes=tuple(_notes(calibration, validation)),
+    )
+
+
+def judged_by(campaign: Campaign, calibration: MeasuredSession, validation: MeasuredSession) -> Campaign:
+    """Return a campaign of legs with the points of a tracker session that judge its model.
+
+    Raises
+    ------
+    NothingMeasuredError, SessionsDifferError
+        As `assemble_campaign`.
+    """
+    _check_measured(validation)
+    _check_same_setup(calibration, validation)
+    return replace(
+        campaign,
+        validation=point_readings(validation.points),
+        reference=_reference(validation.fixed_nests),
+        tracker_position_mm=_tracker_position(validation.registration),
+        notes=(*campaign.notes, f"Validation readings are those of session {validation.id}."),
     )
 
 

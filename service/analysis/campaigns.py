@@ -1,27 +1,36 @@
 """Campaigns into the storage: from an uploaded zip, or from sessions."""
 
 import asyncio
-from collections.abc import Sized
+from collections.abc import Awaitable, Callable, Sized
+from typing import TypeAlias
 
-from service.analysis.assembly import MeasuredSession, assemble_campaign
+from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from service.analysis.errors import RoleError
 from service.domain.campaign import Campaign
+from service.domain.session import SessionRole
 from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from service.storage.campaigns import CampaignRepository, NewCampaign
 from service.storage.readings import ReadingRepository
 from service.storage.records import CampaignSummary, RequestKey
 from service.storage.sessions import SessionRepository
 
+OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
+
 
 class CampaignDesk:
     """Checks a campaign before it is stored; what is stored can be read."""
 
     def __init__(
-        self, campaigns: CampaignRepository, sessions: SessionRepository, readings: ReadingRepository
+        self,
+        campaigns: CampaignRepository,
+        sessions: SessionRepository,
+        readings: ReadingRepository,
+        of_ballbar: OfBallbar,
     ) -> None:
         self._campaigns = campaigns
         self._sessions = sessions
         self._readings = readings
+        self._of_ballbar = of_ballbar
 
     async def upload(self, archive: bytes, name: str, key: RequestKey | None = None) -> int:
         """Store an uploaded zip as it is and return its number; raises InputFileError."""
@@ -32,19 +41,27 @@ class CampaignDesk:
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
     ) -> int:
-        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError."""
-        await self._check_roles(calibration_id, validation_id)
+        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError.
+
+        The first one identifies, with a tracker or with a ballbar; the second one judges, with a tracker.
+        """
+        role = await self._check_roles(calibration_id, validation_id)
         calibration = await self._measured(calibration_id)
         validation = None if validation_id is None else await self._measured(validation_id)
-        campaign = assemble_campaign(calibration, validation)
+        if role == "ballbar":
+            campaign = await self._of_ballbar(calibration_id)
+            campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
+        else:
+            campaign = assemble_campaign(calibration, validation)
         archive = await asyncio.to_thread(write_campaign_zip, campaign)
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
         stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
         return await self._campaigns.add(stored, key)
 
-    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> None:
+    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> SessionRole:
         # A calibration session may judge another one's model; what was kept for validation never identifies.
-        if (await self._sessions.get(calibration_id)).role != "calibration":
+        role = (await self._sessions.get(calibration_id)).role
+        if role == "validation":
             raise RoleError(
                 f"Session {calibration_id} is for validation, its readings never identify; "
                 "make the campaign of a calibration session and name this one as its validation session."
@@ -54,6 +71,12 @@ class CampaignDesk:
                 f"Session {calibration_id} cannot judge the model that it identifies; "
                 "name another session, or none."
             )
+        if validation_id is not None and (await self._sessions.get(validation_id)).role == "ballbar":
+            raise RoleError(
+                f"Session {validation_id} is one with the ballbar, whose cups no other session knows; "
+                "name a session with the tracker as its validation session."
+            )
+        return role
 
     async def _measured(self, session_id: int) -> MeasuredSession:
         return MeasuredSession(

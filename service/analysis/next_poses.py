@@ -20,8 +20,8 @@ from service.domain.robot import JointRange
 from service.planning.ballbar.aiming import aimed, aimed_pose
 from service.planning.ballbar.bodies import BallbarCell
 from service.planning.ballbar.fixture import BaseFixture
-from service.planning.ballbar.plan import ballbar_cell
 from service.planning.ballbar.motions import Stop, Surroundings
+from service.planning.ballbar.plan import ballbar_cell
 from service.planning.ballbar.ways import way
 from service.planning.errors import AimError, NoWayError
 

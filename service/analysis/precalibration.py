@@ -16,6 +16,7 @@ from service.storage.records import SessionSetup
 from service.validation.connections import judge_pose
 
 _ROUNDS: Final = 3  # of identifying without the poses whose legs turned out exchanged
+_EFFECTS: Final = (None, ("geometry",), ("joint_offset",))  # None: what a whole campaign is given
 _USABLE: Final = frozenset({Status.CONVERGED, Status.NOT_CONVERGED})
 
 
@@ -55,13 +56,15 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
 
 
 def _identified(setup: SessionSetup, kit: BallbarKit, counting: Counting) -> tuple[Identification, Model]:
+    """Return the richest model that so few legs carry; what they leave open is held by the priors."""
     campaign = assemble_ballbar_campaign("the session so far", setup, kit, counting)
-    found = identify(campaign)
-    if found.model is None or found.status not in _USABLE:
-        raise NothingMeasuredError(
-            f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
-        )
-    return found, found.model
+    for effects in _EFFECTS:
+        found = identify(campaign, effects)
+        if found.model is not None and found.status in _USABLE:
+            return found, found.model
+    raise NothingMeasuredError(
+        f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
+    )
 
 
 def _without(counting: Counting, exchanged: Collection[int]) -> Counting:

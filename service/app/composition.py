@@ -189,9 +189,9 @@ def _context(
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
-    campaign_desk = CampaignDesk(campaigns, sessions, readings)
     work = BallbarWork(perform)
     ballbar_desk = BallbarDesk(sessions, BallbarLedger(database), rack, work.foresight, work.choose)
+    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign)
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),

@@ -11,12 +11,15 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
+from service.analysis.ballbar_assembly import assemble_ballbar_campaign
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
+from service.domain.campaign import Campaign
 from service.domain.errors import TrueposeError
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
+from service.operation.counting import counting
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
 from service.operation.session_ledger import SessionLedger
@@ -191,6 +194,14 @@ class BallbarDesk:
             return None
         places = self._fixed[self._under_way.session_id].plan.placements
         return next((place.frame for place in places if place.number == placement), None)
+
+    async def campaign(self, session_id: int) -> Campaign:
+        """Return the campaign of what counts so far; raises NotFoundError, NothingMeasuredError."""
+        fixed = await self._what_is_fixed(session_id)
+        kit = kit_of(fixed.setup)
+        entries = [record.entry for record in await self._ledger.page(session_id)]
+        counts = await asyncio.to_thread(counting, fixed.plan, kit, entries)
+        return assemble_ballbar_campaign(f"session {session_id}", fixed.setup, kit, counts)
 
     async def entries(self, session_id: int, page: Page) -> list[LedgerRecord]:
         """Return what happened, oldest first; raises NotFoundError."""

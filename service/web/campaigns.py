@@ -5,13 +5,14 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
+from pydantic import ValidationError
 from starlette.datastructures import UploadFile
 
-from service.web.context import Here
+from service.web.context import Context, Here
 from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
 from service.web.problems import problems
 from service.web.schemas.base import VISIBLE
-from service.web.schemas.campaigns import CampaignReply, CampaignRequest, campaign_reply
+from service.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
 
 router = APIRouter(tags=["campaigns"])
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
@@ -19,7 +20,11 @@ _FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}
 _BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
-        "content": {"application/zip": {"schema": _BINARY}, "multipart/form-data": {"schema": _FORM}},
+        "content": {
+            "application/zip": {"schema": _BINARY},
+            "multipart/form-data": {"schema": _FORM},
+            "application/json": {"schema": SessionsRequest.model_json_schema()},
+        },
     }
 }
 _ZIP = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
@@ -34,7 +39,7 @@ CampaignName = Annotated[
 @router.post(
     "/campaigns",
     status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 409, 413, 415, 422, 503),
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
     openapi_extra=_BODY,
 )
 async def upload_campaign(
@@ -44,7 +49,14 @@ async def upload_campaign(
     name: CampaignName = None,
     key: IdempotencyKey = None,
 ) -> CampaignReply:
-    """Upload the zip of a campaign folder, as the body or as the file of a form; it brings its own robot."""
+    """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
+
+    An uploaded folder brings its own robot. Of two sessions the second one judges what the first identifies.
+    """
+    if _media_type(request) == "application/json":
+        number = await _of_sessions(here, request, key)
+        response.headers["Location"] = f"/api/v1/campaigns/{number}"
+        return campaign_reply(await here.campaigns.get(number))
     archive, file_name = await _received(request)
     stored_as = name or PurePath(file_name).stem or "campaign"
     by_key = None if key is None else request_key(request, key, archive)
@@ -94,9 +106,25 @@ async def download_campaign(here: Here, id: Id) -> Response:
     return Response(archive, media_type="application/zip", headers=saved_as)
 
 
+async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
+    """Make a campaign of the sessions that the body names; raises RequestValidationError."""
+    body = await request.body()
+    try:
+        wanted = SessionsRequest.model_validate_json(body)
+    except ValidationError as error:
+        raise RequestValidationError(error.errors()) from error
+    by_key = None if key is None else request_key(request, key, body)
+    first, *others = wanted.session_ids
+    return await here.campaign_desk.from_sessions(wanted.name, first, others[0] if others else None, by_key)
+
+
+def _media_type(request: Request) -> str:
+    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+
+
 async def _received(request: Request) -> tuple[bytes, str]:
     """Return the archive and the name of its file; raises RequestValidationError where there is none."""
-    if not request.headers.get("content-type", "").lower().startswith("multipart/form-data"):
+    if _media_type(request) != "multipart/form-data":
         archive, file_name = await request.body(), ""
     else:
         async with request.form() as form:

@@ -15,7 +15,7 @@ from service.web.problems import problem_response
 UPLOAD_LIMIT_BYTES: Final = 64 * 2**20
 JSON_LIMIT_BYTES: Final = 8 * 2**20
 UPLOAD_PATH: Final = "/api/v1/campaigns"
-UPLOAD_TYPES: Final = ("application/zip", "multipart/form-data")
+UPLOAD_TYPES: Final = ("application/zip", "multipart/form-data", "application/json")  # JSON names sessions
 
 
 class _TooLargeError(Exception):

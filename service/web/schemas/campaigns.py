@@ -17,6 +17,17 @@ class CampaignRequest(Request):
     )
 
 
+class SessionsRequest(Request):
+    """Sessions to make a campaign of."""
+
+    model_config = example({"name": "left arm", "session_ids": [3, 2]})
+
+    name: str = Field("campaign", min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
+    session_ids: list[Number] = Field(
+        min_length=1, max_length=2, description="The one that identifies, then the one that judges, if any."
+    )
+
+
 class CampaignReply(Reply):
     """A stored campaign."""
 

@@ -2,8 +2,15 @@
 
 import asyncio
 
-from drivers.api import DeviceIdentity, DriverPlugin, Environment, JointReading, TrackerReading
-from drivers.errors import ConnectFailedError, NotInitialisedError
+from drivers.api import (
+    BallbarReading,
+    DeviceIdentity,
+    DriverPlugin,
+    Environment,
+    JointReading,
+    TrackerReading,
+)
+from drivers.errors import ConnectFailedError, DeviceRefusedError, NotInitialisedError
 from drivers.registry import DriverRegistry
 
 CELL = """
@@ -129,11 +136,40 @@ class FakeRobot(FakeLink):
         return JointReading(self._joints_rad, 1e-4, self._clock.time_s)
 
 
+class FakeBallbar(FakeLink):
+    """Shows one deviation whatever it is attached to, with one sample each time it is asked."""
+
+    def __init__(self, clock):
+        super().__init__("L1")
+        self._clock = clock
+        self.deviation_mm = 0.0
+
+    async def read(self):
+        await asyncio.sleep(0.001)  # a counter takes its time; the clock of the bench does not
+        return BallbarReading(self.deviation_mm, "good", 1e-4, self._clock.time_s, 23.0)
+
+
+class FakeHands(FakeLink):
+    """Remembers what it was asked to do; refuses what it is told to."""
+
+    def __init__(self):
+        super().__init__("H1")
+        self.done = []
+        self.refusal = None
+
+    async def do(self, action, details):
+        if self.refusal is not None:
+            raise DeviceRefusedError(self.refusal)
+        self.done.append((action, dict(details)))
+
+
 class Bench:
     """The devices of one test, and the drivers that open them."""
 
     def __init__(self):
         self.clock = FakeClock()
+        self.ballbar = FakeBallbar(self.clock)
+        self.hands = FakeHands()
         self.tracker = FakeTracker(self.clock)
         self.robot = FakeRobot(self.clock)
 
@@ -142,6 +178,8 @@ class Bench:
             DriverPlugin("monotonic_clock", "clock", "none", {}, lambda options, clock: self.clock),
             DriverPlugin("fake_tracker", "tracker", "fake", {}, lambda options, clock: self.tracker),
             DriverPlugin("fake_robot", "robot", "fake", {}, lambda options, clock: self.robot),
+            DriverPlugin("fake_ballbar", "ballbar", "fake", {}, lambda options, clock: self.ballbar),
+            DriverPlugin("fake_hands", "hands", "fake", {}, lambda options, clock: self.hands),
         )
         return DriverRegistry({plugin.name: plugin for plugin in plugins}, {})
 

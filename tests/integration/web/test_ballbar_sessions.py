@@ -1,79 +1,265 @@
-"""Ballbar sessions over REST."""
+"""Ballbar sessions over REST: planned, walked through, found again after a restart."""
 
+import asyncio
+
+import httpx
 import pytest
 
-SIMULATED = """
-[simulated]
-scenario = "irb120-tilted"
-"""
-PLACEMENT = {
-    "x_mm": 350.0,
-    "y_mm": 0.0,
-    "z_mm": 50.0,
-    "cups_mm": [[350.0, 0.0, 50.0], [650.0, 0.0, 50.0], [500.0, 260.0, 50.0]],
-    "setups": [{"base_point": k, "joints_deg": [10.0 * k, 20, 10, 0, 30, 0]} for k in (1, 2, 3)],
-    "poses": [
-        {
-            "config": k,
-            "joints_deg": [5.0 * k, 20, 0, 0, 40, 0],
-            "legs": [[1, 1], [1, 2], [2, 2], [2, 3], [3, 3], [3, 1]],
-        }
-        for k in (1, 2)
-    ],
-}
-WANTED = {"name": "six legs", "placements": [PLACEMENT]}
+from service.app import create_app
+from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS, WANTED, Tablet
+from tests.integration.web.bench import Bench, session_request
 
 
 @pytest.fixture
-def settings(settings, tmp_path):
+def settings(settings):
     with settings.cell_file.open("a") as cell_file:
-        cell_file.write("\n[ballbar]\nbase_points = 3\n")
+        cell_file.write(BALLBAR)
     return settings
 
 
-async def act(client, number, name, key, **said):
-    body = {"act": name, "person": "Ada", "tablet": "t1", **said}
-    return await client.post(
-        f"/api/v1/ballbar-sessions/{number}/acts", json=body, headers={"Idempotency-Key": key}
-    )
-
-
-async def test_a_planned_session_lists_its_steps_before_the_start(client):
-    created = await client.post("/api/v1/ballbar-sessions", json=WANTED)
-
+@pytest.fixture
+async def tablet(client):
+    created = await client.post(SESSIONS, json=WANTED)
     assert created.status_code == 201, created.text
-    session = created.json()
-    steps = (await client.get(f"{created.headers['Location']}/steps")).json()["steps"]
-    assert (session["state"], session["step"]["id"], session["acts"]) == (
+    return Tablet(client)
+
+
+async def until_step(tablet, step_id):
+    async with asyncio.timeout(10):
+        while (session := await tablet.see())["step"]["id"] != step_id:
+            await asyncio.sleep(0.005)
+    return session
+
+
+async def test_a_planned_session_lists_its_steps_before_the_start(client, tablet):
+    session = await tablet.see()
+    steps = (await client.get(f"{tablet.path}/steps")).json()["steps"]
+
+    assert (session["state"], session["step"]["id"], session["simulated"]) == (
         "planned",
         "tool/initialise",
-        ["abort", "start"],
+        False,
     )
+    assert session["acts"] == ["abort", "start"]
     assert {step["outcome"] for step in steps} == {"open"}
+    assert len(steps) == session["step"]["count"]
     assert [step["points"] for step in steps if step["id"].startswith("tool/side")] == [
         ["T1", "T2"],
         ["T2", "T3"],
         ["T1", "T3"],
     ]
+    legs = [step for step in steps if "/pose-2/leg-" in step["id"]]
+    assert [leg["points"] for leg in legs][3] == ["B2", "T3"]
+    assert {tuple(leg["bars_mm"]) for leg in legs} == {(150.0, 50.0)}
 
 
-async def test_a_repeated_act_gets_the_same_answer_and_is_done_once(client):
-    await client.post("/api/v1/ballbar-sessions", json=WANTED)
+async def test_the_list_of_sessions_has_both_kinds(client, tablet):
+    await client.post("/api/v1/sessions", json=session_request())
 
-    first = (await act(client, 1, "start", "k1")).json()
-    again = (await act(client, 1, "start", "k1")).json()
+    listed = (await client.get("/api/v1/sessions")).json()
+
+    assert [(entry["id"], entry["role"], entry["planned"]) for entry in listed] == [
+        (1, "ballbar", 2),
+        (2, "calibration", 3),
+    ]
+
+
+async def test_a_length_is_kept_with_everything_that_it_rests_on(client, tablet, bench):
+    await tablet.press("start")
+    bench.ballbar.deviation_mm = 0.0123
+
+    stored = await tablet.press("store", step_id="tool/initialise")
+    while stored.status_code == 409:  # until there is a sample; or it was stored by itself
+        if (await tablet.see())["step"]["id"] != "tool/initialise":
+            break
+        stored = await tablet.press("store", step_id="tool/initialise")
+
+    (entry,) = [entry for entry in await tablet.ledger() if entry["kind"] == "measured"]
+    assert entry["length"]["length_mm"] == 150.0
+    assert entry["length"]["deviation_mm"] == pytest.approx(0.0123, abs=1e-9)
+    assert entry["length"]["instrument_serial"] == "42"
+    assert entry["length"]["temperature_c"] == 23.0
+    assert entry["recorded_at"].endswith("+00:00")
+
+
+async def test_a_repeated_act_gets_the_same_answer_and_is_done_once(tablet):
+    first = (await tablet.press("start", key="k1")).json()
+    again = (await tablet.press("start", key="k1")).json()
 
     assert (again["sentence"], again["entry"]) == (first["sentence"], first["entry"])
     assert first["session"]["state"] == "running"
-    entries = (await client.get("/api/v1/ballbar-sessions/1/ledger")).json()["entries"]
-    assert [entry["number"] for entry in entries if entry["key"] == "k1"] == [first["entry"]]
+    assert [e["number"] for e in await tablet.ledger() if e["key"] == "k1"] == [first["entry"]]
 
 
-async def test_the_key_of_an_act_is_not_for_another_act(client):
-    await client.post("/api/v1/ballbar-sessions", json=WANTED)
-    await act(client, 1, "start", "k1")
+async def test_acts_with_one_key_that_come_at_once_are_one(tablet):
+    answers = await asyncio.gather(*(tablet.press("start", key="k1") for _ in range(5)))
 
-    refused = await act(client, 1, "abort", "k1")
+    assert {answer.json()["entry"] for answer in answers} == {1}
+    assert len([e for e in await tablet.ledger() if e["key"] == "k1"]) == 1
+
+
+async def test_the_key_of_an_act_is_not_for_another_act(tablet):
+    await tablet.press("start", key="k1")
+
+    refused = await tablet.press("abort", key="k1")
 
     assert refused.status_code == 409
     assert "another act" in refused.json()["detail"]
+    assert (await tablet.see())["state"] == "running"
+
+
+async def test_an_act_needs_a_key(client, tablet):
+    body = {"act": "start", "person": "Ada", "tablet": "t1"}
+
+    refused = await client.post(f"{tablet.path}/acts", json=body)
+
+    assert refused.status_code == 422
+    assert "Idempotency-Key" in refused.json()["detail"]
+
+
+async def test_a_step_that_is_no_longer_there_is_refused_and_the_key_stays_free(tablet):
+    await tablet.press("start")
+
+    refused = await tablet.press("store", key="k", step_id="tool/side-1-2")
+
+    assert refused.status_code == 409
+    assert (await tablet.press("abort", key="k")).status_code == 200
+
+
+async def test_a_tablet_that_watches_does_not_act_until_it_takes_over(client, tablet):
+    await tablet.press("start")
+    other = Tablet(client, "tablet-2")
+
+    refused = await other.press("pause")
+    taken = await other.press("hand_over")
+
+    assert refused.status_code == 409
+    assert taken.json()["session"]["acting"] == {"tablet": "tablet-2", "person": "Ada"}
+    assert (await tablet.press("pause")).status_code == 409
+    assert (await other.press("pause")).json()["session"]["state"] == "paused"
+
+
+async def test_pages_of_the_ledger_follow_its_numbers(tablet):
+    await tablet.press("start")
+    await tablet.press("pause")
+
+    entries = await tablet.ledger()
+    rest = await tablet.ledger(after=entries[0]["number"], limit=1)
+
+    assert [entry["number"] for entry in rest] == [entries[1]["number"]]
+
+
+async def test_one_session_runs_at_a_time_whichever_its_instrument(client, tablet):
+    await tablet.press("start")
+    await client.post("/api/v1/sessions", json=session_request())
+    await client.post(SESSIONS, json=WANTED)
+
+    tracker = await client.post("/api/v1/sessions/2/start")
+    ballbar = await Tablet(client, session_id=3).press("start")
+
+    for refused in (tracker, ballbar):
+        assert refused.status_code == 409
+        assert "Session 1" in refused.json()["detail"]
+
+
+async def test_the_acts_of_a_tracker_session_are_not_for_a_ballbar_session(client, tablet):
+    for what in ("start", "confirm", "pause", "resume", "abort"):
+        refused = await client.post(f"/api/v1/sessions/1/{what}", json={"person": "Ada"})
+        assert refused.status_code == 409
+        assert "ballbar-sessions/1/acts" in refused.json()["detail"]
+
+
+async def test_a_tracker_session_is_no_ballbar_session(client):
+    await client.post("/api/v1/sessions", json=session_request())
+
+    for path in ("", "/steps", "/scene", "/ledger"):
+        assert (await client.get(f"{SESSIONS}/1{path}")).status_code == 404
+
+
+async def test_a_session_that_was_never_started_can_be_ended(tablet):
+    ended = (await tablet.press("abort")).json()
+
+    assert ended["session"]["state"] == "aborted"
+    assert (await tablet.press("start")).status_code == 409
+
+
+async def test_a_plan_beyond_the_joints_is_refused_when_it_is_made(client):
+    pose = {**PLACEMENT["poses"][0], "joints_deg": [700.0, 20, 0, 0, 40, 0]}
+    wanted = {**WANTED, "placements": [{**PLACEMENT, "poses": [pose]}]}
+
+    refused = await client.post(SESSIONS, json=wanted)
+
+    assert refused.status_code == 409
+    assert "joint 1" in refused.json()["detail"]
+
+
+async def test_the_scene_shows_cups_nests_and_where_the_person_stands(client, tablet):
+    scene = (await client.get(f"{tablet.path}/scene")).json()
+
+    assert [point["name"] for point in scene["points"]] == ["T1", "T2", "T3"]
+    assert scene["leg"] is None
+    assert scene["before_move_arm_mm"] is None
+    assert scene["arm_mm"][0] == [0.0, 0.0, 0.0]
+
+
+async def test_after_a_restart_the_same_step_is_shown_and_nothing_moves_before_a_person_confirms(
+    settings, bench
+):
+    async def opened(devices):
+        application = create_app(settings, devices.registry())
+        return application, application.router.lifespan_context(application)
+
+    application, lifespan = await opened(bench)
+    async with (
+        lifespan,
+        httpx.AsyncClient(transport=httpx.ASGITransport(application), base_url="http://service") as client,
+    ):
+        await client.post(SESSIONS, json=WANTED)
+        tablet = Tablet(client)
+        await tablet.press("start", key="k1")
+        before = await until_step(tablet, "tool/side-1-2")
+
+    again = Bench()
+    application, lifespan = await opened(again)
+    async with (
+        lifespan,
+        httpx.AsyncClient(transport=httpx.ASGITransport(application), base_url="http://service") as client,
+    ):
+        tablet = Tablet(client)
+        async with asyncio.timeout(10):
+            while (after := await tablet.see())["state"] != "awaiting_confirmation":
+                await asyncio.sleep(0.005)
+        repeated = await tablet.press("start", key="k1")
+
+        assert after["step"]["id"] == before["step"]["id"]
+        assert repeated.json()["entry"] == 1
+        assert repeated.json()["session"]["state"] == "awaiting_confirmation"
+        assert again.robot.moves == 0
+        assert (await tablet.press("confirm")).json()["session"]["state"] == "running"
+
+
+async def test_simulated_hands_do_what_they_are_told(client, tablet, bench):
+    told = await client.get("/api/v1/simulated-hands")
+    done = await client.post("/api/v1/simulated-hands", json={"action": "connect", "base": 2, "tool": 3})
+
+    assert told.json()["simulated"] is True
+    assert done.status_code == 204
+    assert bench.hands.done == [("connect", {"base": 2, "tool": 3})]
+
+
+async def test_what_the_hands_cannot_do_is_said_in_one_sentence(client, tablet, bench):
+    bench.hands.refusal = "The bars are not on."
+
+    refused = await client.post("/api/v1/simulated-hands", json={"action": "detach"})
+
+    assert (refused.status_code, refused.json()["detail"]) == (409, "The bars are not on.")
+
+
+async def test_the_base_is_put_where_the_session_under_way_wants_it(client, tablet, bench):
+    await tablet.press("start")
+
+    await client.post("/api/v1/simulated-hands", json={"action": "place_base", "placement": 1})
+
+    action, details = bench.hands.done[-1]
+    assert action == "place_base"
+    assert (details["x_mm"], details["z_mm"], details["rz_deg"]) == (350.0, 50.0, 0.0)

@@ -18,9 +18,10 @@ from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
 
 DOCUMENT = create_application("test", contextlib.nullcontext).openapi()
-EVENTS = "/api/v1/events"  # the stream does not end by itself; `test_events.py` is about it
+# Streams do not end by themselves; `test_events.py` and `test_ballbar_live.py` are about them.
+STREAMS = ["/api/v1/events", "/api/v1/ballbar-sessions/{id}/live"]
 OPERATIONS = [
-    (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path != EVENTS
+    (method, path) for path, methods in DOCUMENT["paths"].items() for method in methods if path not in STREAMS
 ]
 ENOUGH = 10  # of each kind, each operation, each run; hundreds were tried when the routes were written
 
@@ -76,14 +77,16 @@ def test_every_number_that_is_a_quantity_names_its_unit():
     counts = re.compile(
         r"^(id|\w+_id|\w+_ids|n|config|nest|face|sign|joint|joints|direction|samples|port|status|seed|attachment"
         r"|supersedes|superseded_by|repeat_of|done|skipped|planned|measured|configurations?|observations"
-        r"|parameters|outliers|\w+_points|\w+_legs|\w+_readings|reference_every|fraction)$"
+        r"|parameters|outliers|\w+_points|\w+_legs|\w+_readings|reference_every|fraction"
+        r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
+        r"|a|b|legs|readings|watching|initialisation|exchanged)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share"}
     ratios |= {"tail_degrees_of_freedom"}
     ratios |= {"value", "standard_uncertainty", "amplitude", "amplitude_standard_uncertainty", "difference"}
     ratios |= {"x", "residual", "line_x", "line", "line_band"}
-    units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s)$")
+    units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s|s_per_reading)$")
 
     numeric = {
         name
@@ -102,7 +105,7 @@ def types_of(field):
     return found
 
 
-@pytest.mark.parametrize(("method", "path"), [*OPERATIONS, ("get", EVENTS)])
+@pytest.mark.parametrize(("method", "path"), [*OPERATIONS, *(("get", stream) for stream in STREAMS)])
 def test_every_operation_lists_its_problems_and_says_what_it_does(method, path):
     operation = DOCUMENT["paths"][path][method]
 

@@ -1,0 +1,53 @@
+"""A ballbar session on the bench: a plan that harms nobody, and a tablet that presses buttons."""
+
+BALLBAR = """
+[ballbar]
+base_points = 3
+
+[[device]]
+name = "ballbar"
+driver = "fake_ballbar"
+
+[[device]]
+name = "hands"
+driver = "fake_hands"
+"""
+SESSIONS = "/api/v1/ballbar-sessions"
+PLACEMENT = {
+    "x_mm": 350.0,
+    "y_mm": 0.0,
+    "z_mm": 50.0,
+    "cups_mm": [[350.0, 0.0, 50.0], [650.0, 0.0, 50.0], [500.0, 260.0, 50.0]],
+    "setups": [{"base_point": k, "joints_deg": [10.0 * k, 20, 10, 0, 30, 0]} for k in (1, 2, 3)],
+    "poses": [
+        {
+            "config": k,
+            "joints_deg": [5.0 * k, 20, 0, 0, 40, 0],
+            "legs": [[1, 1], [1, 2], [2, 2], [2, 3], [3, 3], [3, 1]],
+        }
+        for k in (1, 2)
+    ],
+}
+WANTED = {"name": "six legs", "placements": [PLACEMENT]}
+
+
+class Tablet:
+    """Presses buttons, each with a key of its own unless one is given."""
+
+    def __init__(self, client, name="tablet-1", session_id=1):
+        self._client = client
+        self._name = name
+        self._keys = 0
+        self.path = f"{SESSIONS}/{session_id}"
+
+    async def press(self, act, key=None, **said):
+        self._keys += 1
+        body = {"act": act, "person": "Ada", "tablet": self._name, **said}
+        key = key or f"{self._name}-{self._keys}"
+        return await self._client.post(f"{self.path}/acts", json=body, headers={"Idempotency-Key": key})
+
+    async def see(self):
+        return (await self._client.get(self.path)).json()
+
+    async def ledger(self, **page):
+        return (await self._client.get(f"{self.path}/ledger", params=page)).json()["entries"]
