@@ -37,6 +37,7 @@ from service.sequencing.states import has_ended
 
 POLL_S: Final = 0.05  # of the ballbar: 20 Hz
 _LOOK_S: Final = 0.5  # at the robot while it stands
+_BREATH_S: Final = 0.005  # wall time between two polls: a simulated cell's clock may cost none
 _HALTS: Final = {
     ActName.PAUSE: SessionState.PAUSED,
     ActName.STOP: SessionState.AWAITING_CONFIRMATION,
@@ -66,6 +67,7 @@ class BallbarRunner:
         *,
         judges: Judges | None = None,
         wall_ms: Callable[[], int] = _wall_ms,
+        breath_s: float = _BREATH_S,
     ) -> None:
         self._limits = motion_limits(cell.robot, cell.joint_limits)
         check_plan(plan, kit, cell.robot, self._limits)
@@ -73,6 +75,7 @@ class BallbarRunner:
         self._kit = kit
         self._cell = cell
         self._foresight = foresight
+        self._breath_s = breath_s
         self._book = Book(plan, kit, ledger, cell.clock, entries)
         self._stand = Stand(cell.robot_controller, cell.clock, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
@@ -254,6 +257,7 @@ class BallbarRunner:
             next_s = max(next_s + POLL_S, sample.time_s)
             now_s = await self._cell.clock.now_s()
             await self._cell.clock.sleep(min(POLL_S, max(0.0, next_s - now_s)))
+            await asyncio.sleep(self._breath_s)
 
     async def _heed_ballbar(self) -> None:
         if not self._is_ready() and not self._readings.lost_power:
@@ -289,6 +293,7 @@ class BallbarRunner:
                 await self._book.changed(self._book.version)
                 continue
             await self._cell.clock.sleep(_LOOK_S)
+            await asyncio.sleep(self._breath_s)
             if self._floor.entered and not self._motion.moving:
                 await self._look_at_robot()
 

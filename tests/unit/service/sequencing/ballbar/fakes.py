@@ -291,6 +291,7 @@ class Bench:
             tuple(self.disk.entries),
             judges=Judges(self.suspect.leg, self.suspect.pose),
             wall_ms=lambda: int(1000 * self.clock.time_s),
+            breath_s=0.0,
         )
 
     async def __aenter__(self) -> "Bench":
