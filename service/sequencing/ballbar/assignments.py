@@ -6,6 +6,7 @@ from typing import Final, Protocol
 
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
+from service.domain.errors import ConfigurationError
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.lengths import bars_of
 from service.sequencing.ballbar.situation import Situation
@@ -58,6 +59,15 @@ def doubt(
     taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
 ) -> Suspicion | None:
     """Return why a length should not be stored for this step unasked; None where it may."""
+    try:
+        return _doubt(taken, now, step, kit, judges)
+    except ConfigurationError:  # what cannot be judged is not stored silently either
+        return Suspicion("unlikely", step.points or NO_PAIR, None, taken.length_mm, step.expected_mm)
+
+
+def _doubt(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+) -> Suspicion | None:
     match step.kind:
         case StepKind.INITIALISE:
             return _doubt_about_zero(taken, now, step, kit)

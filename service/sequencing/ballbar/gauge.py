@@ -41,8 +41,10 @@ class Gauge:
 
     async def _connect(self) -> bool:
         """Open the link where the wait is over; returns whether it is open. Raises DriverError."""
-        if self._try_again_s is not None and await self._clock.now_s() < self._try_again_s:
-            return False
+        if self._try_again_s is not None:
+            left_s = self._try_again_s - await self._clock.now_s()
+            if 0.0 < left_s <= _LONGEST_WAIT_S:  # more is left only where the cell's clock began anew
+                return False
         await self._ballbar.connect()
         serial = (await self._ballbar.identify()).serial
         self.serial = "" if serial in _SAYS_NOTHING else serial

@@ -212,18 +212,26 @@ class BallbarRunner:
 
     async def _precalibrate(self, step: BallbarStep) -> None:
         task = asyncio.create_task(self._foresee())
-        while not task.done() and not self._ended:
-            changed = asyncio.create_task(self._book.changed(self._book.version))
-            await asyncio.wait({task, changed}, return_when=asyncio.FIRST_COMPLETED)
-            changed.cancel()
-        if not task.done():
-            task.cancel()
+        try:
+            while not task.done() and not self._ended:
+                await self._wait_for(task)
+        finally:
+            task.cancel()  # nobody waits for it any more; done, it does not mind
+        if not task.done() or task.cancelled():
             return
         async with self._floor.changing:
             present = self.situation.step
             if not self._ended and present is not None and present.id == step.id:
-                await self._keep_foresight(step, await task)
+                await self._keep_foresight(step, task.result())
                 await self._floor.settle()
+
+    async def _wait_for(self, task: "asyncio.Task[PreCalibration | str]") -> None:
+        """Return when the task is done, or when something else has changed."""
+        changed = asyncio.create_task(self._book.changed(self._book.version))
+        try:
+            await asyncio.wait({task, changed}, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            changed.cancel()
 
     async def _foresee(self) -> PreCalibration | str:
         """Return what was found, or the sentence that says why nothing was."""

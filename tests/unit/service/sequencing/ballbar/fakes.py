@@ -266,8 +266,11 @@ class Suspect:
 class Bench:
     """A session on these fakes, with a person who does as asked unless a test does otherwise."""
 
-    def __init__(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...] = ()) -> None:
+    def __init__(
+        self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...] = (), judges: Judges | None = None
+    ) -> None:
         self.plan = plan
+        self._judges = judges
         self.clock = Clock()
         self.robot = Robot(self.clock)
         self.hands = Hands(self.robot)
@@ -289,7 +292,7 @@ class Bench:
             self.disk,
             self.oracle,
             tuple(self.disk.entries),
-            judges=Judges(self.suspect.leg, self.suspect.pose),
+            judges=self._judges or Judges(self.suspect.leg, self.suspect.pose),
             wall_ms=lambda: int(1000 * self.clock.time_s),
             breath_s=0.0,
         )

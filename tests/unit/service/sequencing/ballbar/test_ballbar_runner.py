@@ -6,10 +6,11 @@ import math
 import pytest
 
 from drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
-from service.domain.ballbar import EntryKind, Suspicion
-from service.domain.errors import UnderdeterminedError
+from service.domain.ballbar import EntryKind, PoseForecast, Suspicion
+from service.domain.errors import ConfigurationError, UnderdeterminedError
 from service.domain.session import SessionState
 from service.sequencing.ballbar.acts import ActName
+from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.errors import (
     NotNowError,
     PersonMissingError,
@@ -18,7 +19,7 @@ from service.sequencing.errors import (
     WatchingTabletError,
 )
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
-from tests.unit.service.sequencing.ballbar.sessions import found, joints, make_plan, make_pose
+from tests.unit.service.sequencing.ballbar.sessions import LEGS, found, joints, make_plan, make_pose
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 LEG = "placement-1/pose-1/leg-1-2"
@@ -286,6 +287,35 @@ async def test_a_wrong_connection_is_asked_about_and_never_stored_silently():
         assert len(bench.kept(LEG)) == 1
 
 
+async def test_the_same_pair_twice_is_recognised_from_the_lengths_alone():
+    async with Bench(PLAN, judges=Judges()) as bench:
+        await bench.start()
+        await bench.until(LEG)
+        bench.hands.detach()
+        await bench.clock.advance(0.2)
+        bench.hands.connect("leg", (1, 1))  # again
+
+        await bench.clock.advance(1.0)
+
+        assert bench.kept(LEG) == []
+        assert bench.now.suspicion.suspicion.kind == "same_pair"
+        assert bench.now.suspicion.suspicion.suspected == (1, 1)
+
+
+async def test_what_cannot_be_judged_is_asked_about():
+    def at_a_loss(*_, **__):
+        raise ConfigurationError("The forecast does not know this leg.")
+
+    async with Bench(PLAN, judges=Judges(leg=at_a_loss)) as bench:
+        await bench.start()
+        await bench.until("placement-1/side-1-2")
+
+        await bench.do()
+
+        assert bench.now.suspicion.suspicion.kind == "unlikely"
+        assert bench.kept("placement-1/side-1-2") == []
+
+
 async def test_a_doubt_that_the_person_denies_is_stored_with_the_answer():
     async with Bench(PLAN) as bench:
         await bench.start()
@@ -335,9 +365,6 @@ async def test_legs_that_were_exchanged_are_both_read_again():
 
 
 def _forecast(config):
-    from service.domain.ballbar import PoseForecast
-    from tests.unit.service.sequencing.ballbar.sessions import LEGS
-
     covariance = tuple(tuple(1e-3 * (i == j) for j in range(6)) for i in range(6))
     return PoseForecast(config, LEGS, (300.0,) * 6, covariance)
 
