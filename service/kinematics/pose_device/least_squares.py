@@ -15,6 +15,7 @@ References
 JCGM 102:2011 (GUM supplement 2), section 6.2: propagation for several output quantities.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,6 +29,7 @@ from service.kinematics.frames import rotation_from_vector
 from service.kinematics.pose_device.cascade import outward
 from service.kinematics.pose_device.legs import Fixtures, linear_legs
 from service.kinematics.pose_device.poses import Pose, points_gradient
+from service.kinematics.pose_device.recognition import is_clearly_nearer, square_mm2
 from service.kinematics.pose_device.starts import starting_poses
 
 _ROUNDS = 50
@@ -72,8 +74,8 @@ def least_squares_pose(
     covariance_mm2 : ndarray, shape (n, n)
         Of the lengths alone.
     commanded : Pose, optional
-        Decides where several poses fit equally well, as six legs always do. Without it the poses below the
-        cups are left out, and one of the others must be clearly the best.
+        By the nominal model. Decides where several poses fit equally well, as six legs always do. Without it
+        the poses below the cups are left out, and one of the others must be clearly the best.
 
     Raises
     ------
@@ -108,8 +110,16 @@ def _nearest(
     normal = there.gradient.T @ cho_solve(_factor(total), there.gradient)
     if not _holds(normal, commanded, fixtures.nests_mm, there.length_mm, total):
         raise UnderdeterminedError(_FREE)  # else a solution elsewhere would be taken for this one
-    rivals = [one for one in found if one.chi2 < found[0].chi2 + _CLEAR]
-    return min(rivals, key=lambda one: _apart_mm(one.pose, commanded, fixtures.nests_mm))
+    rivals = sorted(
+        (one for one in found if one.chi2 < found[0].chi2 + _CLEAR),
+        key=lambda one: square_mm2(one.pose, commanded, fixtures.nests_mm),
+    )
+    nearest, *others = (one.pose for one in rivals)
+    if others and not is_clearly_nearer(nearest, others[0], commanded, fixtures.nests_mm):
+        raise ConfigurationError(
+            "Two poses next to the commanded one have these lengths; measure another leg, or skip the pose."
+        )
+    return rivals[0]
 
 
 def fitting_poses(
@@ -125,7 +135,7 @@ def fitting_poses(
     settled = [_settled(fixtures, legs, length_mm, covariance_mm2, start) for start in starts]
     found: list[PoseEstimate] = []
     for one in sorted((one for one in settled if one is not None), key=lambda one: one.chi2):
-        if all(_apart_mm(one.pose, other.pose, fixtures.nests_mm) > _SAME_MM for other in found):
+        if all(square_mm2(one.pose, other.pose, fixtures.nests_mm) > _SAME_MM**2 for other in found):
             found.append(one)
     if not found:
         raise UnderdeterminedError(_FREE)
@@ -141,12 +151,17 @@ def _check(fixtures: Fixtures, legs: Sequence[Leg], length_mm: FloatArray, covar
             raise ConfigurationError(f"Leg B{cup} T{nest} joins points that the fixtures do not have.")
     if len(set(legs)) < 6:
         raise UnderdeterminedError(f"{len(set(legs))} different legs were given; a pose needs six.")
-    if min(len(set(points)) for points in zip(*legs, strict=True)) < 3:
-        raise UnderdeterminedError(_FREE)  # it turns about the line through two cups, or two nests
+    if any(_swings(Counter(points)) for points in zip(*set(legs), strict=True)):
+        raise UnderdeterminedError(_FREE)
     if length_mm.shape != (len(legs),) or covariance.shape != (len(legs), len(legs)):
         raise ConfigurationError(f"{len(legs)} legs need as many lengths and a covariance of that size.")
     if not (np.isfinite(length_mm).all() and (length_mm > 0.0).all() and np.isfinite(covariance).all()):
         raise ConfigurationError("Every leg needs a finite length above 0 mm and a finite covariance.")
+
+
+def _swings(legs_at: Counter[int]) -> bool:
+    """Say whether legs leave a body free whatever its pose: three hold a point, two points leave a hinge."""
+    return len(legs_at) < 3 or sum(min(legs, 3) for legs in legs_at.values()) < 6
 
 
 def _settled(
@@ -202,11 +217,6 @@ def _holds(
     freest = vectors[:, 0] / _AS_TRAVEL_MM / np.sqrt(values[0])
     travel = np.linalg.norm(points_gradient(pose, nests_mm) @ freest, axis=1).max()
     return bool(travel**2 < 2.0 * length_mm.min() * np.sqrt(np.diagonal(total).max()))
-
-
-def _apart_mm(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
-    apart = first.points(nests_mm) - second.points(nests_mm)
-    return float(np.sqrt((apart**2).sum(axis=1).mean()))
 
 
 def _is_above(pose: Pose, fixtures: Fixtures, legs: Sequence[Leg]) -> bool:

@@ -40,7 +40,7 @@ def recognise_assembly(
     arm_u_mm : float
         Standard uncertainty of the commanded place of a nest, per coordinate.
     """
-    square = np.array([_square_mm2(commanded, one, nests_mm) for one in candidates])
+    square = np.array([square_mm2(commanded, one, nests_mm) for one in candidates])
     order = np.argsort(np.where(np.isnan(square), np.inf, square), kind="stable")
     if not order.size or not square[order[0]] <= _FAR * arm_u_mm**2:
         return None
@@ -53,5 +53,14 @@ def recognise_assembly(
     return RecognisedAssembly(int(order[0]), float(distance), float(beyond - distance))
 
 
-def _square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
+def is_clearly_nearer(
+    nearest: Pose, following: Pose, commanded: Pose, nests_mm: FloatArray, *, arm_u_mm: float = _ARM_U_MM
+) -> bool:
+    """Say whether the first pose is a thousand times likelier than the second to be the commanded one."""
+    gained = square_mm2(following, commanded, nests_mm) - square_mm2(nearest, commanded, nests_mm)
+    return gained >= 2.0 * _LOG_ODDS * arm_u_mm**2
+
+
+def square_mm2(first: Pose, second: Pose, nests_mm: FloatArray) -> float:
+    """Return the sum of the squared distances of the three nests between two poses."""
     return float(((first.points(nests_mm) - second.points(nests_mm)) ** 2).sum())

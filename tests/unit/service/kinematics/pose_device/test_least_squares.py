@@ -289,3 +289,40 @@ def test_arguments_that_do_not_go_together_are_refused_in_a_sentence(change, sen
 
     with pytest.raises(ConfigurationError, match=sentence):
         least_squares_pose(**arguments, commanded=MEASURABLE[0].pose)
+
+
+def test_four_legs_at_one_nest_and_one_at_each_other_leave_the_tool_free():
+    legs = ((1, 1), (2, 1), (3, 1), (4, 1), (1, 2), (2, 3))
+
+    with pytest.raises(UnderdeterminedError, match="free to move"):
+        least_squares_pose(
+            Fixtures(FOUR_CUPS, NESTS),
+            legs,
+            np.full(6, 300.0),
+            covariance(legs),
+            commanded=MEASURABLE[0].pose,
+        )
+
+
+def test_two_poses_that_are_both_near_the_commanded_one_are_refused():
+    # nest 3 is 3 mm off the plane of cup 2 and nests 1 and 2: 3 mm off on the other side all legs are as long
+    legs = ((1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (2, 3))
+    t1, t2 = np.array([150.0, 86.6, 245.0]), np.array([150.0, -63.0, 252.0])
+    hinge, normal = (t2 - t1) / np.linalg.norm(t2 - t1), np.cross(t1 - CUPS[1], t2 - CUPS[1])
+    normal /= np.linalg.norm(normal)
+    arm = np.cross(hinge, normal)
+    nests = np.stack([t1, t2, 0.5 * (t1 + t2) + 130.0 * arm + 3.0 * normal])
+
+    def turned(height_mm):
+        turn = rotation_from_vector(hinge * np.arctan2(height_mm - 3.0, 130.0))
+        return Pose(turn, t1 - turn @ t1)
+
+    length_mm = lengths(turned(3.0), legs, CUPS, nests)
+    fixtures, u2 = Fixtures(CUPS, nests), covariance(legs)
+
+    with pytest.raises(ConfigurationError, match="Two poses next to the commanded one"):
+        least_squares_pose(fixtures, legs, length_mm, u2, commanded=turned(4.0))
+    for commanded_mm, attained_mm in ((10.0, 3.0), (-10.0, -3.0)):
+        found = least_squares_pose(fixtures, legs, length_mm, u2, commanded=turned(commanded_mm))
+        height_mm = normal @ (found.pose.points(nests)[2] - CUPS[1])
+        assert height_mm == pytest.approx(attained_mm, abs=1e-6)
