@@ -314,7 +314,7 @@ def test_two_poses_that_are_both_near_the_commanded_one_are_refused():
     nests = np.stack([t1, t2, 0.5 * (t1 + t2) + 130.0 * arm + 3.0 * normal])
 
     def turned(height_mm):
-        turn = rotation_from_vector(hinge * np.arctan2(height_mm - 3.0, 130.0))
+        turn = rotation_from_vector(hinge * np.arctan2(3.0 - height_mm, 130.0))
         return Pose(turn, t1 - turn @ t1)
 
     length_mm = lengths(turned(3.0), legs, CUPS, nests)
