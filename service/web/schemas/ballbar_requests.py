@@ -3,13 +3,13 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from service.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose, PlannedSetup, Vector
 from service.domain.robot import FramePlacement
 from service.operation.ballbar_plans import BallbarWish
 from service.sequencing.ballbar.acts import Act, ActName, Answer
-from service.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, PersonName, Request, example
+from service.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, PersonName, Request, example, whole
 from service.web.schemas.sessions import AngleDeg
 
 JointsDeg = Annotated[
@@ -20,7 +20,9 @@ CoordinateMm = Annotated[float, Field(ge=-20_000, le=20_000)]  # beyond any robo
 PointMm = Annotated[list[CoordinateMm], Field(min_length=3, max_length=3)]
 Way = Annotated[list[JointsDeg], Field(max_length=50, description="Clear way to it from the stop before.")]
 BasePoint = Annotated[int, Field(ge=1, le=4)]
-LegPoints = Annotated[list[BasePoint], Field(min_length=2, max_length=2, examples=[[2, 3]])]
+LegPoints = Annotated[
+    list[Annotated[BasePoint, BeforeValidator(whole)]], Field(min_length=2, max_length=2, examples=[[2, 3]])
+]
 
 
 class SetupRequest(Request):

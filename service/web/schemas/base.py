@@ -36,10 +36,11 @@ class Request(BaseModel):
     @classmethod
     def _whole_numbers(cls, body: object) -> object:
         # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
-        return {key: _whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+        return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
 
 
-def _whole(value: object) -> object:
+def whole(value: object) -> object:
+    """Return a number without fraction as an integer, anything else as it is."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

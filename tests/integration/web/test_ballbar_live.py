@@ -1,0 +1,135 @@
+"""The live stream of a ballbar session: samples, situations, a sign of life each second."""
+
+import asyncio
+import contextlib
+import json
+import time
+
+import httpx
+import pytest
+
+from service.app import create_app
+from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Tablet
+from tests.integration.web.bench import Bench
+from tests.integration.web.listening import listening
+
+
+@pytest.fixture
+def settings(settings):
+    with settings.cell_file.open("a") as cell_file:
+        cell_file.write(BALLBAR)
+    return settings
+
+
+@pytest.fixture
+def url(settings):
+    with listening(create_app(settings, Bench().registry())) as found:
+        yield found
+
+
+@pytest.fixture
+async def client(url):
+    async with httpx.AsyncClient(base_url=url, trust_env=False) as opened:
+        yield opened
+
+
+@pytest.fixture
+async def tablet(client):
+    await client.post(SESSIONS, json=WANTED)
+    return Tablet(client)
+
+
+async def follow(client, path, until, tablet="tablet-1", within_s=10.0):
+    """Return what came on the stream until `until` holds of it: pairs of kind and document, "" a comment."""
+    found, kind = [], ""
+    async with (
+        asyncio.timeout(within_s),
+        client.stream("GET", f"{path}/live", params={"tablet": tablet}) as stream,
+    ):
+        async for line in stream.aiter_lines():
+            field, _, value = line.partition(": ")
+            if field == "event":
+                kind = value
+            elif line.startswith(":"):
+                found.append(("", None))
+            elif field == "data":
+                found.append((kind, json.loads(value)))
+            if until(found):
+                return found
+    return found
+
+
+def kinds(found):
+    return [kind for kind, _ in found]
+
+
+async def test_the_stream_begins_with_the_session_as_it_is(client, tablet):
+    found = await follow(client, tablet.path, lambda found: len(found) >= 1)
+
+    kind, session = found[0]
+    assert (kind, session["state"], session["watching"]) == ("situation", "planned", 1)
+
+
+async def test_of_a_session_at_rest_a_comment_comes_each_second(client, tablet):
+    began = time.monotonic()
+
+    found = await follow(client, tablet.path, lambda found: kinds(found).count("") >= 2)
+
+    # Two heartbeats of a second each; the third half second is what a busy machine takes.
+    assert time.monotonic() - began < 3.5
+    assert "sample" not in kinds(found)
+
+
+async def test_a_session_that_begins_tells_so_and_sends_its_samples(client, tablet):
+    async def begin():
+        await asyncio.sleep(0.2)
+        await tablet.press("start")
+
+    beginning = asyncio.create_task(begin())
+    found = await follow(client, tablet.path, lambda found: kinds(found).count("sample") >= 3)
+    await beginning
+
+    states = [document["state"] for kind, document in found if kind == "situation"]
+    sample = next(document for kind, document in found if kind == "sample")
+    assert states[0] == "planned"
+    assert "running" in states
+    assert sample["state"] in {"in_range", "unstable"}
+    assert abs(sample["sampled_at_ms"] - time.time() * 1000) < 60_000  # the wall clock, not the cell's
+    assert {
+        "time_s",
+        "length_mm",
+        "deviation_mm",
+        "stable_share",
+        "spread_mm",
+        "robot_still",
+    } <= sample.keys()
+
+
+async def test_tablets_that_follow_are_counted(client, tablet):
+    first = asyncio.create_task(
+        follow(
+            client,
+            tablet.path,
+            lambda found: any(d and d["watching"] == 2 for kind, d in found if kind == "situation"),
+        )
+    )
+    await asyncio.sleep(0.2)
+    second = asyncio.create_task(
+        follow(client, tablet.path, lambda found: kinds(found).count("") >= 5, tablet="tablet-2")
+    )
+
+    seen = await first
+
+    second.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await second
+    assert seen[-1][1]["watching"] == 2
+    async with asyncio.timeout(5):
+        while (await tablet.see())["watching"] > 0:
+            await asyncio.sleep(0.05)
+
+
+async def test_a_session_that_is_not_there_has_no_stream(client):
+    refused = await client.get(f"{SESSIONS}/7/live", params={"tablet": "t"})
+
+    assert refused.status_code == 404
