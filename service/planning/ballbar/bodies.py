@@ -44,6 +44,7 @@ class BallbarCell:
     base: FramePlacement  # nominal, in the world
     nests_mm: FloatArray  # (3, 3) tool nests in the last frame
     ranges: tuple[JointRange, ...]  # in which configurations are chosen
+    leg_mm: float = 300.0  # of the ballbar, and of the sides of the base fixture that it measures
     table_z_mm: float = 0.0  # world
     link_radii_mm: tuple[float, ...] = ()  # base and each link; empty: those of a table robot
     bar_room_mm: float = 5.0  # around the ballbar

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from service.domain.arrays import FloatArray
+from service.domain.errors import ConfigurationError
 from service.domain.robot import FramePlacement
 from service.kinematics.frames import (
     placement_of,
@@ -51,11 +52,17 @@ class Wish:
     placements: int = 1
     base_points: int = 3
     poses: int = 61  # of the whole session, thesis of A. Nubiola, 2014, section 4.4
-    side_mm: float = 300.0
     draws: int = 240
     moves: int = 100  # of all placements, per start
     starts: int = 3  # sets of places that are refined
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.placements < 1 or self.poses < self.placements:
+            raise ConfigurationError(
+                f"{self.placements} placements with {self.poses} poses are no session; ask for one pose per "
+                "placement or more."
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +86,12 @@ def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
     wish = _affordable(cell, wish or Wish())
     rng = np.random.default_rng(wish.seed)
     model = arm_model(cell)
-    made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, wish.side_mm))
+    made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, cell.leg_mm))
     search = _Search(model, work_space_sample(model, SPACE_POINTS, rng), wish, made)
-    pool = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
+    places = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
+    pool = [own for own in places if len(own) >= search.fewest]
+    if not pool:
+        raise TooFewCandidatesError(search.too_few(places))
     chosen = search.best(pool, rng)
     fixtures = tuple(replace(own.fixture, number=number) for number, own in enumerate(chosen, start=1))
     return Suggestion(fixtures, search.error_mm(chosen), wish.draws, len(pool))
@@ -107,13 +117,21 @@ class _Search:
         return int(np.ceil(self.wish.poses / self.wish.placements))
 
     def judged(self, frame: FramePlacement) -> Candidates | None:
-        """Return what can be measured from a place; None where that is too little."""
-        fixture = base_fixture(1, frame, self.wish.base_points, self.wish.side_mm)
+        """Return what can be measured from a place; None where the base fixture cannot stand."""
+        fixture = base_fixture(1, frame, self.wish.base_points, self.model.cell.leg_mm)
         heights = np.array([*fixture.cups_mm[:, 2], fixture.hub_mm[2]]) - self.model.cell.table_z_mm
         if heights.min() < _LOWEST_MM or heights.max() > _HIGHEST_MM:
             return None
-        own = candidates(self.model, fixture, made=self.made)
-        return own if len(own) >= self.fewest else None
+        return candidates(self.model, fixture, made=self.made)
+
+    def too_few(self, places: Sequence[Candidates]) -> str:
+        """Say that no place offers what is asked for, and how much the best one does."""
+        most = max((len(own) for own in places), default=0)
+        return (
+            f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations be "
+            f"measured with the ballbar; the best offers {most}: ask for fewer or for more placements, or "
+            "widen the joint ranges."
+        )
 
     def holds_ball(self, own: Candidates) -> bool:
         """Whether the arm can hold the setting ball at every cup."""
@@ -139,8 +157,8 @@ class _Search:
             best = next((own for own in ranked if self.holds_ball(own)), None)
             if best is None:
                 raise TooFewCandidatesError(
-                    f"From none of the {self.wish.draws} places that were tried can {self.fewest} "
-                    "configurations be measured with the ballbar: ask for fewer, or widen the joint ranges."
+                    "From none of the places that were tried can the arm hold the setting ball at every cup: "
+                    "widen the joint ranges."
                 )
             chosen.append(best)
         return chosen
@@ -152,7 +170,7 @@ class _Search:
             k = move % len(chosen)
             scale = 1.0 - 0.75 * move / self.wish.moves
             own = self.judged(_moved(chosen[k].fixture.frame, scale, rng))
-            if own is None:
+            if own is None or len(own) < self.fewest:
                 continue
             tried = [*chosen[:k], own, *chosen[k + 1 :]]
             error = self.error_mm(tried)
@@ -172,7 +190,7 @@ def _frames(cell: BallbarCell, wish: Wish, rng: np.random.Generator) -> Iterator
         height = cell.table_z_mm - base_origin[2] + rng.uniform(_LOWEST_MM, 0.6 * _HIGHEST_MM)
         centre = np.array([distance * np.cos(turn), distance * np.sin(turn), height])
         rotation = _tilted(rng)
-        corner = np.array([0.5, np.sqrt(3.0) / 6.0, 0.0]) * wish.side_mm
+        corner = np.array([0.5, np.sqrt(3.0) / 6.0, 0.0]) * cell.leg_mm
         origin = base_rotation @ centre + base_origin - rotation @ corner
         yield placement_of(rotation, origin)
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
@@ -19,10 +18,9 @@ from service.planning.ballbar.motions import Stop, Surroundings, lift
 from service.planning.ballbar.placements import Wish, suggest
 from service.planning.ballbar.poses import planned, subset
 from service.planning.ballbar.setups import setups
+from service.planning.ballbar.tours import tour
 from service.planning.ballbar.ways import way
 from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
-
-_TRIES: Final = 3  # stops to which a way is searched before a configuration is left for later
 
 
 def ballbar_plan(
@@ -57,14 +55,9 @@ def ballbar_plan(
     WorkSpaceError, TooFewCandidatesError, NoWayError
         The arm does not offer that many poses, or cannot go to them clear of everything.
     """
-    if placements < 1 or poses < placements:
-        raise ConfigurationError(
-            f"{placements} placements with {poses} poses are no session; ask for one pose per placement."
-        )
-    space = ballbar_cell(cell)
-    side = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
     moves = draws * 5 // 12
-    wish = Wish(placements, base_points, poses, side_mm=side, draws=draws, moves=moves, seed=seed)
+    wish = Wish(placements, base_points, poses, draws=draws, moves=moves, seed=seed)
+    space = ballbar_cell(cell)
     return plan_at(space, suggest(space, wish).fixtures, poses, seed=seed)
 
 
@@ -91,7 +84,8 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
             f"Nothing says how far the joints of {robot.name} may turn: enter `calibration` ranges in the "
             "cell file."
         )
-    return BallbarCell(robot, cell.base_nominal, np.array(centres), ranges)
+    leg = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
+    return BallbarCell(robot, cell.base_nominal, np.array(centres), ranges, leg_mm=leg)
 
 
 def plan_at(
@@ -112,11 +106,12 @@ def plan_at(
     held = [setups(cell, fixture) for fixture in fixtures]
     offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
     chosen = choose(model, offers, poses, rng, work_space_sample(model, SPACE_POINTS, rng))
-    if not sum(len(rows) for rows in chosen):
-        raise TooFewCandidatesError(
-            "No configuration can be measured with the base fixture there: place it elsewhere, or let the "
-            "program suggest a place."
-        )
+    for own in offers:
+        if not len(own):
+            raise TooFewCandidatesError(
+                f"No configuration can be measured from placement {own.fixture.number}: place the base fixture "
+                "elsewhere, or let the program suggest a place."
+            )
     return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
 
 
@@ -157,9 +152,10 @@ class _Session:
         setups_there, last = self._with_ways(around, held, here)
         early = self._early(own, rows) if number == 1 else rows[:0]
         poses = planned(subset(own.found, rows), own.fixture.number)
-        joints = np.array([pose.joints_rad for pose in poses]).reshape(len(poses), -1)
+        joints = np.array([pose.joints_rad for pose in poses]).reshape(-1, self.cell.robot.n_joints)
         first = np.flatnonzero(np.isin(rows, early))
-        order, vias = self._tour(around, joints, first, last, self._parking(joints, first, after))
+        groups = self._groups(len(poses), first, self._parking(joints, first, after))
+        order, vias = tour(around, joints, groups, last, self.rng)
         ordered = tuple(
             replace(poses[row], config=config, via_rad=via)
             for config, (row, via) in enumerate(zip(order, vias, strict=True), start=number)
@@ -202,38 +198,11 @@ class _Session:
             )
         return int(usable[0])
 
-    def _tour(
-        self, around: Surroundings, joints: FloatArray, first: IntArray, here: Stop, last: int | None
-    ) -> tuple[list[int], list[tuple[tuple[float, ...], ...]]]:
-        """Order rows so that each is near the one before; `first` before the others, `last` at the end."""
-        order: list[int] = []
-        vias: list[tuple[tuple[float, ...], ...]] = []
+    def _groups(self, n: int, first: IntArray, last: int | None) -> list[list[int]]:
+        """Return rows in three groups: those of the pre-calibration, the others, the one to end with."""
         early = [int(row) for row in first if row != last]
-        later = [row for row in range(len(joints)) if row not in set(first.tolist()) and row != last]
-        for group in (early, later, [] if last is None else [last]):
-            left = list(group)
-            while left:
-                row, via = self._next(around, joints, left, here)
-                left.remove(row)
-                order.append(row)
-                vias.append(via)
-                here = Stop(joints[row])
-        return order, vias
-
-    def _next(
-        self, around: Surroundings, joints: FloatArray, left: list[int], here: Stop
-    ) -> tuple[int, tuple[tuple[float, ...], ...]]:
-        """Return the nearest row that a clear way leads to."""
-        nearest = sorted(left, key=lambda row: float(np.max(np.abs(joints[row] - here.joints_rad))))
-        for row in nearest[:_TRIES]:
-            try:
-                return row, way(around, here, Stop(joints[row]), self.rng)
-            except NoWayError:
-                continue
-        raise NoWayError(
-            f"From one stop of placement {around.fixture.number} no clear way leads on: move the base "
-            "fixture a little, or ask for fewer poses."
-        )
+        later = [row for row in range(n) if row not in first and row != last]
+        return [early, later, [] if last is None else [last]]
 
 
 def _approach(around: Surroundings, stop: Stop) -> tuple[tuple[float, ...], ...]:

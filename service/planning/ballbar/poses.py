@@ -40,7 +40,8 @@ def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
     They are the same wherever the fixture stands.
     """
     cups = fixture.own_cups_mm
-    return measurable(assemblies(cups, cell.nests_mm), cups, cell.nests_mm)
+    made = assemblies(cups, cell.nests_mm, leg_mm=cell.leg_mm)
+    return measurable(made, cups, cell.nests_mm)
 
 
 def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> Reached:

@@ -122,7 +122,7 @@ def test_from_a_place_out_of_reach_nothing_is_planned():
 
 
 def test_a_place_where_the_ball_can_be_held_and_no_pose_measured_is_refused():
-    with pytest.raises(TooFewCandidatesError, match="place it elsewhere"):
+    with pytest.raises(TooFewCandidatesError, match="from placement 1: place the base fixture elsewhere"):
         plan_at(replace(CELL, bar_room_mm=500.0), [fixture_before_the_arm()], 10)
 
 

@@ -1,0 +1,80 @@
+"""Poses aimed anew after a pre-calibration: coded where they can be, none lost, ways between them."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from service.planning.ballbar.again import aimed_again
+from service.planning.ballbar.aiming import nominal_lengths
+from service.planning.ballbar.clearance import is_clear
+from service.planning.ballbar.motions import between
+from service.planning.ballbar.poses import reachable
+from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+
+CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
+POSES = reachable(CELL, FIXTURE)[:30:2]
+HERE = reachable(CELL, FIXTURE)[40].joints_rad
+
+
+def found_cups():
+    """Cups where a pre-calibration may find them: within the 2 mm in which they snap on the ball."""
+    return FIXTURE.cups_mm + np.random.default_rng(0).uniform(-1.0, 1.0, (3, 3))
+
+
+def lengths_with(cups):
+    return lambda pose: nominal_lengths(CELL, cups, pose.legs)
+
+
+def test_all_poses_come_back_with_coded_lengths_under_the_model():
+    lengths = lengths_with(found_cups())
+
+    again = aimed_again(CELL, FIXTURE, POSES, lengths, HERE)
+
+    assert again.refusals == ()
+    assert sorted(pose.config for pose in again.poses) == sorted(pose.config for pose in POSES)
+    for pose in again.poses:
+        assert lengths(pose)(np.array([pose.joints_rad]))[0] == pytest.approx(pose.aimed_mm, abs=1e-4)
+
+
+def test_the_ways_lead_from_where_the_arm_is_through_all_poses():
+    again = aimed_again(CELL, FIXTURE, POSES, lengths_with(found_cups()), HERE)
+
+    stops = [HERE]
+    for pose in again.poses:
+        stops += [*pose.via_rad, pose.joints_rad]
+    for a, b in pairwise(np.array(stops)):
+        # 3 mm of the room of 10 may be used by aims, a little by what lies between two checks
+        assert is_clear(replace(CELL, arm_room_mm=6.0), FIXTURE, between(a, b)).all()
+
+
+def test_a_pose_that_cannot_be_coded_is_not_lost():
+    doubled = replace(POSES[0], legs=(*POSES[0].legs[:5], POSES[0].legs[0]))
+
+    again = aimed_again(CELL, FIXTURE, [doubled, POSES[1]], lengths_with(FIXTURE.cups_mm), HERE)
+
+    (sentence,) = again.refusals
+    kept = next(pose for pose in again.poses if pose.config == doubled.config)
+    assert f"Configuration {doubled.config} cannot be aimed" in sentence
+    assert "stays where it was planned" in sentence
+    assert kept.aimed_mm is None
+    assert kept.joints_rad == doubled.joints_rad
+
+
+def test_a_pose_whose_code_is_out_of_range_is_aimed_at_nominal_lengths():
+    pose = POSES[0]
+    here = zip(CELL.ranges, pose.joints_rad, strict=True)
+    tight = tuple(replace(limit, lower_rad=q - 1e-6, upper_rad=q + 1e-6) for limit, q in here)
+    held = replace(CELL, ranges=tight)
+
+    again = aimed_again(held, FIXTURE, [pose], lengths_with(FIXTURE.cups_mm), pose.joints_rad)
+
+    assert "all nominal" in again.refusals[0]
+    assert again.poses[0].joints_rad == pytest.approx(pose.joints_rad, abs=1e-6)
+
+
+def test_no_poses_are_no_trouble():
+    again = aimed_again(CELL, FIXTURE, [], lengths_with(FIXTURE.cups_mm), HERE)
+
+    assert again.poses == ()
