@@ -71,7 +71,7 @@ class MemoryLink:
         """Start serving a fresh far end; raises ConnectFailedError."""
         await self.close()
         if self._serve is None:
-            raise ConnectFailedError(f"nobody answers at {self.address}")
+            raise ConnectFailedError(f"nobody answers at {self.address}: check who serves it")
         there: Queue[bytes] = Queue()
         here: Queue[bytes] = Queue()
         self._end = MemoryEnd(here, there, self._chunk_bytes)
@@ -95,7 +95,7 @@ class MemoryLink:
             return None
         if data == _END_OF_STREAM:
             await self.close()
-            raise ConnectionLostError(f"the connection to {self.address} is gone")
+            raise ConnectionLostError(f"the connection to {self.address} is gone: check who serves it")
         return data
 
     async def close(self) -> None:

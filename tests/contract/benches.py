@@ -10,6 +10,7 @@ import numpy as np
 
 from drivers.abb_open_abb.driver import OpenAbbRobot
 from drivers.api import Clock
+from drivers.ballbar_bridge.driver import BridgedBallbar
 from drivers.ballbar_hid.driver import HidBallbar
 from drivers.cell_clock.driver import CellClock
 from drivers.cell_hands.driver import CellHands
@@ -36,6 +37,7 @@ from simulators.instruments.usb_itn import UsbItnGadget
 from simulators.instruments.usbip import usbip_endpoint
 from simulators.scenario_file import load_scenario
 from simulators.tracker import seen_from
+from tests.bridge_server import bridge_endpoint
 from tests.length_sources import FakeBar, FakeHands
 from tests.usb_in_memory import UsbInMemory
 
@@ -43,6 +45,7 @@ PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
+    "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
     "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=0.5),
@@ -117,6 +120,7 @@ class Bench:
             "leica_emscon": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
             "cell_clock": clock_endpoint(self.cell.clock),
+            "ballbar_bridge": bridge_endpoint(self.bar, self.cell.clock),
             "cell_hands": hands_endpoint(self.hands),
             "heidenhain_nd": nd28x_endpoint(self.bar, self.cell.clock),
         }

@@ -1,0 +1,108 @@
+"""Lines of a ballbar bridge: one JSON object a line, UTF-8, from the bridge to us. See README.md.
+
+``{"model": "QC20-W", "serial": "12A345", "resolution_mm": 0.0001}`` may come once, first; then a line for
+each value, ``{"deviation_mm": 0.1234, "signal": "good", "temperature_c": 20.1, "sequence": 17}``. Only
+`deviation_mm` is required, a number, or null without a signal. Keys not listed here are ignored.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, cast
+
+from drivers.json_lines import JsonLineError, decode_object, encode_object
+
+Signal: TypeAlias = Literal["good", "out_of_range", "none"]
+_SIGNALS = ("good", "out_of_range", "none")
+FINEST_MM = 1e-4  # of a QC20-W: what a bridge that does not say has
+_FURTHEST_MM = 1000.0  # no ballbar travels as far: whoever sends more sends another unit
+
+
+class BridgeProtocolError(JsonLineError):
+    """A line that is none of a ballbar bridge."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hello:
+    """What the bridge says of the ballbar."""
+
+    model: str = ""
+    serial: str = ""
+    resolution_mm: float = FINEST_MM
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeReading:
+    """One value of the ballbar."""
+
+    deviation_mm: float  # NaN without a signal
+    signal: Signal
+    temperature_c: float | None = None
+    sequence: int | None = None
+
+
+Message: TypeAlias = Hello | BridgeReading
+
+
+def encode(message: Message) -> bytes:
+    """Return the line of a message."""
+    match message:
+        case Hello(model, serial, resolution_mm):
+            return encode_object({"model": model, "serial": serial, "resolution_mm": resolution_mm})
+        case BridgeReading(deviation_mm, signal, temperature_c, sequence):
+            return encode_object({
+                "deviation_mm": None if math.isnan(deviation_mm) else deviation_mm,
+                "signal": signal,
+                "temperature_c": temperature_c,
+                "sequence": sequence,
+            })
+
+
+def decode(line: bytes) -> Message:
+    """Read a line; raises JsonLineError with a sentence for whoever writes the bridge."""
+    document = decode_object(line)
+    if "deviation_mm" in document:
+        return _reading(document)
+    if document.keys() & {"model", "serial", "resolution_mm"}:
+        return _hello(document)
+    raise BridgeProtocolError(f"{line[:80]!r} has no deviation_mm: every value needs one")
+
+
+def _reading(document: dict[str, object]) -> BridgeReading:
+    shown = document["deviation_mm"]
+    deviation_mm = math.nan if shown is None else _number(shown, "deviation_mm")
+    if abs(deviation_mm) > _FURTHEST_MM:
+        raise BridgeProtocolError(f"deviation_mm is {shown!r}: a deviation in millimetres was expected")
+    signal = document.get("signal", "none" if shown is None else "good")
+    if signal not in _SIGNALS:
+        raise BridgeProtocolError(f"signal is {signal!r}; one of {', '.join(_SIGNALS)} was expected")
+    if shown is None and signal == "good":
+        raise BridgeProtocolError("signal is good and deviation_mm is null: a good signal has a value")
+    temperature, sequence = document.get("temperature_c"), document.get("sequence")
+    if sequence is not None and (isinstance(sequence, bool) or not isinstance(sequence, int)):
+        raise BridgeProtocolError(f"sequence is {sequence!r}; a whole number was expected")
+    return BridgeReading(
+        math.nan if signal == "none" else deviation_mm,
+        cast(Signal, signal),
+        None if temperature is None else _number(temperature, "temperature_c"),
+        sequence,
+    )
+
+
+def _hello(document: dict[str, object]) -> Hello:
+    resolution_mm = _number(document.get("resolution_mm", FINEST_MM), "resolution_mm")
+    if resolution_mm <= 0.0:
+        raise BridgeProtocolError(f"resolution_mm is {resolution_mm}: a positive number was expected")
+    return Hello(_text(document, "model"), _text(document, "serial"), resolution_mm)
+
+
+def _text(document: dict[str, object], key: str) -> str:
+    value = document.get(key, "")
+    if not isinstance(value, str):
+        raise BridgeProtocolError(f"{key} is {value!r}; a text was expected")
+    return value
+
+
+def _number(value: object, key: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise BridgeProtocolError(f"{key} is {value!r}; a number was expected")
+    return float(value)
