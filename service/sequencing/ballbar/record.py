@@ -94,6 +94,7 @@ class Record:
     last_zero: tuple[str, LengthTaken] | None = None  # by step, whatever became of it
     zero_lost: bool = False  # the ballbar was without supply since
     found: dict[str, PreCalibration | None] = field(default_factory=dict)  # by step; None: left out
+    stood_at: dict[str, str | None] = field(default_factory=dict)  # pre-calibration -> last stop by then
     last: tuple[str, Outcome] | None = None
     keys: dict[str, int] = field(default_factory=dict)  # idempotency key -> place in the ledger, from 0
     times: StepTimes = field(default_factory=StepTimes)
@@ -242,5 +243,7 @@ class Record:
                 self.zero_lost = False
             case StepKind.PRECALIBRATE:
                 self.found[entry.step_id] = entry.precalibration
+                if entry.precalibration is not None:
+                    self.stood_at[entry.step_id] = self.last_stop
             case _:
                 pass

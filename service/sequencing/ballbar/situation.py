@@ -26,7 +26,7 @@ from service.sequencing.ballbar.acts import ActName, acts_allowed
 from service.sequencing.ballbar.agenda import Course, forecast_of, steps
 from service.sequencing.ballbar.pace import BallbarProgress
 from service.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
-from service.sequencing.ballbar.way import way
+from service.sequencing.ballbar.way import ways
 from service.sequencing.desk import CELL_CLEAR
 
 
@@ -50,6 +50,7 @@ class Situation:
     zero_before: LengthTaken | None  # of an initialisation: the last one with the same bars
     forecast: PoseForecast | None  # of the present configuration
     arm_at: str | None  # the step that brought the arm where it stands; None: not known
+    last_stop: str | None  # the step that brought the arm to rest last, wherever it is now
     arrival: ArrivalTaken | None
     back_to: str | None  # the step that Back reopens; None: there is no way back
     acts: frozenset[ActName]
@@ -110,7 +111,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
     agenda = tuple(steps(plan, kit, _course(record)))
     outcomes = {step.id: record.outcome(step.id) for step in agenda}
     index = _present_index(agenda, outcomes, record)
-    step = _present(agenda, index, record)
+    step = _present(plan, agenda, index, record)
     back_to = _back_to(agenda, index, record)
     return Situation(
         state=record.state,
@@ -129,6 +130,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         zero_before=_zero_before(step, record),
         forecast=forecast_of(record.precalibration, step.config if step else None),
         arm_at=record.arm_at,
+        last_stop=record.last_stop,
         arrival=record.arrival,
         back_to=back_to,
         acts=acts_allowed(
@@ -156,7 +158,9 @@ def _present_index(agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outco
     return next((i for i, step in enumerate(agenda) if outcomes[step.id].kind == "open"), len(agenda))
 
 
-def _present(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> BallbarStep | None:
+def _present(
+    plan: BallbarPlan, agenda: tuple[BallbarStep, ...], index: int, record: Record
+) -> BallbarStep | None:
     if index == len(agenda):
         return None
     step = agenda[index]
@@ -172,8 +176,7 @@ def _present(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> Bal
         return replace(again, artefact=step.artefact or "base")
     if step.kind is not StepKind.MOVE:
         return step
-    moves = [other for other in agenda if other.kind is StepKind.MOVE]
-    return replace(step, via_rad=way(moves, record.last_stop, step.id))
+    return replace(step, via_rad=ways(plan, agenda, record.stood_at).between(record.last_stop, step.id))
 
 
 def _before(step: BallbarStep, step_id: str, kind: StepKind) -> BallbarStep:
