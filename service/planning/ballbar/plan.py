@@ -109,8 +109,8 @@ def plan_at(
     for own in offers:
         if not len(own):
             raise TooFewCandidatesError(
-                f"No configuration can be measured from placement {own.fixture.number}: place the base fixture "
-                "elsewhere, or let the program suggest a place."
+                f"No configuration can be measured from placement {own.fixture.number}: place the base "
+                "fixture elsewhere, or let the program suggest a place."
             )
     return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
 
