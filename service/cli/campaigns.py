@@ -13,6 +13,7 @@ from service.domain.errors import ConfigurationError
 if TYPE_CHECKING:
     from service.domain.campaign import Campaign, LegReadings, PointReadings
     from service.domain.results import Identification, Model
+    from service.exchange.json_text import Json as JsonValue
 
 
 def identify_command(
@@ -22,6 +23,13 @@ def identify_command(
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the identified model here (JSON).")] = None,
     report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    compare_thesis: Annotated[
+        bool,
+        typer.Option(
+            "--compare-thesis",
+            help="Of a ballbar campaign: also turn the legs into positions first, as the thesis does.",
+        ),
+    ] = False,
     json: Json = False,
 ) -> int:
     """Identify the robot of a campaign folder.
@@ -40,11 +48,39 @@ def identify_command(
         _write_model(model_out, answer)
     if report is not None:
         _write_report(report, measured, answer)
+    thesis = _as_thesis(measured) if compare_thesis else None
     if json:
-        print_json(identification_document(answer, measured.robot.name))
+        document = identification_document(answer, measured.robot.name)
+        print_json(document if thesis is None else document | {"thesis_procedure": thesis})
     else:
         _show(answer)
+        remark(_thesis_sentences(thesis))
     return 0 if _converged(answer) else 1
+
+
+def _as_thesis(campaign: "Campaign") -> "dict[str, JsonValue]":
+    """Return the document of the thesis' procedure; where it cannot be followed, why."""
+    from service.exchange.result_documents import identification_document
+    from service.identification.thesis_procedure import identify_as_thesis
+
+    try:
+        answer, positions = identify_as_thesis(campaign)
+    except ConfigurationError as error:
+        return {"status": "not_possible", "message": str(error)}
+    return {
+        **identification_document(answer, campaign.robot.name),
+        "configurations_lost": list(positions.lost),
+    }
+
+
+def _thesis_sentences(thesis: "dict[str, JsonValue] | None") -> list[str]:
+    if thesis is None:
+        return []
+    statistics = thesis.get("statistics")
+    judged = statistics.get("validation_position") if isinstance(statistics, dict) else None
+    identified = judged.get("identified") if isinstance(judged, dict) else None
+    error = f", mean position error {identified['mean_mm']:.3f} mm" if isinstance(identified, dict) else ""
+    return [f"As the thesis does (positions from six legs each){error}: {thesis['message']}"]
 
 
 def _converged(answer: "Identification") -> bool:

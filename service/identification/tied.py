@@ -16,7 +16,9 @@ from service.kinematics.frames import rigid_alignment
 _FEWEST = 3  # points, not on a line, that place a frame
 
 
-def judged_by_positions(campaign: Campaign, model: Model) -> PositionsJudged | None:
+def judged_by_positions(
+    campaign: Campaign, model: Model, cups: tuple[Anchor, ...] | None = None
+) -> PositionsJudged | None:
     """Judge a model of lengths on the positions of its campaign; None where there are too few.
 
     Parameters
@@ -24,6 +26,8 @@ def judged_by_positions(campaign: Campaign, model: Model) -> PositionsJudged | N
     campaign : Campaign
         `validation` holds the positions, `cups` where the base cups are in their frame.
     model : Model
+    cups : tuple of Anchor, optional
+        The base cups in the frame of the model; by default the model's own.
     """
     points = campaign.validation
     if points is None or len(points) < _FEWEST:
@@ -38,8 +42,8 @@ def judged_by_positions(campaign: Campaign, model: Model) -> PositionsJudged | N
         )
 
     aligned = pair(*(_aligned(places, places, points.position_mm) for places in (nominal, identified)))
-    before = _matched(model.nominal_anchors, campaign.cups)
-    after = _matched(identified_anchors(model), campaign.cups)
+    before = _matched(cups or model.nominal_anchors, campaign.cups)
+    after = _matched(cups or identified_anchors(model), campaign.cups)
     if before is None or after is None:
         return PositionsJudged(None, aligned)
     return PositionsJudged(pair(_aligned(nominal, *before), _aligned(identified, *after)), aligned)

@@ -122,6 +122,18 @@ def _budget(
     return None if shown is None else budget(shown, identification, campaign, conditions)
 
 
+def _positions_rows(identification: Identification) -> Iterator[FiguresRow]:
+    """Yield how a model of lengths does on held-out positions."""
+    positions = identification.positions
+    if positions is None:
+        return
+    if positions.tied is not None:
+        remark = "held out positions, the frame tied by the measured base cups"
+        yield FiguresRow("Positions", remark, positions.tied)
+    remark = "held out positions, after the best rigid alignment"
+    yield FiguresRow("Positions, aligned", remark, positions.aligned)
+
+
 def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
     """Yield the statistics that a reader compares, with and without what lies far out."""
     if identification.validation is not None:
@@ -138,6 +150,7 @@ def figures_rows(identification: Identification, shown: Judged | None) -> Iterat
     elif identification.cross_validation is not None:
         remark = "by configuration: each predicted by a model that never saw it"
         yield FiguresRow("Cross-validation", remark, identification.cross_validation)
+    yield from _positions_rows(identification)
     if identification.calibration is not None:
         yield FiguresRow(
             "Calibration", "all readings that the model was made from", identification.calibration
