@@ -41,6 +41,8 @@ def test_only_a_running_session_moves(state):
         ({"robot_connected": False}, "link to the robot is down"),
         ({"now_s": 102.1}, "2.1 s old"),
         ({"now_s": 97.0}, "-3.0 s old"),
+        ({"max_state_age_s": 0.4}, "the limit is 0.4 s"),
+        ({"obstacle": "The ballbar may still be attached."}, "ballbar may still be attached"),
         ({"now_s": math.nan}, "nan s old"),
         ({"left_at_rad": (0.1, -0.21)}, "Joint 2 is 0.57 deg away"),
         ({"left_at_rad": (0.1, -0.2, 0.0)}, "reports 2 joints where 3"),

@@ -264,3 +264,47 @@ def test_every_prefix_of_a_ledger_has_a_situation_that_the_rest_continues():
         step = story.now.step
         assert step is not None
         assert whole[cut].step_id in {step.id, ""}
+
+
+def test_a_ballbar_that_was_without_supply_is_put_on_its_calibrator_and_keeps_what_was_read():
+    story = Story(PLAN).until("placement-1/pose-1/leg-1-2")
+    story.add("", EntryKind.CONTROL, text=control.ZERO_LOST)
+
+    assert story.present == "placement-1/pose-1/leg-1-2/initialise"
+    story.do()
+
+    assert story.present == "placement-1/pose-1/leg-1-2"
+    assert story.now.zero.initialisation == 4  # tool, base, pose 1, and this one
+    assert (1, 1) in story.now.earlier_legs()
+    story.until("placement-1/pose-1/detach")
+    assert story.now.outcomes["placement-1/pose-1/leg-3-1"].kind == "measured"
+
+
+def test_a_doubt_ends_with_the_stop_that_its_reading_was_of():
+    story = Story(PLAN).until("placement-1/pose-1/leg-1-2")
+    story.suspect(DOUBT)
+
+    story.add("placement-1/pose-1/move", EntryKind.REOPENED)
+
+    assert story.now.suspicion is None
+    assert story.present == "placement-1/pose-1/move/detach"
+
+
+def test_the_time_in_which_the_service_was_off_is_nobodys_pace():
+    story = Story(PLAN).until("placement-1/place")
+    before = story.now.progress
+    text = control.state_text(SessionState.AWAITING_CONFIRMATION, control.RESTARTED)
+    story.add("", EntryKind.CONTROL, text=text, time_s=1e6)
+
+    assert story.now.progress.elapsed_s == before.elapsed_s
+    assert story.now.progress.remaining_s == before.remaining_s
+
+
+def test_a_skipped_side_is_left_out_and_the_session_goes_on():
+    story = Story(PLAN).until("placement-1/side-2-3")
+
+    story.skip()
+
+    assert story.present == "placement-1/side-1-3"
+    story.until("placement-1/pose-1/move")
+    assert story.now.progress.skipped_poses == 0
