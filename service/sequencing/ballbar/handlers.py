@@ -137,6 +137,7 @@ class ActHandlers:
     async def _confirm(self, act: Act) -> ActOutcome:
         now = self._floor.now
         if now.state is SessionState.AWAITING_CONFIRMATION:
+            await self._require_present_look(act)
             return await self._go_on(act, "confirmed that the cell is clear")
         step_id = act.step_id or ""
         if now.step is None or now.step.kind is not StepKind.MOVE:
