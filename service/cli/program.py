@@ -13,6 +13,7 @@ import typer
 from service.cli.campaigns import identify_command, predict_command, validate_command
 from service.cli.cells import demo_command, nightly_command, serve_command, simulate_command
 from service.cli.diagnoses import diagnose_command
+from service.cli.inspection import inspect_command
 from service.domain.errors import TrueposeError
 
 UNUSABLE_INPUT = 2
@@ -27,6 +28,7 @@ _COMMANDS: dict[str, Callable[..., int]] = {
     "predict": predict_command,
     "validate": validate_command,
     "nightly": nightly_command,
+    "inspect": inspect_command,
 }
 
 
