@@ -23,7 +23,7 @@ class AimedAgain:
     """Poses in the order in which they are to be measured."""
 
     poses: tuple[PlannedPose, ...]
-    refusals: tuple[str, ...]  # one sentence for each pose that could not be coded, and what it does instead
+    refusals: tuple[str, ...]  # a sentence for each that could not be coded, or to which no way leads
 
 
 def aimed_again(
@@ -33,11 +33,10 @@ def aimed_again(
     lengths: Callable[[PlannedPose], Lengths],
     here_rad: Sequence[float],
     *,
+    last: int | None = None,
     seed: int = 0,
 ) -> AimedAgain:
     """Aim the poses of one placement at coded lengths under a model, and plan the ways between them.
-
-    The codes are about the nominal length of the ballbar.
 
     Parameters
     ----------
@@ -49,31 +48,36 @@ def aimed_again(
     lengths : callable
         From a pose to the function that predicts the lengths of its legs, in their order.
     here_rad : sequence of float
-        Where the arm is: the pose measured last.
+        Where the arm is.
+    last : int, optional
+        Configuration that stays the last one: where the arm waits while the base fixture is put elsewhere.
     seed : int
         For the search for ways.
 
     Returns
     -------
     AimedAgain
-        A pose that cannot be coded is aimed at nominal lengths, or stays as it was; none is lost.
-
-    Raises
-    ------
-    NoWayError
-        No clear way leads to one of them.
+        A pose that cannot be coded is aimed at nominal lengths, or stays as it was. One to which no clear way
+        leads is left out.
     """
-    aims = [_aim(pose, lengths(pose), cell) for pose in poses]
+    aims = [coded_or_kept(cell, pose, lengths(pose)) for pose in poses]
     new = [pose for pose, _ in aims]
     around = Surroundings(replace(cell, arm_room_mm=cell.arm_room_mm - _ROOM_USED_MM), fixture)
     joints = np.array([pose.joints_rad for pose in new]).reshape(-1, cell.robot.n_joints)
-    here = Stop(np.array(here_rad, dtype=float))
-    order, vias = tour(around, joints, [list(range(len(new)))], here, np.random.default_rng(seed))
-    ordered = tuple(replace(new[row], via_rad=via) for row, via in zip(order, vias, strict=True))
-    return AimedAgain(ordered, tuple(refusal for _, refusal in aims if refusal is not None))
+    groups = [
+        [row for row, pose in enumerate(new) if pose.config != last],
+        [row for row, pose in enumerate(new) if pose.config == last],
+    ]
+    found = tour(around, joints, groups, Stop(np.array(here_rad, dtype=float)), np.random.default_rng(seed))
+    ordered = tuple(replace(new[row], via_rad=via) for row, via in zip(found.order, found.vias, strict=True))
+    missed = (
+        f"No clear way leads to configuration {new[row].config}: it is left out." for row in found.missed
+    )
+    return AimedAgain(ordered, (*(said for _, said in aims if said is not None), *missed))
 
 
-def _aim(pose: PlannedPose, lengths: Lengths, cell: BallbarCell) -> tuple[PlannedPose, str | None]:
+def coded_or_kept(cell: BallbarCell, pose: PlannedPose, lengths: Lengths) -> tuple[PlannedPose, str | None]:
+    """Return a pose at coded lengths, else at nominal ones, else as it was; and why it is not coded."""
     try:
         return aimed_pose(pose, lengths, cell.leg_mm, cell.ranges), None
     except AimError as refusal:

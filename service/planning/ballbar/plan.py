@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -18,9 +19,14 @@ from service.planning.ballbar.motions import Stop, Surroundings, lift
 from service.planning.ballbar.placements import Wish, suggest
 from service.planning.ballbar.poses import planned, subset
 from service.planning.ballbar.setups import setups
-from service.planning.ballbar.tours import tour
+from service.planning.ballbar.tours import Tour, tour
 from service.planning.ballbar.ways import way
 from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
+
+_IN_THE_WAY: Final = (
+    "The arm would be in the way while the base fixture is put to placement {}: place it further from the "
+    "placement before."
+)
 
 
 def ballbar_plan(
@@ -98,7 +104,8 @@ def plan_at(
 ) -> BallbarPlan:
     """Plan a session with the base fixture at given places; parameters and errors as `ballbar_plan`.
 
-    Where fewer configurations can be measured than were asked for, all of them are planned. `template` gives
+    Where fewer configurations can be measured than were asked for, all of them are planned; those to which no
+    clear way is found are left out. `template` gives
     the times, speeds and the number of poses after which targets are aimed.
     """
     rng = np.random.default_rng(seed)
@@ -155,10 +162,11 @@ class _Session:
         joints = np.array([pose.joints_rad for pose in poses]).reshape(-1, self.cell.robot.n_joints)
         first = np.flatnonzero(np.isin(rows, early))
         groups = self._groups(len(poses), first, self._parking(joints, first, after))
-        order, vias = tour(around, joints, groups, last, self.rng)
+        found = tour(around, joints, groups, last, self.rng)
+        self._check(found, joints, own.fixture, after)
         ordered = tuple(
             replace(poses[row], config=config, via_rad=via)
-            for config, (row, via) in enumerate(zip(order, vias, strict=True), start=number)
+            for config, (row, via) in enumerate(zip(found.order, found.vias, strict=True), start=number)
         )
         cups = tuple((float(x), float(y), float(z)) for x, y, z in own.fixture.cups_mm)
         return PlannedPlacement(own.fixture.number, own.fixture.frame, cups, setups_there, ordered)
@@ -192,11 +200,20 @@ class _Session:
         later = np.setdiff1d(np.flatnonzero(free), first)
         usable = later if len(later) else np.flatnonzero(free)
         if not len(usable):
-            raise NoWayError(
-                f"The arm would be in the way while the base fixture is put to placement {after.number}: "
-                "place it further from the placement before."
-            )
+            raise NoWayError(_IN_THE_WAY.format(after.number))
         return int(usable[0])
+
+    def _check(
+        self, found: Tour, joints: FloatArray, fixture: BaseFixture, after: BaseFixture | None
+    ) -> None:
+        """Refuse a placement that no way leads through, or that leaves the arm where the next one comes."""
+        if not found.order:
+            raise NoWayError(
+                f"No clear way leads from the set-ups of placement {fixture.number} to any pose: move the base "
+                "fixture a little, or let the program suggest a place."
+            )
+        if after is not None and not is_clear(self.cell, after, joints[list(found.order[-1:])]).all():
+            raise NoWayError(_IN_THE_WAY.format(after.number))
 
     def _groups(self, n: int, first: IntArray, last: int | None) -> list[list[int]]:
         """Return rows in three groups: those of the pre-calibration, the others, the one to end with."""

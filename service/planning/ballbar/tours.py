@@ -1,6 +1,7 @@
 """The order of stops: each the nearest that a clear way leads to."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -12,7 +13,16 @@ from service.planning.errors import NoWayError
 
 Via: TypeAlias = tuple[tuple[float, ...], ...]
 
-_TRIES: Final = 3  # stops to which a way is searched before it is given up
+_TRIES: Final = 3  # stops to which a way is searched before they are given up
+
+
+@dataclass(frozen=True, slots=True)
+class Tour:
+    """Stops in their order, each with the way from the one before."""
+
+    order: tuple[int, ...]
+    vias: tuple[Via, ...]
+    missed: tuple[int, ...]  # stops to which no clear way was found
 
 
 def tour(
@@ -21,7 +31,7 @@ def tour(
     groups: Sequence[Sequence[int]],
     here: Stop,
     rng: np.random.Generator,
-) -> tuple[list[int], list[Via]]:
+) -> Tour:
     """Order stops by short motions, group after group, with the ways to them.
 
     Parameters
@@ -34,42 +44,37 @@ def tour(
         Where the arm is.
     rng : numpy.random.Generator
         For the search for ways.
-
-    Returns
-    -------
-    order : list of int
-        Rows in their order.
-    vias : list of via points
-        The way to each from the one before.
-
-    Raises
-    ------
-    NoWayError
-        From a stop no clear way leads on.
     """
     order: list[int] = []
     vias: list[Via] = []
+    missed: list[int] = []
     for group in groups:
         left = list(group)
         while left:
-            row, via = _next(around, joints_rad, left, here, rng)
+            nearest = sorted(left, key=lambda row: _motion(joints_rad[row], here))[:_TRIES]
+            found = _first_way(around, joints_rad, nearest, here, rng)
+            if found is None:
+                missed += nearest
+                left = [row for row in left if row not in nearest]
+                continue
+            row, via = found
             left.remove(row)
             order.append(row)
             vias.append(via)
             here = Stop(joints_rad[row])
-    return order, vias
+    return Tour(tuple(order), tuple(vias), tuple(missed))
 
 
-def _next(
-    around: Surroundings, joints: FloatArray, left: list[int], here: Stop, rng: np.random.Generator
-) -> tuple[int, Via]:
-    nearest = sorted(left, key=lambda row: float(np.max(np.abs(joints[row] - here.joints_rad))))
-    for row in nearest[:_TRIES]:
+def _motion(joints: FloatArray, here: Stop) -> float:
+    return float(np.max(np.abs(joints - here.joints_rad)))
+
+
+def _first_way(
+    around: Surroundings, joints: FloatArray, rows: Sequence[int], here: Stop, rng: np.random.Generator
+) -> tuple[int, Via] | None:
+    for row in rows:
         try:
             return row, way(around, here, Stop(joints[row]), rng)
         except NoWayError:
             continue
-    raise NoWayError(
-        f"From one stop of placement {around.fixture.number} no clear way leads on: move the base fixture a "
-        "little, or ask for fewer poses."
-    )
+    return None

@@ -78,3 +78,21 @@ def test_no_poses_are_no_trouble():
     again = aimed_again(CELL, FIXTURE, [], lengths_with(FIXTURE.cups_mm), HERE)
 
     assert again.poses == ()
+
+
+def test_the_pose_where_the_arm_waits_stays_the_last_one():
+    last = POSES[4].config
+
+    again = aimed_again(CELL, FIXTURE, POSES, lengths_with(FIXTURE.cups_mm), HERE, last=last)
+
+    assert again.poses[-1].config == last
+    assert len(again.poses) == len(POSES)
+
+
+def test_a_pose_that_the_arm_cannot_go_to_clear_is_left_out_and_named():
+    in_the_table = replace(POSES[0], joints_rad=tuple(np.radians([0.0, 110.0, 40.0, 0.0, 0.0, 0.0])))
+
+    again = aimed_again(CELL, FIXTURE, [in_the_table, POSES[1]], lengths_with(FIXTURE.cups_mm), HERE)
+
+    assert [pose.config for pose in again.poses] == [POSES[1].config]
+    assert f"No clear way leads to configuration {in_the_table.config}: it is left out." in again.refusals
