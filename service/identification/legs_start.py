@@ -15,6 +15,7 @@ from service.kinematics.chain import Chain
 _RADII_MM = (0.0, 60.0, 150.0, 300.0)
 _REFINED = 4
 _SUBSET = 300  # readings used for the search; plenty for seven unknowns
+_FEWEST = 12  # of one anchor; four would do without errors
 _SCALE_MM = 2.0  # residuals beyond this count linearly: the size of a nominal robot's errors
 
 
@@ -55,7 +56,7 @@ def place_legs(
     -------
     LegPlacement
     """
-    rows = _spread(len(nest))
+    rows = _spread(anchor)
     search = _Search(
         chain.rotation[-1][rows], chain.origin[-1][rows], nest[rows], anchor[rows], length_mm[rows],
         nests_mm, nest_unknown, int(anchor.max()) + 1, with_offset,
@@ -66,8 +67,14 @@ def place_legs(
     return search.answer(min(ends, key=search.typical))
 
 
-def _spread(n: int) -> IntArray:
-    return np.unique(np.linspace(0, n - 1, min(n, _SUBSET)).astype(np.int64))
+def _spread(anchor: IntArray) -> IntArray:
+    """Return rows of every anchor: an even choice of all might step over one that comes round regularly."""
+    each = max(_FEWEST, _SUBSET // (int(anchor.max()) + 1))
+    chosen = []
+    for number in np.unique(anchor).tolist():
+        rows = np.flatnonzero(anchor == number)
+        chosen.append(rows[np.unique(np.linspace(0, len(rows) - 1, min(len(rows), each)).astype(np.int64))])
+    return np.sort(np.concatenate(chosen))
 
 
 def _attachments(unknown: bool) -> list[FloatArray]:
