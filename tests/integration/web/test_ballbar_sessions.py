@@ -65,8 +65,8 @@ async def test_the_list_of_sessions_has_both_kinds(client, tablet):
 
 
 async def test_a_length_is_kept_with_everything_that_it_rests_on(client, tablet, bench):
-    await tablet.press("start")
     bench.ballbar.deviation_mm = 0.0123
+    await tablet.press("start")
 
     stored = await tablet.press("store", step_id="tool/initialise")
     while stored.status_code == 409:  # until there is a sample; or it was stored by itself
