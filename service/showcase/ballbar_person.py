@@ -51,6 +51,14 @@ class PersonAtTablet:
         self._tablet = tablet
         self._keys: Iterator[int] = itertools.count(1)
         self.ledger = OwnLedger()
+        self.seen: dict[str, Any] | None = None  # the session as it was last told
+        self.hands_free = asyncio.Event()  # cleared: the person waits and sends nothing
+        self.hands_free.set()
+
+    @property
+    def path(self) -> str:
+        """Where the session is."""
+        return f"{_API}/ballbar-sessions/{self._id}"
 
     async def walk(self, until: str | None = None) -> dict[str, Any]:
         """Go through the session to its end, or until the step named `until` is the present one."""
@@ -67,6 +75,7 @@ class PersonAtTablet:
         """Return the session as the service has it."""
         answer = await self._reach("GET", f"/ballbar-sessions/{self._id}")
         found: dict[str, Any] = answer.json()
+        self.seen = found
         return found
 
     async def act(self, name: str, step_id: str | None = None, **said: str) -> httpx.Response:
@@ -77,6 +86,7 @@ class PersonAtTablet:
         if answer.is_success:
             told = answer.json()
             self.ledger.acts.append(Acknowledged(key, step_id, name, told["entry"], told["sentence"]))
+            self.seen = told["session"]
         return answer
 
     async def hands(self, action: str, **details: Any) -> httpx.Response:
@@ -146,6 +156,7 @@ class PersonAtTablet:
         deadline = asyncio.get_running_loop().time() + _PATIENCE_S
         sent = 0
         while asyncio.get_running_loop().time() < deadline:
+            await self.hands_free.wait()
             sent += 1
             try:
                 answer = await self._http.request(method, f"{_API}{path}", json=body, headers=headers)

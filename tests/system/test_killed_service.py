@@ -1,0 +1,14 @@
+"""A service that is killed in the middle of a ballbar session loses nothing and doubles nothing.
+
+A handful of kills; `python -m service.showcase.interruptions` makes two hundred.
+"""
+
+from service.showcase.interruptions import interrupt, report
+
+
+async def test_a_killed_service_loses_and_doubles_nothing_and_moves_nothing(tmp_path):
+    tally = await interrupt(5, seed=1, folder=tmp_path, poses=13)
+
+    assert report(tally)["pass"], report(tally)
+    assert tally.kills == 5
+    assert tally.acknowledged > 0
