@@ -157,6 +157,7 @@ class ActHandlers:
             )
 
     async def _store(self, act: Act) -> ActOutcome:
+        await self._floor.readings.fresh()
         await self._floor.require_stop()
         taken = self._floor.readings.length(self._floor.now, await self._clock.now_s(), by_hand=True)
         number, suspicion = await self._floor.store(taken, act)

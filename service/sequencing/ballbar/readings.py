@@ -19,6 +19,9 @@ from service.sequencing.errors import NotNowError
 _KEPT_FOR_A_WATCHER = 40  # samples: two seconds; who is slower than that misses the oldest
 _RECENT_S = 1.0  # a length that was shown longer ago is not what the person sees
 
+_FRESH = 3  # samples that a length stored by hand rests on, all taken after the button was pressed
+_MOST_POLLS = 40  # of a ballbar that is slower than the polling
+
 _WHY_NOT = {
     "no_signal": "The ballbar gives no signal; is it connected and switched on?",
     "out_low": "The two balls are too close together for the ballbar; skip with that reason, or read again.",
@@ -39,6 +42,7 @@ class Readings:
         self._wall_ms = wall_ms
         self._watchers: set[asyncio.Queue[LiveSample | None]] = set()
         self._latest: BallbarReading | None = None
+        self._polled = asyncio.Event()
         self.contact = Contact()
         self.sample: LiveSample | None = None
 
@@ -56,7 +60,20 @@ class Readings:
         self.sample = self._sample(reading, now, time_s, robot_still, sampled_at_ms)
         for queue in self._watchers:
             _put(queue, self.sample)
+        self._polled.set()
+        self._polled = asyncio.Event()
         return self.sample
+
+    async def fresh(self) -> None:
+        """Return once the window holds nothing but samples taken from now on.
+
+        Who connects the ballbar and presses the button at once must not store what it showed before.
+        """
+        self.begin_anew()
+        for polls in range(_MOST_POLLS):
+            if polls >= _FRESH and (self._window.count or not is_usable(self._latest)):
+                return
+            await self._polled.wait()
 
     async def watch(self) -> AsyncIterator[LiveSample]:
         """Yield every sample from now on, until the session ends."""

@@ -195,7 +195,7 @@ class Crowd:
         guard.stops_open += stops
         try:
             with contextlib.suppress(SequencingError):
-                outcome = await bench.runner.act(act)
+                outcome = await bench.send(act)
                 if outcome.sentence.startswith("Stored"):
                     guard.acknowledged[outcome.entry] = act.key
         finally:

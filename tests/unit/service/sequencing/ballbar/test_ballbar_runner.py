@@ -188,6 +188,19 @@ async def test_the_button_stores_what_is_shown():
         assert outcome.sentence == "Stored: 150.0000 mm."
 
 
+async def test_the_button_stores_nothing_that_was_shown_before_it_was_pressed():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until("tool/side-1-2")
+        await bench.clock.advance(1.0)  # still on the calibrator
+        bench.hands.do_as_asked("tool/side-1-2")
+
+        await bench.press(ActName.STORE)  # at once
+
+        (entry,) = bench.kept("tool/side-1-2")
+        assert entry.length.deviation_mm == pytest.approx(bench.hands.deviation_mm, abs=NOISE_MM)
+
+
 @pytest.mark.parametrize(("shown_mm", "says"), [(-1.1, "too close"), (1.1, "too far"), (None, "no signal")])
 async def test_the_button_stores_nothing_where_there_is_no_length(shown_mm, says):
     async with Bench(PLAN) as bench:
