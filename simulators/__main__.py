@@ -15,6 +15,7 @@ from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.hands import hands_endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.length_source import Electronics
 from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
@@ -115,7 +116,7 @@ async def _run(cell: Cell, host: str, port_base: int) -> None:
 
 
 def _endpoints(cell: Cell) -> list[Endpoint]:
-    program = MotionProgram(cell)
+    program, bar = MotionProgram(cell), Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         tracker_endpoint(cell),
         robot_endpoint(cell, program),
@@ -123,9 +124,9 @@ def _endpoints(cell: Cell) -> list[Endpoint]:
         clock_endpoint(cell.clock),
         truth_endpoint(cell),
         # Newer endpoints come last, so that the older ones keep their ports.
-        nd28x_endpoint(cell.ballbar, cell.clock),
-        usbip_endpoint("hid", HidBallbarGadget(cell.ballbar, cell.clock)),
-        usbip_endpoint("usb_itn", UsbItnGadget(cell.ballbar, cell.clock)),
+        nd28x_endpoint(bar),
+        usbip_endpoint("hid", HidBallbarGadget(bar)),
+        usbip_endpoint("usb_itn", UsbItnGadget(bar)),
         hands_endpoint(cell.hands),
     ]
 

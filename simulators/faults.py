@@ -73,6 +73,14 @@ class FixedNestMoved:
 
 
 @dataclass(frozen=True, slots=True)
+class BallbarTooFast:
+    """The ballbar is moved faster than its transducer can count: it has no value until it counts again."""
+
+    from_s: float = 0.0
+    until_s: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
 class RobotRefuses:
     """The controller stops its program at move number `move`, as it does for a target out of range."""
 
@@ -99,6 +107,7 @@ Fault: TypeAlias = (
     | TrackerBlinded
     | SmrMissing
     | FixedNestMoved
+    | BallbarTooFast
     | RobotRefuses
     | RobotHangs
 )
@@ -112,6 +121,7 @@ KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "tracker_blinded": TrackerBlinded,
     "smr_missing": SmrMissing,
     "fixed_nest_moved": FixedNestMoved,
+    "ballbar_too_fast": BallbarTooFast,
     "robot_refuses": RobotRefuses,
     "robot_hangs": RobotHangs,
 })
@@ -151,6 +161,14 @@ class Faults:
             fault.from_s <= time_s < fault.until_s
             for fault in self._faults
             if isinstance(fault, TrackerBlinded)
+        )
+
+    def ballbar_too_fast(self, time_s: float) -> bool:
+        """Whether the ballbar cannot count."""
+        return any(
+            fault.from_s <= time_s < fault.until_s
+            for fault in self._faults
+            if isinstance(fault, BallbarTooFast)
         )
 
     def smr_missing(self, nest: int, time_s: float) -> bool:

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 
 from simulators.errors import SimulatorError
+from simulators.faults import Faults
+from simulators.instruments.length_source import Electronics
 
 
 @dataclass(frozen=True)
@@ -46,3 +48,8 @@ class StandingClock:
     """Cell time that the test moves."""
 
     now_s = 0.0
+
+
+def electronics(bar: FakeBar, faults: Faults | None = None) -> Electronics:
+    """The bar's electronics at cell time 0."""
+    return Electronics(bar, faults or Faults(), StandingClock())

@@ -30,7 +30,7 @@ from drivers.usb.protocol.descriptors import (
     Endpoint,
     Interface,
 )
-from simulators.instruments.length_source import CellTime, LengthSource
+from simulators.instruments.length_source import Electronics
 from simulators.instruments.usb_gadget import StallError, StandardRequests
 
 # Numbers that pid.codes sets aside for tests; a maker of a real bar has numbers of his own.
@@ -45,9 +45,8 @@ _FASTEST_HZ = 1000  # a full-speed device has one interrupt packet a millisecond
 class HidBallbarGadget:
     """State of the device: its rate, and when its next report is due (wall time)."""
 
-    def __init__(self, bar: LengthSource, clock: CellTime) -> None:
+    def __init__(self, bar: Electronics) -> None:
         self._bar = bar
-        self._clock = clock
         self._rate = _POWER_ON
         self._running = asyncio.Event()
         self._due_s = 0.0
@@ -127,15 +126,14 @@ class HidBallbarGadget:
         self._set_rate(rate)
 
     def _reading(self) -> bytes:
-        now_s = self._clock.now_s
-        sample = self._bar.sample(now_s)
+        sample = self._bar.show()
         return encode_reading(
             BarReading(
                 deviation_mm=sample.deviation_mm,
                 out_of_range=sample.signal == "out_of_range",
-                status=Status(0),
+                status=Status.OVERSPEED if sample.too_fast else Status(0),
                 sequence=sample.sequence,
-                time_us=round(now_s * 1e6),
+                time_us=round(self._bar.now_s * 1e6),
                 temperature_c=sample.temperature_c,
             )
         )

@@ -1,6 +1,10 @@
 """What the ballbar endpoints ask of the cell: the same bar, whatever protocol speaks for it."""
 
+import math
+from dataclasses import dataclass
 from typing import Literal, Protocol
+
+from simulators.faults import Faults
 
 
 class Sample(Protocol):
@@ -47,3 +51,40 @@ class CellTime(Protocol):
     def now_s(self) -> float:
         """Present cell time [s]."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A sample as the bar's electronics give it."""
+
+    deviation_mm: float
+    signal: Literal["good", "out_of_range", "none"]
+    temperature_c: float
+    sequence: int
+    too_fast: bool = False
+
+
+class Electronics:
+    """What stands between transducer and plug: it loses count while the bar is moved too fast."""
+
+    def __init__(self, bar: LengthSource, faults: Faults, clock: CellTime) -> None:
+        self._bar = bar
+        self._faults = faults
+        self._clock = clock
+
+    @property
+    def plugged(self) -> bool:
+        """Whether the bar's cable is in."""
+        return self._bar.plugged
+
+    @property
+    def now_s(self) -> float:
+        """Present cell time [s]."""
+        return self._clock.now_s
+
+    def show(self) -> Shown:
+        """Read the transducer now."""
+        sample = self._bar.sample(self._clock.now_s)
+        if self._faults.ballbar_too_fast(self._clock.now_s):
+            return Shown(math.nan, "none", sample.temperature_c, sample.sequence, too_fast=True)
+        return Shown(sample.deviation_mm, sample.signal, sample.temperature_c, sample.sequence)

@@ -32,11 +32,11 @@ from drivers.heidenhain_nd.protocol import (
     value_line,
 )
 from simulators.instruments.endpoint import Endpoint
-from simulators.instruments.length_source import CellTime, LengthSource, Sample
+from simulators.instruments.length_source import Electronics, Shown
 
 _CHUNK_BYTES = 4096
 _MODEL, _SOFTWARE, _RELEASED = "ND-287", "349797-04", "2001-05-04"
-_NO_SIGNAL = "SIGNAL ERROR"
+_NO_SIGNAL, _TOO_FAST = "SIGNAL ERROR", "FREQU. ERROR"
 _MOST_DIGITS = 9
 _DIGIT_KEYS = frozenset(f"T000{digit}" for digit in range(10))
 _MOST_HELD_BYTES = 4096  # a client that holds the counter back and goes on asking loses answers
@@ -45,9 +45,8 @@ _MOST_HELD_BYTES = 4096  # a client that holds the counter back and goes on aski
 class Counter:
     """The counter itself: what its keys have set, and what it answers."""
 
-    def __init__(self, bar: LengthSource, clock: CellTime) -> None:
+    def __init__(self, bar: Electronics) -> None:
         self._bar = bar
-        self._clock = clock
         self._datum = 0  # counts taken off what the transducer shows
         self._entry = ""  # typed and not entered yet
         self._reference = False
@@ -108,15 +107,15 @@ class Counter:
         if any(character.isdigit() for character in typed) and sample.signal != "none":
             self._datum = round(sample.deviation_mm * COUNTS_PER_MM) - round(float(typed) * COUNTS_PER_MM)
 
-    def _sample(self) -> Sample:
-        return self._bar.sample(self._clock.now_s)
+    def _sample(self) -> Shown:
+        return self._bar.show()
 
-    def _count(self, sample: Sample) -> int | None:
+    def _count(self, sample: Shown) -> int | None:
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
             return None
         return round(sample.deviation_mm * COUNTS_PER_MM) - self._datum
 
-    def _lamps(self, sample: Sample) -> Lamps:
+    def _lamps(self, sample: Shown) -> Lamps:
         out = sample.signal == "out_of_range"
         return Lamps(
             below=out and sample.deviation_mm < 0.0,
@@ -126,15 +125,17 @@ class Counter:
         )
 
     def _display(self) -> Sequence[Reply]:
-        count = self._count(self._sample())
-        return (error_line(_NO_SIGNAL) if count is None else display_line(count),)
+        sample = self._sample()
+        count = self._count(sample)
+        return (_error(sample) if count is None else display_line(count),)
 
     def _value(self) -> Sequence[Reply]:
         count = self._count(self._sample())
         return (Refused() if count is None else value_line(count),)
 
     def _error_text(self) -> Sequence[Reply]:
-        return (error_line(_NO_SIGNAL) if self._count(self._sample()) is None else Refused(),)
+        sample = self._sample()
+        return (_error(sample) if self._count(sample) is None else Refused(),)
 
     def _print(self) -> Sequence[Reply]:
         sample = self._sample()
@@ -154,6 +155,10 @@ class Counter:
         return (Acknowledged(),)
 
 
+def _error(sample: Shown) -> Line:
+    return error_line(_TOO_FAST if sample.too_fast else _NO_SIGNAL)
+
+
 def _acknowledge() -> Sequence[Reply]:
     return (Acknowledged(),)
 
@@ -162,9 +167,9 @@ def _refuse() -> Sequence[Reply]:
     return (Refused(),)
 
 
-def nd28x_endpoint(bar: LengthSource, clock: CellTime) -> Endpoint:
+def nd28x_endpoint(bar: Electronics) -> Endpoint:
     """Build the endpoint of a counter; every connection reaches the same one."""
-    counter = Counter(bar, clock)
+    counter = Counter(bar)
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         requests, outbox, holding = RequestReader(), bytearray(), False

@@ -6,6 +6,7 @@ import math
 from drivers.mitutoyo_usb_itn.protocol import (
     GET_MODE,
     NOT_CONNECTED,
+    NOT_CONVERTIBLE,
     PACKET_BYTES,
     PRODUCT,
     READ_DEVICE,
@@ -36,7 +37,7 @@ from drivers.usb.protocol.descriptors import (
     Endpoint,
     Interface,
 )
-from simulators.instruments.length_source import CellTime, LengthSource
+from simulators.instruments.length_source import Electronics
 from simulators.instruments.usb_gadget import StallError, StandardRequests
 
 _STRINGS = ("Mitutoyo", "USB-ITN", "70012345")
@@ -57,9 +58,8 @@ _KEYBOARD_REPORT = bytes.fromhex(
 class UsbItnGadget:
     """State of the cable: its mode, and what it still has to send."""
 
-    def __init__(self, bar: LengthSource, clock: CellTime) -> None:
+    def __init__(self, bar: Electronics) -> None:
         self._bar = bar
-        self._clock = clock
         self._serial_mode = False
         self._protocol = _REPORT_PROTOCOL
         self._outbox = bytearray()
@@ -143,7 +143,9 @@ class UsbItnGadget:
             return DeviceInfo(_INFO)
         if command != READ_VALUE:
             return Error(_UNKNOWN_COMMAND)
-        sample = self._bar.sample(self._clock.now_s)
+        sample = self._bar.show()
+        if sample.too_fast:
+            return Error(NOT_CONVERTIBLE)
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
             return Error(NOT_CONNECTED)
         return Value(sample.deviation_mm, _DECIMALS)

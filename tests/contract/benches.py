@@ -30,6 +30,7 @@ from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.hands import hands_endpoint
 from simulators.instruments.leica_emscon import tracker_endpoint
+from simulators.instruments.length_source import Electronics
 from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import robot_endpoint
@@ -111,9 +112,10 @@ class Bench:
         self.clock = MonotonicClock()
         self.bar = FakeBar()
         self.hands = FakeHands()
+        bar = Electronics(self.bar, self.cell.faults, self.cell.clock)
         self.gadgets = {
-            "ballbar_hid": HidBallbarGadget(self.bar, self.cell.clock),
-            "mitutoyo_usb_itn": UsbItnGadget(self.bar, self.cell.clock),
+            "ballbar_hid": HidBallbarGadget(bar),
+            "mitutoyo_usb_itn": UsbItnGadget(bar),
         }
         self.endpoints = {
             **{name: usbip_endpoint(name, gadget) for name, gadget in self.gadgets.items()},
@@ -122,7 +124,7 @@ class Bench:
             "cell_clock": clock_endpoint(self.cell.clock),
             "ballbar_bridge": bridge_endpoint(self.bar, self.cell.clock),
             "cell_hands": hands_endpoint(self.hands),
-            "heidenhain_nd": nd28x_endpoint(self.bar, self.cell.clock),
+            "heidenhain_nd": nd28x_endpoint(bar),
         }
         self._way = way
         self._ports: dict[str, int] = {}

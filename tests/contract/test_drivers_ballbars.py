@@ -5,6 +5,7 @@ import math
 import pytest
 
 from drivers.errors import ConnectFailedError, DriverError, LinkError
+from simulators.faults import BallbarTooFast
 from tests.contract.benches import registry
 
 ballbars = pytest.mark.parametrize("name", registry().names("ballbar"))
@@ -80,6 +81,22 @@ async def test_without_a_signal_there_is_no_length(bench, name):
     assert reading.signal == "none"
     assert math.isnan(reading.deviation_mm)
     assert afterwards.signal == "good"
+
+
+@ballbars
+async def test_a_bar_that_was_moved_too_fast_has_no_length(bench, name):
+    if name == "ballbar_bridge":
+        pytest.skip("a bridge knows three signals and no reasons")
+    ballbar = await ready(bench, name)
+    now_s = bench.cell.clock.now_s
+    bench.cell.faults.add(BallbarTooFast(from_s=now_s, until_s=now_s + 1.0))
+
+    too_fast = await ballbar.read()
+    await bench.cell.clock.sleep(1.0)
+    afterwards = await ballbar.read()
+
+    assert (too_fast.signal, afterwards.signal) == ("none", "good")
+    assert math.isnan(too_fast.deviation_mm)
 
 
 @ballbars

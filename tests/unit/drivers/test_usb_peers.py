@@ -22,7 +22,7 @@ from drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
 from simulators.instruments.ballbar_hid import HidBallbarGadget
 from simulators.instruments.usb_itn import UsbItnGadget
 from simulators.instruments.usbip import usbip_endpoint
-from tests.length_sources import FakeBar, StandingClock
+from tests.length_sources import FakeBar, electronics
 
 usbip = pytest.importorskip("usbip", reason="usbip is not installed: no independent host and device")
 device = pytest.importorskip("usbip.device")
@@ -97,7 +97,7 @@ async def simulated(protocol: str, gadget):
 
 async def test_another_host_reads_our_simulated_hid_ballbar():
     bar = FakeBar()
-    async with simulated("hid", HidBallbarGadget(bar, StandingClock())) as port:
+    async with simulated("hid", HidBallbarGadget(electronics(bar))) as port:
 
         def read() -> tuple[bytes, bytes, bytes]:
             with usbip.attach("127.0.0.1", "1-1", port=port, vid=0x1209, pid=0x0001) as handle:
@@ -117,7 +117,7 @@ async def test_another_host_reads_our_simulated_hid_ballbar():
 
 
 async def test_another_host_finds_a_keyboard_and_makes_it_talk():
-    async with simulated("usb_itn", UsbItnGadget(FakeBar(), StandingClock())) as port:
+    async with simulated("usb_itn", UsbItnGadget(electronics(FakeBar()))) as port:
 
         def read() -> tuple[dict, bytes]:
             with usbip.attach("127.0.0.1", "1-1", port=port, vid=0x0FE7, pid=0x4001) as handle:

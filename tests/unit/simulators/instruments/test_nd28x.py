@@ -3,8 +3,9 @@
 import pytest
 
 from drivers.heidenhain_nd.protocol import RequestReader, encode_reply
+from simulators.faults import BallbarTooFast, Faults
 from simulators.instruments.nd28x import Counter, nd28x_endpoint
-from tests.length_sources import FakeBar, StandingClock
+from tests.length_sources import FakeBar, electronics
 
 NO_SIGNAL = b"\x02SIGNAL ERROR \r\n"
 ACK, NAK = b"\x06", b"\x15"
@@ -31,7 +32,7 @@ def bar():
 
 @pytest.fixture
 def counter(bar):
-    return Counter(bar, StandingClock())
+    return Counter(electronics(bar))
 
 
 @pytest.mark.parametrize(
@@ -84,6 +85,15 @@ def test_without_a_signal_it_says_why_and_no_value(bar, counter):
     )
 
 
+def test_a_bar_that_was_too_fast_says_so(bar):
+    faults = Faults()
+    faults.add(BallbarTooFast())
+    counter = Counter(electronics(bar, faults))
+
+    assert typed(counter, b"\x1bA0200\r") == NAK
+    assert typed(counter, b"\x1bA0301\r") == b"\x02FREQU. ERROR \r\n"
+
+
 def test_the_display_can_be_set_and_reset_by_its_keys(counter):
     assert typed(counter, keys("1.5\n")) == ACK * 4
     assert typed(counter, b"\x1bA0200\r") == b"\x02+000015000\r\n"
@@ -127,7 +137,7 @@ class FakeStream:
 async def test_xoff_holds_answers_back_until_xon(bar):
     stream = FakeStream(b"\x13\x1bA0200\r", b"\x1bA0400\r", b"\x11")
 
-    await nd28x_endpoint(bar, StandingClock())._serve(stream, stream)
+    await nd28x_endpoint(electronics(bar))._serve(stream, stream)
 
     assert [data for data in stream.heard if data] == [b"\x02+000001234\r\n\x02349797-04 \r\n"]
 
@@ -136,6 +146,6 @@ async def test_with_its_cable_out_the_line_is_dead_and_what_was_said_into_it_is_
     bar.plugged = False
     stream = FakeStream(b"\x1bA0200\r", b"\x1bA02")
 
-    await nd28x_endpoint(bar, StandingClock())._serve(stream, stream)
+    await nd28x_endpoint(electronics(bar))._serve(stream, stream)
 
     assert b"".join(stream.heard) == b""

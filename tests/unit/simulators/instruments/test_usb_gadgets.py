@@ -11,7 +11,7 @@ from drivers.usb.protocol.descriptors import decode_configuration, decode_device
 from simulators.instruments.ballbar_hid import HidBallbarGadget
 from simulators.instruments.usb_gadget import StallError
 from simulators.instruments.usb_itn import UsbItnGadget
-from tests.length_sources import FakeBar, StandingClock
+from tests.length_sources import FakeBar, electronics
 
 GADGETS = pytest.mark.parametrize("kind", [HidBallbarGadget, UsbItnGadget])
 SET_RATE = Setup(0x21, 9, 0x0303, 0, 4)
@@ -28,7 +28,7 @@ def ask(gadget, request_type, request, value=0, index=0, length=255) -> bytes:
 
 @GADGETS
 def test_a_computer_finds_its_way_from_the_descriptors(bar, kind):
-    gadget = kind(bar, StandingClock())
+    gadget = kind(electronics(bar))
 
     device = decode_device(ask(gadget, 0x80, 6, 0x0100))
     configuration = decode_configuration(ask(gadget, 0x80, 6, 0x0200))
@@ -45,7 +45,7 @@ def test_a_computer_finds_its_way_from_the_descriptors(bar, kind):
 
 @GADGETS
 def test_only_as_much_as_asked_for_is_answered(bar, kind):
-    gadget = kind(bar, StandingClock())
+    gadget = kind(electronics(bar))
 
     assert len(ask(gadget, 0x80, 6, 0x0100, length=8)) == 8
     assert len(ask(gadget, 0x80, 6, 0x0200, length=9)) == 9
@@ -53,7 +53,7 @@ def test_only_as_much_as_asked_for_is_answered(bar, kind):
 
 @GADGETS
 def test_its_one_configuration_can_be_chosen_and_no_other(bar, kind):
-    gadget = kind(bar, StandingClock())
+    gadget = kind(electronics(bar))
 
     assert ask(gadget, 0x80, 8, length=1) == b"\x00"
     ask(gadget, 0x00, 9, 1)
@@ -77,7 +77,7 @@ def test_its_one_configuration_can_be_chosen_and_no_other(bar, kind):
     ],
 )
 def test_what_it_does_not_know_stalls(bar, kind, request_type, request_number, value):
-    gadget = kind(bar, StandingClock())
+    gadget = kind(electronics(bar))
     if (kind, request_type, request_number) == (UsbItnGadget, 0x21, 9):
         return  # a keyboard takes any report: its lamps
 
@@ -86,7 +86,7 @@ def test_what_it_does_not_know_stalls(bar, kind, request_type, request_number, v
 
 
 async def test_the_hid_bar_sends_by_itself_from_the_start(bar):
-    gadget = HidBallbarGadget(bar, StandingClock())
+    gadget = HidBallbarGadget(electronics(bar))
     gadget.attach()
 
     async with asyncio.timeout(1.0):
@@ -97,7 +97,7 @@ async def test_the_hid_bar_sends_by_itself_from_the_start(bar):
 
 
 async def test_the_hid_bar_stops_and_starts_when_told(bar):
-    gadget = HidBallbarGadget(bar, StandingClock())
+    gadget = HidBallbarGadget(electronics(bar))
     gadget.control(SET_RATE, encode_rate(Rate(500, running=False)))
 
     with pytest.raises(TimeoutError):
@@ -111,7 +111,7 @@ async def test_the_hid_bar_stops_and_starts_when_told(bar):
 
 
 async def test_the_hid_bar_keeps_its_rate(bar):
-    gadget = HidBallbarGadget(bar, StandingClock())
+    gadget = HidBallbarGadget(electronics(bar))
     gadget.control(SET_RATE, encode_rate(Rate(100, running=True)))
     loop = asyncio.get_running_loop()
     start_s = loop.time()
@@ -128,14 +128,14 @@ async def test_the_hid_bar_keeps_its_rate(bar):
     "report", [encode_rate(Rate(0, True)), encode_rate(Rate(1001, True)), b"", b"\x02" * 4]
 )
 def test_a_rate_that_is_none_stalls(bar, report):
-    gadget = HidBallbarGadget(bar, StandingClock())
+    gadget = HidBallbarGadget(electronics(bar))
 
     with pytest.raises(StallError):
         gadget.control(SET_RATE, report)
 
 
 def test_the_hid_bar_gives_a_reading_on_request_too(bar):
-    gadget = HidBallbarGadget(bar, StandingClock())
+    gadget = HidBallbarGadget(electronics(bar))
     bar.signal = "none"
 
     reading = decode_reading(ask(gadget, 0xA1, 1, 0x0101))
@@ -145,7 +145,7 @@ def test_the_hid_bar_gives_a_reading_on_request_too(bar):
 
 
 def test_a_cable_that_is_a_keyboard_takes_no_command(bar):
-    gadget = UsbItnGadget(bar, StandingClock())
+    gadget = UsbItnGadget(electronics(bar))
 
     with pytest.raises(StallError):
         gadget.control(Setup(0x40, 3, 0, 0, 2), b"1\r")
@@ -153,7 +153,7 @@ def test_a_cable_that_is_a_keyboard_takes_no_command(bar):
 
 
 def talking(bar) -> UsbItnGadget:
-    gadget = UsbItnGadget(bar, StandingClock())
+    gadget = UsbItnGadget(electronics(bar))
     gadget.control(Setup(0x40, 1, 0xA5A5), b"")
     return gadget
 

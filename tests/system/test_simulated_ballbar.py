@@ -1,0 +1,102 @@
+"""The ballbar of a started cell: put somewhere by the simulated hands, read through every protocol."""
+
+import asyncio
+import json
+import math
+import sys
+
+import pytest
+
+from drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError
+from drivers.registry import load_registry
+
+# 5 sigma of the bar's noise (0.51 um), twice since two instruments are compared, and a step of 0.1 um
+SAME_MM = 5.0 * math.sqrt(2.0) * 0.00051 + 0.0001
+PROTOCOLS = {"nd28x": "heidenhain_nd", "hid": "ballbar_hid", "usb_itn": "mitutoyo_usb_itn"}
+
+
+class StartedCell:
+    """A cell as a process, and drivers for what it announces."""
+
+    def __init__(self, process, announced) -> None:
+        self.process = process
+        self._announced = announced
+        self._registry = load_registry()
+        self._opened = []
+
+    async def connected(self, protocol: str):
+        entry = next(entry for entry in self._announced if entry["protocol"] == protocol)
+        name = PROTOCOLS.get(protocol, "cell_hands")
+        driver = self._registry.open(name, {"host": entry["host"], "port": entry["port"]})
+        self._opened.append(driver)
+        await driver.connect()
+        return driver
+
+    async def close(self) -> None:
+        for driver in self._opened:
+            await driver.close()
+        self.process.terminate()
+        await self.process.wait()
+
+
+@pytest.fixture(params=["0", "1"], ids=["pace 0", "pace 1"])
+async def cell(request):
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "simulators", "lrmate-clean", "--seed", "4", "--pace", request.param,
+        stdout=asyncio.subprocess.PIPE,
+    )  # fmt: skip
+    announced = [json.loads(await process.stdout.readline()) for _ in range(9)]
+    started = StartedCell(process, announced)
+    yield started
+    await started.close()
+
+
+async def test_all_protocols_show_the_same_bar(cell):
+    hands = await cell.connected("hands")
+    instruments = [await cell.connected(protocol) for protocol in PROTOCOLS]
+
+    before = [await instrument.read() for instrument in instruments]
+    await hands.do("calibrator", {"bars": "tool"})
+    on_calibrator = [await instrument.read() for instrument in instruments]
+    await hands.do("side", {"artefact": "tool", "a": 1, "b": 2})
+    between = [await instrument.read() for instrument in instruments]
+    await hands.do("detach", {})
+    after = [await instrument.read() for instrument in instruments]
+
+    assert {reading.signal for reading in before + after} == {"none"}
+    for readings in (on_calibrator, between):
+        assert {reading.signal for reading in readings} == {"good"}
+        shown = [reading.deviation_mm for reading in readings]
+        assert max(shown) - min(shown) < SAME_MM
+
+
+async def test_a_pulled_cable_is_a_link_error_in_every_protocol_and_ends_with_the_cable(cell):
+    hands = await cell.connected("hands")
+    await hands.do("calibrator", {"bars": "base"})
+    instruments = [await cell.connected(protocol) for protocol in PROTOCOLS]
+
+    await hands.do("pull_cable", {})
+    for instrument in instruments:
+        with pytest.raises(LinkError):
+            for _ in range(50):
+                await instrument.read()
+        with pytest.raises(ConnectFailedError):
+            await instrument.connect()
+    await hands.do("plug_cable", {})
+    for instrument in instruments:
+        await instrument.connect()
+
+    assert {(await instrument.read()).signal for instrument in instruments} == {"good"}
+
+
+async def test_the_hands_refuse_with_a_sentence_what_cannot_be_done(cell):
+    hands = await cell.connected("hands")
+
+    with pytest.raises(DeviceRefusedError, match="no action"):
+        await hands.do("juggle", {})
+    with pytest.raises(DeviceRefusedError, match="bars"):
+        await hands.do("connect", {"base": 1, "tool": 1})
+    with pytest.raises(DeviceRefusedError, match="tool"):
+        await hands.do("connect", {"base": 1})
+
+    await hands.do("calibrator", {"bars": "base"})
