@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from service.domain.arrays import FloatArray, IntArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.ballbar import Leg
 from service.domain.campaign import Campaign, PointReadings, Stops
 from service.domain.robot import Nest
@@ -110,31 +110,33 @@ def pose_rows(
     legs : n sequences of legs
     """
     nests, motion = model.nests(joints_rad)
-    most = max((len(each) for each in legs), default=0)
-    arm = np.zeros((len(legs), most, model.parameters))
-    cups = np.zeros((len(legs), most, 3 * len(cups_mm)))
-    for row, own in enumerate(legs):
-        base = np.array([leg[0] - 1 for leg in own])
-        nest = np.array([leg[1] - 1 for leg in own])
-        way = nests[row, nest] - cups_mm[base]
-        way /= np.linalg.norm(way, axis=1, keepdims=True)
-        white = _whitener(model.scatter, way)
-        arm[row, : len(own)] = white @ np.einsum("li,lip->lp", way, motion[row, nest])
-        cups[row, : len(own)] = white @ _cup_columns(way, base, len(cups_mm))
-    return PoseRows(arm, cups)
+    base, nest, there = _padded(legs)
+    row = np.arange(len(legs))[:, None]
+    way = nests[row, nest] - cups_mm[base]
+    way /= np.linalg.norm(way, axis=2, keepdims=True)
+    way *= there[:, :, None]
+    white = _whitener(model.scatter, way)
+    arm = white @ np.einsum("nli,nlip->nlp", way, motion[row, nest])
+    ends = np.eye(len(cups_mm))[base]  # (n, L, K) the cup of each leg
+    cups = -_CUP_WIDTH_MM * (ends[:, :, :, None] * way[:, :, None]).reshape(*base.shape, 3 * len(cups_mm))
+    return PoseRows(arm, white @ cups)
+
+
+def _padded(legs: Sequence[Sequence[Leg]]) -> tuple[IntArray, IntArray, BoolArray]:
+    """Cup and nest (0-based) of every leg, and whether there is one, (n, L) each."""
+    most = max((len(own) for own in legs), default=0)
+    padded = [[*own, *[(0, 0)] * (most - len(own))] for own in legs]
+    pairs = np.array(padded, dtype=np.int64).reshape(len(legs), most, 2)
+    there: BoolArray = pairs[:, :, 0] > 0
+    first = np.maximum(pairs - 1, 0)
+    return first[:, :, 0], first[:, :, 1], there
 
 
 def _whitener(scatter: Scatter, way: FloatArray) -> FloatArray:
-    """Whitens lengths whose nests share one shift of the arm, shape (L, L)."""
-    covariance = scatter.leg_mm**2 * np.eye(len(way)) + scatter.stop_mm**2 * way @ way.T
+    """Whitens lengths whose nests share one shift of the arm, shape (n, L, L)."""
+    lines = way.shape[1]
+    covariance = scatter.leg_mm**2 * np.eye(lines) + scatter.stop_mm**2 * way @ np.swapaxes(way, 1, 2)
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
-
-
-def _cup_columns(way: FloatArray, base: IntArray, cups: int) -> FloatArray:
-    columns = np.zeros((len(way), 3 * cups))
-    for row, cup in enumerate(base):
-        columns[row, 3 * cup : 3 * cup + 3] = -_CUP_WIDTH_MM * way[row]
-    return columns
 
 
 def setting_information(model: ArmModel, cups_mm: FloatArray, setups_rad: FloatArray | None) -> FloatArray:

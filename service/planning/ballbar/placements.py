@@ -52,9 +52,9 @@ class Wish:
     placements: int = 1
     base_points: int = 3
     poses: int = 61  # of the whole session, thesis of A. Nubiola, 2014, section 4.4
-    draws: int = 240
-    moves: int = 100  # of all placements, per start
-    starts: int = 3  # sets of places that are refined
+    draws: int = 360
+    moves: int = 150  # of all placements, per start
+    starts: int = 4  # sets of places that are refined
     seed: int = 0
 
     def __post_init__(self) -> None:

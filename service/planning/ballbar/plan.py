@@ -36,7 +36,7 @@ def ballbar_plan(
     base_points: int = 3,
     poses: int = 61,
     seed: int = 0,
-    draws: int = 240,
+    draws: int = 360,
 ) -> BallbarPlan:
     """Plan a whole session of a cell: where the base fixture stands, which poses, which ways.
 
@@ -52,7 +52,7 @@ def ballbar_plan(
     seed : int
         The same seed gives the same plan.
     draws : int
-        Random places that the search for placements begins with; it takes some ten seconds for 240.
+        Random places that the search for placements begins with; it takes some ten seconds for 360.
 
     Raises
     ------
@@ -209,8 +209,8 @@ class _Session:
         """Refuse a placement that no way leads through, or that leaves the arm where the next one comes."""
         if not found.order:
             raise NoWayError(
-                f"No clear way leads from the set-ups of placement {fixture.number} to any pose: move the base "
-                "fixture a little, or let the program suggest a place."
+                f"No clear way leads from the set-ups of placement {fixture.number} to any pose: move the "
+                "base fixture a little, or let the program suggest a place."
             )
         if after is not None and not is_clear(self.cell, after, joints[list(found.order[-1:])]).all():
             raise NoWayError(_IN_THE_WAY.format(after.number))
