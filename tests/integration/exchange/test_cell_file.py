@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from service.domain.artefacts import Artefact, BallbarKit, Bars
 from service.domain.cell import CertifiedLength, PlantedEffect, SimulatedCell
 from service.exchange.cell_file import read_cell, simulated_cell
 from service.exchange.errors import (
@@ -32,7 +33,8 @@ def test_the_example_of_a_real_cell_is_read_whole(tmp_path):
     cell = read(tmp_path, REAL)
 
     assert (cell.name, cell.robot_key, cell.robot.name) == ("Cell 3", "abb-irb-120", "ABB IRB 120")
-    tracker, robot = cell.devices
+    tracker, robot, ballbar = cell.devices
+    assert (ballbar.driver, ballbar.options) == ("heidenhain_nd", {"serial": "/dev/ttyUSB0"})
     assert (tracker.name, tracker.driver, tracker.options) == (
         "tracker",
         "leica_emscon",
@@ -305,3 +307,48 @@ def test_a_simulated_cell_knows_its_robot_from_the_scenario(scenario, robot):
 def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
     with pytest.raises(UnknownRobotError, match=r"its name must begin with irb120\.\.\. or lrmate\.\.\."):
         simulated_cell("ur10-clean", 0)
+
+
+BALLBAR = 'robot = "abb-irb-120"\n[simulated]\nscenario = "irb120-tilted"\n[ballbar]\n'
+
+
+def test_the_ballbar_of_the_example_is_read_whole(tmp_path):
+    kit = read(tmp_path, REAL).ballbar
+
+    assert kit.base_points == 4
+    assert kit.base_bars == Bars(300.0, 300.0012, 0.0004, (150.0, 50.0))
+    assert kit.tool_bars == BallbarKit().tool_bars
+    assert kit.instrument == Artefact("ballbar", "L20042", "certificate 5512", "2027-03-31")
+    assert kit.calibrator.serial_number == "C118"
+    assert (kit.range_mm, kit.setup_u_mm) == (1.0, 0.01)
+
+
+def test_a_simulated_cell_has_a_ballbar_and_a_real_one_only_if_it_says_so(tmp_path):
+    device = 'robot = "abb-irb-120"\n[[device]]\nname = "robot"\ndriver = "abb_open_abb"\nhost = "x"\n'
+
+    assert simulated_cell("lrmate-tilted", 0).ballbar.base_points == 3
+    assert read(tmp_path, device).ballbar is None
+
+
+def test_a_simulated_cell_may_have_a_kit_of_its_own(tmp_path):
+    kit = read(tmp_path, BALLBAR + "base_points = 4\nzero_u_mm = 0.002\n").ballbar
+
+    assert (kit.base_points, kit.zero_u_mm) == (4, 0.002)
+
+
+@pytest.mark.parametrize(
+    ("line", "key", "what"),
+    [
+        ("base_points = 5", "ballbar.base_points", "5"),
+        ("range_mm = -1.0", "ballbar.range_mm", "-1"),
+        ("rnage_mm = 1.0", "ballbar.rnage_mm", "no such key"),
+        ("base_bars = {nominal_mm = 300.0}", "ballbar.base_bars", "calibrator_mm"),
+        ('instrument = {certificate_expires = "31.3.2027"}', "certificate_expires", "2027-01-31"),
+    ],
+)
+def test_a_mistake_in_the_ballbar_is_refused_at_its_key(tmp_path, line, key, what):
+    with pytest.raises(InputFileError) as refused:
+        read(tmp_path, BALLBAR + line + "\n")
+
+    assert key in str(refused.value)
+    assert what in str(refused.value)
