@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test check accuracy diagnosis-report nightly clean
+.PHONY: setup demo test check accuracy diagnosis-report ballbar-report nightly clean
 
 setup: $(VENV)/.installed
 
@@ -33,6 +33,9 @@ accuracy: setup
 
 diagnosis-report: setup
 	$(BIN)/python -m service.showcase.diagnosis_report --out out/diagnosis
+
+ballbar-report: setup
+	$(BIN)/python -m service.showcase.ballbar_report --out out/ballbar
 
 nightly: setup
 	$(BIN)/truepose nightly --out out/nightly

@@ -18,7 +18,7 @@ def report_document(
     return {
         "program_version": __version__,
         "extent": asdict(extent),
-        "sections": [_section(section) for section in sections],
+        "sections": [section_document(section) for section in sections],
         "outcomes": {key: [finite(asdict(one)) for one in rows] for key, rows in outcomes.items()},
     }
 
@@ -35,7 +35,8 @@ def finite(value: Any) -> Any:
     return value
 
 
-def _section(section: Section) -> dict[str, Any]:
+def section_document(section: Section) -> dict[str, Any]:
+    """Return a section with its rows."""
     rows = [
         {
             "figure": row.figure,

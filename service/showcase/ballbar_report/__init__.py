@@ -1,0 +1,1 @@
+"""The ballbar report: what a ballbar session is worth beside a tracker, and what its figures rest on."""
