@@ -21,6 +21,7 @@ from service.sequencing.ballbar.stand import Stand
 from service.sequencing.errors import NotNowError
 
 _PUT_IT_RIGHT = "Put it right."
+_NO_WAY = "The pre-calibration found no clear way to this pose."
 
 
 @dataclass(slots=True)
@@ -48,6 +49,8 @@ class Floor:
             return
         if not self.entered and not await self._enter_cell():
             return
+        while self.now.has_no_way and self.now.step is not None:
+            await self.book.append(EntryKind.SKIPPED, self.now.step.id, text=_NO_WAY)
         if self.now.step is None:
             await self.book.enter(SessionState.FINISHED, "Every step is done or was skipped.")
         elif self._prompt_is_due():

@@ -49,6 +49,7 @@ class Situation:
     zero: LengthTaken | None  # the initialisation that the present reading counts from
     zero_before: LengthTaken | None  # of an initialisation: the last one with the same bars
     forecast: PoseForecast | None  # of the present configuration
+    has_no_way: bool  # the present motion: the last pre-calibration found no clear way to its pose
     arm_at: str | None  # the step that brought the arm where it stands; None: not known
     last_stop: str | None  # the step that brought the arm to rest last, wherever it is now
     arrival: ArrivalTaken | None
@@ -129,6 +130,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         zero=_zero(step, record),
         zero_before=_zero_before(step, record),
         forecast=forecast_of(record.precalibration, step.config if step else None),
+        has_no_way=step is not None and _has_no_way(step, record),
         arm_at=record.arm_at,
         last_stop=record.last_stop,
         arrival=record.arrival,
@@ -230,6 +232,13 @@ def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None
     step_id, taken = record.last_zero
     same_bars = step_id.startswith(step_ids.TOOL) == step.id.startswith(step_ids.TOOL)
     return taken if same_bars else None
+
+
+def _has_no_way(step: BallbarStep, record: Record) -> bool:
+    found = record.precalibration
+    if found is None or step.kind is not StepKind.MOVE or step.config is None:
+        return False
+    return step.config not in {pose.config for pose in found.poses}
 
 
 def _progress(

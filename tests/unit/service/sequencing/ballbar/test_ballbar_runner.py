@@ -585,6 +585,22 @@ async def test_what_is_wrong_with_a_pre_calibration_is_no_reason_to_lose_the_ses
         assert "Configuration 2 has 1 legs" in bench.runner.question
 
 
+async def test_a_pose_to_which_no_clear_way_was_found_is_left_out_with_the_reason():
+    async with Bench(make_plan((1, 2, 3), precalibrate_after=1, stable_s=0.2, settle_s=0.1)) as bench:
+        bench.oracle.answer = found(make_pose(3))
+        await bench.start()
+
+        await bench.until(None)
+
+        left_out = bench.now.outcomes["placement-1/pose-2/leg-1-1"]
+        assert (left_out.kind, left_out.text) == (
+            "skipped",
+            "The pre-calibration found no clear way to this pose.",
+        )
+        assert joints(2) not in bench.robot.moves
+        assert bench.now.outcomes["placement-1/pose-3/leg-1-1"].kind == "measured"
+
+
 async def test_the_end_does_not_wait_for_a_pre_calibration():
     async with Bench(PLAN) as bench:
         bench.oracle.clock, bench.oracle.duration_s = bench.clock, 1000.0
