@@ -1,0 +1,110 @@
+"""The campaign of a ballbar session holds what counts, as it was measured, and says where it comes from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.analysis.ballbar_assembly import (
+    Counting,
+    LegKept,
+    SetupKept,
+    SideKept,
+    assemble_ballbar_campaign,
+)
+from service.analysis.errors import NothingMeasuredError
+from service.domain.artefacts import Artefact, BallbarKit
+from service.domain.ballbar import ArrivalTaken
+from service.domain.cell import SimulatedCell
+from service.domain.robot import Nest
+from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from tests.ballbar_sessions import make_length
+from tests.measured_sessions import make_setup
+
+ARRIVAL = ArrivalTaken((0.1, 0.2), (0.1001, 0.2001), (1, -1), 50.0)
+LEGS = (
+    LegKept(1, 4, 1, (2, 3), make_length(300.25), ARRIVAL),
+    LegKept(1, 4, 2, (1, 1), make_length(299.75, initialisation=2), ARRIVAL),
+)
+COUNTING = Counting(
+    LEGS,
+    (SideKept(0, (1, 2), make_length(150.1)), SideKept(1, (2, 3), make_length(300.2))),
+    (SetupKept(1, 2, ARRIVAL),),
+    ("Skipped: placement-1/pose-5, out of range.",),
+    (7,),
+)
+
+
+def three_nests():
+    setup = make_setup()
+    nests = tuple(Nest((75.0 * k, 0.0, 100.0), 0.002) for k in range(3))
+    return replace(setup, cell=replace(setup.cell, nests=nests))
+
+
+def assemble(setup=None, kit=None, counting=COUNTING):
+    return assemble_ballbar_campaign("session 3", setup or three_nests(), kit or BallbarKit(), counting)
+
+
+def test_every_leg_is_a_row_with_the_commanded_joints():
+    legs = assemble().legs
+
+    np.testing.assert_array_equal(legs.stops.joints_rad, [ARRIVAL.commanded_rad] * 2)
+    np.testing.assert_array_equal(legs.stops.direction, [ARRIVAL.direction] * 2)
+    assert legs.stops.config.tolist() == [4, 1004]
+    assert (legs.base_point.tolist(), legs.nest.tolist()) == ([2, 1], [3, 1])
+    assert legs.length_mm.tolist() == [300.25, 299.75]
+    assert legs.initialisation.tolist() == [1, 2]
+    assert legs.standard_uncertainty_mm.tolist() == [0.0017, 0.0017]
+
+
+def test_triangles_and_setups_tie_the_cups():
+    campaign = assemble()
+
+    assert campaign.fixture.placement.tolist() == [0, 1]
+    assert campaign.fixture.length_mm.tolist() == [150.1, 300.2]
+    assert campaign.setup.base_point.tolist() == [2]
+    np.testing.assert_array_equal(campaign.setup.joints_rad, [ARRIVAL.commanded_rad])
+    assert (campaign.ballbar_nominal_mm, campaign.ballbar_range_mm) == (300.0, 1.0)
+    assert campaign.setup_uncertainty_mm == 0.01
+
+
+def test_a_session_without_triangles_has_no_such_tables():
+    campaign = assemble(counting=Counting(LEGS))
+
+    assert campaign.fixture is None
+    assert campaign.setup is None
+
+
+def test_the_notes_name_the_papers_and_what_was_left_out():
+    kit = replace(BallbarKit(), calibrator=Artefact("calibrator", "C118", "certificate 5513", "2027-03-31"))
+
+    notes = " ".join(assemble(kit=kit).notes)
+
+    for words in ("session 3", "L20042", "C118", "certificate 5513", "2027-03-31", "poses 7", "pose-5"):
+        assert words in notes
+    assert "SIMULATED" not in notes
+
+
+def test_simulated_readings_say_so():
+    setup = three_nests()
+    cell = replace(setup.cell, simulated=SimulatedCell("lrmate-tilted", 0), devices=())
+
+    assert "SIMULATED" in " ".join(assemble(replace(setup, cell=cell)).notes)
+
+
+def test_without_a_leg_there_is_no_campaign():
+    with pytest.raises(NothingMeasuredError, match="session 3"):
+        assemble(counting=replace(COUNTING, legs=()))
+
+
+def test_its_folder_is_read_back_as_it_was_written():
+    campaign = assemble()
+
+    back = read_campaign_zip(write_campaign_zip(campaign))
+
+    assert back.legs.length_mm.tolist() == campaign.legs.length_mm.tolist()
+    assert back.legs.initialisation.tolist() == campaign.legs.initialisation.tolist()
+    assert back.fixture.length_mm.tolist() == campaign.fixture.length_mm.tolist()
+    assert back.setup.base_point.tolist() == campaign.setup.base_point.tolist()
+    assert back.notes == campaign.notes
+    assert back.ignored == ()
