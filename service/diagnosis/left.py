@@ -134,11 +134,16 @@ def _squared(selected: Selected) -> tuple[FloatArray, int]:
 
 
 def _noise(selected: Selected, parameters: int) -> tuple[float, bool]:
-    """Typical residual over the stated one, by the median: blind to heavy tails."""
-    squared, components = _squared(selected)
-    if selected.fit.blocks[0].stated_sigma() == 0.0:
+    """Typical residual over the stated one, by the median: blind to heavy tails.
+
+    Of whitened residuals: what the readings of a stop share counts once, not once a reading.
+    """
+    block, result = selected.fit.blocks[0], selected.fit.results[0]
+    if block.stated_sigma() == 0.0:
         return 1.0, False
-    readings = squared.size
+    readings, components = result.residual.shape
+    white = block.weighted(block.weights, 0.0).whitened(result).reshape(readings, components)
+    squared = (white**2).sum(axis=1)
     freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
     expected = float(chi2.median(components))
     ratio = float(np.median(squared)) / (expected * freedom)
