@@ -71,7 +71,8 @@ class Readings:
         """
         self.begin_anew()
         for polls in range(_MOST_POLLS):
-            if polls >= _FRESH and (self._window.count or not is_usable(self._latest)):
+            enough = polls >= _FRESH and self._window.count > 0
+            if enough or (polls > 0 and not is_usable(self._latest)):
                 return
             await self._polled.wait()
 
