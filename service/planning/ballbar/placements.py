@@ -101,7 +101,7 @@ def _affordable(cell: BallbarCell, wish: Wish) -> Wish:
     """Return a smaller search for arms whose inverse is searched for, too: it takes twenty times as long."""
     if has_closed_form(cell.robot):
         return wish
-    return replace(wish, draws=wish.draws // 4, moves=wish.moves // 4, starts=1)
+    return replace(wish, draws=wish.draws // 8, moves=wish.moves // 8, starts=1)
 
 
 @dataclass(frozen=True, slots=True)
