@@ -23,7 +23,7 @@ SCREENS = {
     "doubt": {"suspicion": DOUBT},
     "precalibrate": {"step": step("precalibrate")},
     "planned": {"state": "planned"},
-    "paused": {"state": "paused"},
+    "paused": {"state": "paused", "reason": "The pre-calibration was not possible: measure more poses."},
     "pausing": {"state": "pausing"},
     "interrupted": {"state": "awaiting_confirmation"},
     "finished": {"state": "finished", "step": None},

@@ -13,12 +13,17 @@ _LOOK_S = 0.02
 class Wire:
     """Carries bytes both ways until it is told not to."""
 
-    def __init__(self, target):
-        self._target = target
+    def __init__(self, url):
+        self.leads_to(url)
         self._up = self._down = True
         self._ending = False
         self._pairs = []
         self._lock = threading.Lock()
+
+    def leads_to(self, url):
+        """Connect with the service at `url` from now on."""
+        where = urlsplit(url)
+        self._target = (where.hostname, where.port)
 
     def cut(self):
         """Lose whatever is sent, without a word to either end."""
@@ -70,8 +75,7 @@ def _close(pair):
 @contextlib.contextmanager
 def wire_to(url):
     """Yield a wire to the service at `url`, and the URL at this end of it."""
-    where = urlsplit(url)
-    wire = Wire((where.hostname, where.port))
+    wire = Wire(url)
     with socket.create_server(("127.0.0.1", 0)) as listener:
         thread = threading.Thread(target=wire.serve, args=(listener,))
         thread.start()

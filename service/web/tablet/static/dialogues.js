@@ -2,8 +2,12 @@
 
 import { element } from "./elements.js";
 
-const POSE_REASONS = ["skip.short", "skip.long", "skip.blocked", "skip.reach", "skip.unstable", "skip.other"];
 const OTHER = "skip.other";
+const LENGTH = ["skip.short", "skip.long", "skip.unstable"];
+const HANDS = ["skip.blocked", "skip.reach"];
+const REASONS = { measure_side: [...LENGTH, ...HANDS, OTHER], precalibrate: ["skip.cannot", OTHER] };
+const OF_POSE = [...LENGTH, ...HANDS, OTHER];
+const OF_OTHERS = [...HANDS, "skip.cannot", OTHER];
 const OUT = { out_low: "skip.short", out_high: "skip.long", unstable: "skip.unstable" };
 
 export class Dialogues {
@@ -45,8 +49,11 @@ export class Dialogues {
     this.#put({ must: !present, title: "name.title", text: "name.text", parts: () => [input()], does: "name.keep", submitted: keep });
   }
 
-  skip(inPose, sampleState, chosen) {
-    const given = OUT[sampleState];
+  // `step`: of a pose the whole rest is skipped.
+  skip(step, sampleState, chosen) {
+    const inPose = step.config !== null;
+    const offered = REASONS[step.kind] ?? (inPose ? OF_POSE : OF_OTHERS);
+    const given = offered.includes(OUT[sampleState]) ? OUT[sampleState] : null;
     const submitted = (form) => {
       const key = form.elements.reason.value;
       const written = form.elements.written.value.trim();
@@ -55,7 +62,7 @@ export class Dialogues {
       return chosen([key === OTHER ? "" : this.#texts.record(key), written].filter(Boolean).join(": "));
     };
     const title = inPose ? "skip.title" : "skip.title_step";
-    this.#put({ title, text: inPose ? "skip.text" : null, parts: () => this.#reasons(given), does: "skip.do", submitted });
+    this.#put({ title, text: inPose ? "skip.text" : null, parts: () => this.#reasons(offered, given), does: "skip.do", submitted });
   }
 
   abort(meant) {
@@ -76,14 +83,14 @@ export class Dialogues {
     this.#put({ title: "hands.pick", parts: () => [element("div", { class: "pairs" }, ...pairs.map(button))] });
   }
 
-  #reasons(given) {
+  #reasons(offered, given) {
     const choice = (key) =>
       element("label", { class: "choice" },
         element("input", { type: "radio", name: "reason", value: key, required: true, checked: key === given }),
         element("span", {}, this.#texts.say(key)));
     const written = element("input", { name: "written", maxlength: 300, "aria-label": this.#texts.say("skip.write"), placeholder: this.#texts.say("skip.write") });
     written.addEventListener("input", () => this.#place.querySelector("input:checked") ?? (this.#place.querySelector(`[value="${OTHER}"]`).checked = true));
-    return [element("div", { class: "reasons" }, ...POSE_REASONS.map(choice)), element("label", { class: "field" }, written)];
+    return [element("div", { class: "reasons" }, ...offered.map(choice)), element("label", { class: "field" }, written)];
   }
 
   #put(ask) {

@@ -150,7 +150,7 @@ class SessionPage {
     if (act !== "skip") return this.act(act);
     const step = session.step.id;
     const chosen = (reason) => this.act("skip", { reason, step_id: step });
-    return this.dialogues.skip(session.step.config !== null, sample?.state, chosen);
+    return this.dialogues.skip(session.step, sample?.state, chosen);
   }
 
   #askName() {

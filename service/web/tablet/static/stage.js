@@ -9,6 +9,7 @@ import { pairInWords, pointsOf, wordsOf } from "./words.js";
 const CHECKS = ["move.check_people", "move.check_bar", "move.check_stop"];
 const BALL = ["fit_ball", "remove_ball"]; // the setting ball sits in tool nest 1
 const ENDS = ["finished", "aborted", "failed"];
+const RESTS = ["paused", "interrupted"]; // screens that say why nothing goes on
 const UNSEEN = ["planned", ...ENDS]; // screens without a picture
 const BAR = "M2 20H78M18 20H54"; // the ballbar between two names
 
@@ -84,14 +85,15 @@ export class Stage {
   #showPanel(screen, model, texts) {
     const { panel } = this.#at;
     const { session, steps } = model;
-    const shown = [screen, texts.language, session?.suspicion?.kind, session?.ballbar_attached, model.up, steps.length].join();
-    showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen));
+    const shown = [screen, texts.language, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up, steps.length].join();
+    showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || (RESTS.includes(screen) && session.reason !== ""));
     if (panel.dataset.shown === shown) return;
     panel.dataset.shown = shown;
     if (ENDS.includes(screen)) showEnd(panel, session, steps, texts);
     else if (screen === "planned") showOverview(panel, session, steps, texts);
     else if (screen === "move") panel.replaceChildren(...this.#checks(model, texts));
     else if (screen === "doubt") panel.replaceChildren(...doubtInWords(session, texts).map((text) => element("p", {}, text)));
+    else if (RESTS.includes(screen)) panel.replaceChildren(element("p", { class: "reason", lang: "en" }, session.reason));
     else panel.replaceChildren();
   }
 

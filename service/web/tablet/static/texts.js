@@ -50,8 +50,7 @@ export class Texts {
   }
 
   duration(seconds) {
-    const minutes = Math.round(seconds / 60);
-    if (minutes < 1) return this.say("time.under");
+    const minutes = Math.max(1, Math.round(seconds / 60));
     if (minutes < 60) return this.say("time.minutes", { minutes });
     return this.say("time.hours", { hours: Math.floor(minutes / 60), minutes: minutes % 60 });
   }

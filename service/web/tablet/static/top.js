@@ -4,11 +4,14 @@ import { showIf, write } from "./elements.js";
 import { actsHere, hasEnded } from "./situation.js";
 import { buttonShape } from "./shapes.js";
 
+const SOON_S = 45;
+
 function where({ step, state }, texts) {
   if (!step || state === "planned") return "";
   const said = [texts.say("top.step", { index: step.index, count: step.count })];
   if (step.placement !== null) said.push(texts.say("top.placement", { placement: step.placement }));
-  if (step.leg_number) said.push(texts.say("top.pose", { config: step.config, leg: step.leg_number, legs: step.leg_count }));
+  if (step.leg_number) said.push(texts.say("top.leg", { config: step.config, leg: step.leg_number, legs: step.leg_count }));
+  else if (step.config !== null) said.push(texts.say("top.pose", { config: step.config }));
   if (step.attempt > 1) said.push(texts.say("top.again", { attempt: step.attempt }));
   return said.join(", ");
 }
@@ -20,9 +23,13 @@ function who({ acting, watching }, tablet, texts) {
   return `${acts} · ${texts.say("who.watching", { count: watching })}`;
 }
 
+function remaining(seconds, texts) {
+  return seconds < SOON_S ? texts.say("progress.soon") : texts.say("progress.left", { time: texts.duration(seconds) });
+}
+
 function progress({ progress: done }, texts) {
   const said = [texts.say("progress.readings", { readings: done.readings, planned: done.planned })];
-  if (done.remaining_s !== null) said.push(texts.say("progress.left", { time: texts.duration(done.remaining_s) }));
+  if (done.remaining_s !== null) said.push(remaining(done.remaining_s, texts));
   const skipped = done.skipped_poses;
   if (skipped) said.push(texts.say(skipped === 1 ? "progress.skipped_one" : "progress.skipped_many", { count: skipped }));
   return said.join(" · ");

@@ -1,0 +1,68 @@
+"""A person at the tablet: reads the screen, does what it asks with the simulated hands, taps."""
+
+import time
+
+PATIENCE_S = 20.0
+READ = ("initialise", "measure_side", "connect_leg")
+DONE = ("place_base", "fit_ball", "clamp_cup", "remove_ball", "detach")
+
+
+class Operator:
+    def __init__(self, page):
+        self.page = page
+        self.seen = []  # (screen, step) as they came
+
+    def screen(self):
+        """Return the screen and what tells this step from the last one."""
+        return self.page.evaluate(
+            "[document.body.dataset.screen, document.querySelector('#where').textContent]"
+        )
+
+    def walk(self, until):
+        """Go on until a screen of that name is there, or `until(screen, where)` says so."""
+        reached = until if callable(until) else lambda screen, _: screen == until
+        now = self.screen()
+        while not reached(*now):
+            self.seen.append(tuple(now))
+            self._do(now[0])
+            now = self._next(now)
+
+    def _do(self, screen):
+        if screen in READ:
+            self.page.locator("[data-hand=asked]").click()
+        elif screen in DONE:
+            self.page.locator("[data-hand=asked]").click()
+            self.page.locator("#actions button").click()
+        elif screen == "move":
+            self.hold()
+        elif screen == "paused" and self._skippable() and "not possible" in self._panel():
+            self.skip("It is not possible with what is there")
+        elif screen in {"planned", "paused", "interrupted"}:
+            self.page.locator("#actions button").click()
+
+    def _skippable(self):
+        return self.page.locator(".dock [data-act=skip]").is_enabled()
+
+    def _panel(self):
+        return self.page.locator("#panel").inner_text()
+
+    def skip(self, reason):
+        """Leave the present step out."""
+        self.page.get_by_role("button", name="Skip", exact=True).click()
+        self.page.get_by_text(reason).click()
+        self.page.get_by_role("button", name="Skip for this reason").click()
+
+    def hold(self):
+        """Keep a finger on the button that moves the robot."""
+        button = self.page.locator("#actions button:enabled")
+        button.hover()
+        self.page.mouse.down()
+        self.page.wait_for_timeout(1600)
+        self.page.mouse.up()
+
+    def _next(self, before):
+        end = time.monotonic() + PATIENCE_S
+        while (now := self.screen()) == before:
+            assert time.monotonic() < end, (before, self.page.locator("body").inner_text())
+            self.page.wait_for_timeout(30)
+        return now
