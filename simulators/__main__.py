@@ -7,7 +7,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from simulators.cell import Cell
 from simulators.clock import CellClock, Pace
 from simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
 from simulators.instruments.ballbar_hid import HidBallbarGadget
@@ -22,6 +21,7 @@ from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoi
 from simulators.instruments.truth import truth_endpoint
 from simulators.instruments.usb_itn import UsbItnGadget
 from simulators.instruments.usbip import usbip_endpoint
+from simulators.journal import RememberedCell
 from simulators.model_file import load_model
 from simulators.physics.identified import IdentifiedModel
 from simulators.scenario_file import load_scenario, shipped_scenarios
@@ -36,10 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parse(arguments)
     try:
         scenario = load_scenario(options.scenario)
-        pace: Pace = 1 if options.pace == 1 else 0
         model = None if options.model is None else _drivable(load_model(options.model))
-        cell = Cell(scenario, options.seed, CellClock(pace), model)
-        asyncio.run(_run(cell, options.host, options.port_base))
+        cell = RememberedCell(scenario, options.seed, CellClock(0), model)
+        asyncio.run(_run(cell, options))
     except EndpointUnavailableError as error:
         return _fail(error, _EXIT_DEVICE_FAILED)
     except SimulatorError as error:
@@ -73,6 +72,11 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         type=Path,
         help="identified model (JSON): its robot, base and tool stand in the place of the scenario's",
     )
+    parser.add_argument(
+        "--state",
+        type=Path,
+        help="keep what is done in this file; a cell that is started with it again stands where it stood",
+    )
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
     return parser.parse_args(arguments)
 
@@ -99,14 +103,18 @@ def _drivable(model: IdentifiedModel) -> IdentifiedModel:
     return model
 
 
-async def _run(cell: Cell, host: str, port_base: int) -> None:
+async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
+    if options.state is not None:
+        await cell.remember(options.state)
+    pace: Pace = 1 if options.pace == 1 else 0
+    cell.clock.go_at(pace)
     interrupted = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, interrupted.set)
-    endpoints = _endpoints(cell)
+    endpoints, first = _endpoints(cell), options.port_base
     try:
         for offset, endpoint in enumerate(endpoints):
-            address = await endpoint.open(host, port_base + offset if port_base else 0)
+            address = await endpoint.open(options.host, first + offset if first else 0)
             sys.stdout.write(address.as_json() + "\n")
         sys.stdout.flush()
         await interrupted.wait()
@@ -115,7 +123,7 @@ async def _run(cell: Cell, host: str, port_base: int) -> None:
             await endpoint.close()
 
 
-def _endpoints(cell: Cell) -> list[Endpoint]:
+def _endpoints(cell: RememberedCell) -> list[Endpoint]:
     program, bar = MotionProgram(cell), Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         tracker_endpoint(cell),
@@ -127,7 +135,7 @@ def _endpoints(cell: Cell) -> list[Endpoint]:
         nd28x_endpoint(bar),
         usbip_endpoint("hid", HidBallbarGadget(bar)),
         usbip_endpoint("usb_itn", UsbItnGadget(bar)),
-        hands_endpoint(cell.hands),
+        hands_endpoint(cell),
     ]
 
 

@@ -91,12 +91,18 @@ class Cell:
         self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
     ) -> None:
         """Move along waypoints and return when the arm is at rest; raises TargetOutOfRangeError."""
+        await self.clock.sleep(self.set_off(waypoints_rad, limits, tool_mm).duration_s)
+
+    def set_off(
+        self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
+    ) -> JointMotion:
+        """Begin to move along waypoints; raises TargetOutOfRangeError, and then nothing has moved."""
         for waypoint in waypoints_rad:
             check_range(self.plant.arm, waypoint)
         motion = self.robot.start(waypoints_rad, limits, tool_mm, self.clock.now_s)
         self._lose_sight(motion)
         self.hands.follow(motion)
-        await self.clock.sleep(motion.duration_s)
+        return motion
 
     @property
     def now_s(self) -> float:

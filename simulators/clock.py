@@ -37,6 +37,13 @@ class CellClock:
         """Present cell time [s]."""
         return self._wall_s() - self._start_s if self.waits else self._virtual_s
 
+    def go_at(self, pace: Pace) -> None:
+        """From now on go at this pace, from the present time on."""
+        now_s = self.now_s
+        self._pace = pace
+        self._start_s = self._wall_s() - now_s
+        self._virtual_s = now_s
+
     async def sleep(self, duration_s: float) -> None:
         """Let `duration_s` (0 or more) of cell time go by."""
         if self.waits:

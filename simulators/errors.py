@@ -4,6 +4,7 @@ SimulatorError
 ├── ScenarioError            a scenario file cannot be used: file, key, what to do
 ├── ModelError               an identified model cannot be simulated: file, key or effect
 ├── ReplayError              a campaign folder cannot be replayed: file, column, what to do
+├── JournalError             what was done in a cell cannot be kept or read: file, line, what to do
 ├── EndpointUnavailableError an endpoint cannot listen at its address
 ├── TruthRequestError        a request to the truth endpoint makes no sense
 ├── HandsError               the simulated person cannot do what is asked
@@ -27,6 +28,10 @@ class ModelError(SimulatorError):
 
 class ReplayError(SimulatorError):
     """A campaign folder cannot be replayed."""
+
+
+class JournalError(SimulatorError):
+    """What was done in a cell cannot be kept, or cannot be done again."""
 
 
 class EndpointUnavailableError(SimulatorError):

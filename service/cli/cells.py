@@ -73,6 +73,12 @@ def simulate_command(
         Path | None,
         typer.Option(help="Identified model (JSON): its robot, base and tool replace the scenario's."),
     ] = None,
+    state: Annotated[
+        Path | None,
+        typer.Option(
+            help="Keep what is done in this file; started with it again, the cell stands where it stood."
+        ),
+    ] = None,
 ) -> int:
     """Start only the simulated instruments and robot; prints one JSON line per endpoint.
 
@@ -81,6 +87,7 @@ def simulate_command(
     """
     arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
     arguments += [] if model is None else ["--model", model]
+    arguments += [] if state is None else ["--state", state]
     command = [sys.executable, "-m", "simulators", scenario, *(str(argument) for argument in arguments)]
     # In our place, not beside us: whoever signals this process ends the cell, and no child is left behind.
     os.execv(sys.executable, command)

@@ -217,3 +217,24 @@ def test_a_visit_of_a_configuration_costs_a_small_part_of_its_budget(start):
         per_visit_s = (time.monotonic() - begun_s) / len(targets)
 
     assert per_visit_s < BUDGET_PER_CONFIGURATION_S
+
+
+def test_a_cell_that_was_killed_stands_where_it_stood(start, tmp_path):
+    arguments = ("lrmate-clean", "--seed", "4", "--pace", "1", "--state", str(tmp_path / "cell.json"))
+    cell = start(*arguments)
+    with cell.connect("hands") as hands:
+        for deed in ({"action": "place_base", "placement": 1}, {"action": "calibrator", "bars": "base"}):
+            assert ask_truth(hands, op="do", **deed) == {"ok": True}
+    with cell.connect("clock") as clock:
+        before_s = ask_truth(clock, op="now")["now_s"]
+    cell.process.kill()
+
+    again = start(*arguments)
+    with again.connect("clock") as clock:
+        after_s = ask_truth(clock, op="now")["now_s"]
+    with again.connect("ballbar") as counter:
+        counter.sendall(b"\x1bA0200\r")
+        shown = counter.recv(100)
+
+    assert after_s >= before_s - 5.0  # of the last deed on, seconds ago at most on a busy machine
+    assert shown[:1] == b"\x02"  # a value: the bar still lies on its calibrator
