@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept
+from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from service.domain.ballbar import ArrivalTaken, BallbarPlan
 from service.kinematics.chain import forward, nominal_values
 from tests.ballbar_sessions import make_length
@@ -83,7 +83,8 @@ def measured_session(arm, plan: BallbarPlan, configs, *, placements=(1,), seed=0
                     length = taken(true_mm, 2 + pose.config)
                     at = arrival(pose.joints_rad)
                     legs.append(LegKept(placement.number, pose.config, 1, leg, length, at))
-    return Counting(tuple(legs), tuple(sides), tuple(setups))
+    standing = Standing(legs[-1].placement, legs[-1].arrival.commanded_rad) if legs else None
+    return Counting(tuple(legs), tuple(sides), tuple(setups), standing=standing)
 
 
 def arrival(joints_rad):

@@ -51,6 +51,14 @@ class SetupKept:
 
 
 @dataclass(frozen=True, slots=True)
+class Standing:
+    """Where the arm came to rest last."""
+
+    placement: int  # of the base fixture at that time
+    joints_rad: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Counting:
     """What counts of a session: nothing superseded, nothing skipped, no pose whose legs were exchanged."""
 
@@ -59,6 +67,7 @@ class Counting:
     setups: tuple[SetupKept, ...] = ()
     skipped: tuple[str, ...] = ()  # a sentence each
     exchanged: tuple[int, ...] = ()  # poses left out because their legs were confused
+    standing: Standing | None = None  # None: the arm has not moved yet
 
 
 def assemble_ballbar_campaign(

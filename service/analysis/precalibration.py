@@ -12,6 +12,7 @@ from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
 from service.domain.results import Identification, Model, Status
 from service.identification import identify
+from service.planning.ballbar.plan import ballbar_cell
 from service.storage.records import SessionSetup
 from service.validation.connections import judge_pose
 
@@ -36,6 +37,9 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
         The legs do not identify a model yet; the sentence says why.
     """
     kit = setup.cell.ballbar or BallbarKit()
+    standing = counting.standing
+    if standing is None:
+        raise NothingMeasuredError("The arm has not moved yet; measure a few poses first.")
     exchanged: tuple[int, ...] = ()
     for _ in range(_ROUNDS):
         found, model = _identified(setup, kit, _without(counting, exchanged))
@@ -44,7 +48,7 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
         if more <= set(exchanged):
             break
         exchanged = tuple(sorted({*exchanged, *more}))
-    poses = next_poses(setup.cell, plan, counting, exchanged, foreseen)
+    poses = next_poses(ballbar_cell(setup.cell), plan, counting, standing, exchanged, foreseen)
     planned = {pose.config: pose for placement in plan.placements for pose in placement.poses}
     return PreCalibration(
         poses=poses,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept
+from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, EntryKind, LedgerEntry, StepKind
 from service.sequencing.ballbar import step_ids
@@ -23,6 +23,7 @@ def counting(plan: BallbarPlan, kit: BallbarKit, entries: Sequence[LedgerEntry])
         setups=tuple(_setups(found)),
         skipped=tuple(_skipped(found)),
         exchanged=tuple(sorted({kept.config for step_id, kept in legs if step_id in confused})),
+        standing=_standing(found, entries),
     )
 
 
@@ -38,6 +39,15 @@ def _confused(entries: Sequence[LedgerEntry]) -> set[str]:
             poses = {f"pose-{config}" for config in entry.precalibration.exchanged}
             confused |= {step_id for step_id in measured if poses & set(step_id.split("/"))}
     return confused
+
+
+def _standing(found: Situation, entries: Sequence[LedgerEntry]) -> Standing | None:
+    places = {step.id: step.placement for step in found.steps}
+    for entry in reversed(entries):
+        placement = places.get(entry.step_id)
+        if entry.arrival is not None and placement is not None:
+            return Standing(placement, entry.arrival.commanded_rad)
+    return None
 
 
 def _legs(found: Situation) -> Iterator[tuple[str, LegKept]]:

@@ -77,3 +77,10 @@ def test_a_pose_whose_legs_were_exchanged_counts_only_as_measured_again():
     assert {kept.config for kept in confused.legs} == {2}
     assert confused.exchanged == (1,)
     assert {(kept.config, kept.attempt, kept.stop) for kept in again.legs} == {(2, 1, 2), (1, 2, 1001)}
+
+
+def test_the_arm_stands_where_it_moved_last():
+    found = counted(*of_pose(1), moved("placement-1/pose-2/move", (0.4,) * 6))
+
+    assert (found.standing.placement, found.standing.joints_rad) == (1, (0.4,) * 6)
+    assert counted().standing is None
