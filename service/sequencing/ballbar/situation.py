@@ -234,6 +234,13 @@ def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None
     return taken if same_bars else None
 
 
+def _skipped_poses(agenda: tuple[BallbarStep, ...], record: Record) -> int:
+    """Return how many poses there are whose last attempt ended with a skip."""
+    motions = (step for step in agenda if step.kind is StepKind.MOVE and step.config is not None)
+    last = {step.config: step_ids.group_of(step.id) for step in motions}
+    return sum(group in record.skipped_poses for group in last.values())
+
+
 def _has_no_way(step: BallbarStep, record: Record) -> bool:
     found = record.precalibration
     if found is None or step.kind is not StepKind.MOVE or step.config is None:
@@ -248,7 +255,7 @@ def _progress(
     return BallbarProgress(
         readings=readings.count("measured"),
         planned=len(readings),
-        skipped_poses=len(record.skipped_poses),
+        skipped_poses=_skipped_poses(agenda, record),
         elapsed_s=record.times.elapsed_s,
         remaining_s=record.times.remaining_s(
             step.kind for step in agenda if outcomes[step.id].kind == "open"

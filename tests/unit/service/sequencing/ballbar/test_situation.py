@@ -308,3 +308,17 @@ def test_a_skipped_side_is_left_out_and_the_session_goes_on():
     assert story.present == "placement-1/side-1-3"
     story.until("placement-1/pose-1/move")
     assert story.now.progress.skipped_poses == 0
+
+
+def test_a_pose_that_is_tried_again_counts_as_skipped_no_more_and_never_twice():
+    story = Story(PLAN).until("placement-1/pose-1/leg-2-1")
+    story.skip()
+    assert story.now.progress.skipped_poses == 1
+
+    story.until("placement-1/precalibrate-1")
+    story.do(found(make_pose(1)))
+    assert story.now.progress.skipped_poses == 0  # another attempt is open
+    story.until("placement-1/pose-1/again/leg-2-1")
+    story.skip()
+
+    assert story.now.progress.skipped_poses == 1
