@@ -1,0 +1,55 @@
+"""A whole ballbar session on a simulated cell, over REST, and what becomes of it."""
+
+import asyncio
+
+import httpx
+import pytest
+
+from service.exchange.campaign_zip import read_campaign_zip
+from service.showcase.ballbar_person import PersonAtTablet
+from service.showcase.killed_service import KilledService, standing_cell
+
+
+@pytest.fixture
+async def service(tmp_path):
+    async with standing_cell("lrmate-tilted", 2, 0, tmp_path / "cell.log") as cell_file:
+        (tmp_path / "cell.toml").write_text(cell_file, encoding="utf-8")
+        service = KilledService(
+            tmp_path / "cell.toml", tmp_path / "sessions.sqlite3", tmp_path / "service.log"
+        )
+        await service.start()
+        async with httpx.AsyncClient(base_url=service.url, timeout=200.0, trust_env=False) as client:
+            yield client
+        await service.kill()
+
+
+async def ended(client, path):
+    async with asyncio.timeout(120):
+        while (job := (await client.get(path)).json())["state"] in {"queued", "running"}:
+            await asyncio.sleep(0.1)
+    return job
+
+
+async def test_a_session_with_simulated_hands_becomes_a_campaign_that_identifies_the_robot(service):
+    wanted = {"name": "six legs", "poses": 13, "seed": 1}
+    created = await service.post("/api/v1/ballbar-sessions", json=wanted)
+    assert created.status_code == 201, created.text
+    person = PersonAtTablet(service, created.json()["id"])
+
+    session = await person.walk()
+
+    assert session["state"] == "finished", session["reason"]
+    entries = (await service.get(f"{person.path}/ledger", params={"limit": 1000})).json()["entries"]
+    (found,) = [entry["precalibration"] for entry in entries if entry["kind"] == "computed"][:1]
+    assert found["exchanged"] == []
+    assert found["rms_mm"] < 0.05
+
+    stored = await service.post("/api/v1/campaigns", json={"name": "mine", "session_ids": [session["id"]]})
+    assert stored.status_code == 201, stored.text
+    campaign = read_campaign_zip((await service.get(stored.json()["archive_url"])).content)
+    measured = {entry["step_id"] for entry in entries if entry["kind"] == "measured"}
+    assert len(campaign.legs) == len([step for step in measured if "/leg-" in step])
+    assert len(campaign.setup.placement) == 3
+
+    job = await service.post("/api/v1/identifications", json={"campaign_id": stored.json()["id"]})
+    assert (await ended(service, job.headers["Location"]))["state"] == "succeeded"
