@@ -66,6 +66,14 @@ def _by_construction(structure: Structure, setting: Setting) -> list[NotIdentifi
                 "row 1 of the table acts as the base does: only the base is a parameter",
             )
         )
+    if structure.anchors:
+        entries.append(
+            NotIdentifiable(
+                ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz"),
+                "lengths to cups of unknown place do not see where the arm stands: positions are in the "
+                "world of base_in_world_nominal, and the cups are found there",
+            )
+        )
     if "d_2" in names or "alpha_2" in names:
         entries += [
             NotIdentifiable(
