@@ -43,6 +43,7 @@ class Readings:
         self._watchers: set[asyncio.Queue[LiveSample | None]] = set()
         self._latest: BallbarReading | None = None
         self._polled = asyncio.Event()
+        self._closed = False
         self.contact = Contact()
         self.sample: LiveSample | None = None
 
@@ -72,7 +73,7 @@ class Readings:
         self.begin_anew()
         for polls in range(_MOST_POLLS):
             enough = polls >= _FRESH and self._window.count > 0
-            if enough or (polls > 0 and not is_usable(self._latest)):
+            if enough or self._closed or (polls > 0 and not is_usable(self._latest)):
                 return
             await self._polled.wait()
 
@@ -87,7 +88,10 @@ class Readings:
             self._watchers.discard(queue)
 
     async def close(self) -> None:
-        """Let the watchers go and close the link."""
+        """Let the watchers and whoever waits for a sample go, and close the link."""
+        self._latest = None
+        self._closed = True
+        self._polled.set()
         for queue in self._watchers:
             _put(queue, None)
         await self._gauge.close()

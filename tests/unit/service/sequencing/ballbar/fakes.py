@@ -334,10 +334,17 @@ class Bench:
     async def send(self, act: Act) -> ActOutcome:
         """Have an act done, and let time pass while it takes some."""
         sent = asyncio.create_task(self.runner.act(act))
-        await turns()
-        while not sent.done():
-            await self.clock.advance(0.05)
-        return await sent
+        try:
+            await turns()
+            while not sent.done():
+                await self.clock.advance(0.05)
+            return sent.result()
+        finally:
+            if not sent.done():  # the program was killed in the middle of it
+                sent.cancel()
+                await asyncio.gather(sent, return_exceptions=True)
+            elif not sent.cancelled():
+                sent.exception()
 
     async def start(self) -> None:
         await self.press(ActName.START, step_id=None)

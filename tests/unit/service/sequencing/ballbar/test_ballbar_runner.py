@@ -9,7 +9,7 @@ from drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 from service.domain.ballbar import EntryKind, PoseForecast, Suspicion
 from service.domain.errors import ConfigurationError, UnderdeterminedError
 from service.domain.session import SessionState
-from service.sequencing.ballbar.acts import ActName
+from service.sequencing.ballbar.acts import Act, ActName
 from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.errors import (
     NotNowError,
@@ -199,6 +199,22 @@ async def test_the_button_stores_nothing_that_was_shown_before_it_was_pressed():
 
         (entry,) = bench.kept("tool/side-1-2")
         assert entry.length.deviation_mm == pytest.approx(bench.hands.deviation_mm, abs=NOISE_MM)
+
+
+async def test_the_button_does_not_wait_for_a_session_that_is_no_longer_run():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        bench.hands.do_as_asked("tool/initialise")
+        pressed = asyncio.create_task(
+            bench.runner.act(Act(ActName.STORE, "Eva", "one", "k", "tool/initialise"))
+        )
+        await turns()
+
+        await bench.kill()
+
+        with pytest.raises(NotNowError):
+            await asyncio.wait_for(pressed, 1.0)
+        assert bench.kept("tool/initialise") == []
 
 
 @pytest.mark.parametrize(("shown_mm", "says"), [(-1.1, "too close"), (1.1, "too far"), (None, "no signal")])
