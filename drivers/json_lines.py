@@ -1,6 +1,7 @@
 """Lines of JSON objects, UTF-8: the framing that our own small protocols share."""
 
 import json
+import sys
 from collections.abc import Mapping
 
 from drivers.errors import RemoteProtocolError
@@ -56,3 +57,11 @@ def decode_object(line: bytes) -> dict[str, object]:
     if not isinstance(document, dict):
         raise JsonLineError(f"{line[:80]!r} is no JSON object")
     return document
+
+
+def finite_number(value: object) -> float | None:
+    """Return a number of a document, None for one that is not finite or no number at all."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    # Whole numbers of JSON have no end, and those beyond a double's range cannot even be asked.
+    return float(value) if -sys.float_info.max <= value <= sys.float_info.max else None

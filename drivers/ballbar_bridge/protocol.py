@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast
 
-from drivers.json_lines import JsonLineError, decode_object, encode_object
+from drivers.json_lines import JsonLineError, decode_object, encode_object, finite_number
 
 Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 _SIGNALS = ("good", "out_of_range", "none")
@@ -103,6 +103,7 @@ def _text(document: dict[str, object], key: str) -> str:
 
 
 def _number(value: object, key: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BridgeProtocolError(f"{key} is {value!r}; a number was expected")
-    return float(value)
+    number = finite_number(value)
+    if number is None:
+        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; a number was expected")
+    return number

@@ -4,11 +4,10 @@
 ``{"error": "..."}`` with a sentence.
 """
 
-import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drivers.json_lines import JsonLineError, decode_object, encode_object
+from drivers.json_lines import JsonLineError, decode_object, encode_object, finite_number
 
 
 class ClockProtocolError(JsonLineError):
@@ -89,6 +88,7 @@ def decode_answer(line: bytes) -> Answer:
 
 
 def _finite(value: object, key: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ClockProtocolError(f"{key} is {value!r}; a number of seconds was expected")
-    return float(value)
+    number = finite_number(value)
+    if number is None:
+        raise ClockProtocolError(f"{key} is {str(value)[:40]}; a number of seconds was expected")
+    return number

@@ -5,7 +5,6 @@
 details of an action are further keys; which there are is for the cell to say.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -13,6 +12,7 @@ from typing import TypeAlias
 from drivers.json_lines import JsonLineError, decode_object, encode_object
 
 Detail: TypeAlias = str | int | float | bool
+_LARGEST = 2**53  # whole numbers beyond it are not the same to every reader of JSON
 _OF_THE_REQUEST = frozenset({"op", "action"})
 
 
@@ -91,6 +91,8 @@ def decode_answer(line: bytes) -> Answer:
 
 
 def _detail(key: str, value: object) -> Detail:
-    if isinstance(value, str | bool | int) or (isinstance(value, float) and math.isfinite(value)):
+    if isinstance(value, str | bool):
+        return value
+    if isinstance(value, int | float) and -_LARGEST <= value <= _LARGEST:  # NaN is not
         return value
     raise HandsProtocolError(f'key "{key}" is {value!r}; a text, a number or true or false was expected')

@@ -62,6 +62,7 @@ def test_without_a_signal_there_is_no_value(line):
         (b'{"deviation_mm": "0.1"}', "number"),
         (b'{"deviation_mm": NaN}', "number"),
         (b'{"deviation_mm": true}', "number"),
+        (b'{"deviation_mm": 1%s}' % (b"0" * 400), "number"),
         (b'{"deviation_mm": 123456}', "millimetres"),
         (b'{"deviation_mm": 0.1, "signal": "ok"}', "out_of_range"),
         (b'{"deviation_mm": null, "signal": "good"}', "has a value"),

@@ -46,6 +46,7 @@ def test_answers_make_the_round_trip(message):
         b'{"op": "sleep", "s": "4"}',
         b'{"op": "sleep", "s": true}',
         b'{"op": "sleep", "s": NaN}',
+        b'{"op": "sleep", "s": 1%s}' % (b"0" * 400),
         b"\xff",
     ],
 )
