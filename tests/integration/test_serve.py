@@ -13,6 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from service.app.server import _listening
 from tests.integration.web.bench import CELL
 
 SERVE = """
@@ -63,6 +64,13 @@ def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(service
         text = httpx.get(url + page).text
         assert "SIMULATED" in text
         assert "http" not in text.replace(url, ""), "a shop floor has no content network"
+
+
+def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head():
+    with _listening("127.0.0.1", 0) as listener, socket.create_connection(listener.getsockname()):
+        accepted, _ = listener.accept()
+        with accepted:
+            assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
