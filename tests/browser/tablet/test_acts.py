@@ -130,6 +130,33 @@ def test_a_motion_cannot_be_confirmed_where_the_service_does_not_offer_it(desk, 
     expect(tablet.locator("#panel")).to_contain_text("still attached")
 
 
+def test_a_second_tap_does_not_answer_the_next_screen(desk, tablet):
+    desk.show(step=step("place_base"))
+    tablet.get_by_role("button", name="Done").click()
+    acted(tablet, desk)
+
+    desk.show(step=step("fit_ball"))
+    tablet.locator("body[data-screen=fit_ball]").wait_for()
+    tablet.get_by_role("button", name="Done").click(force=True)  # a finger waits for nothing
+    tablet.wait_for_timeout(800)
+    assert len(desk.acts) == 1
+    tablet.get_by_role("button", name="Done").click()
+
+    assert [act["step_id"] for act in acted(tablet, desk, 2)][1] == "placement-1/fit_ball"
+
+
+def test_a_key_that_stays_down_is_one_tap(desk, tablet):
+    expect(tablet.get_by_role("button", name="Retry")).to_be_enabled()
+    tablet.get_by_role("button", name="Retry").focus()
+
+    for _ in range(5):
+        tablet.keyboard.down("Enter")  # after the first one the browser says `repeat`
+        tablet.wait_for_timeout(60)
+    tablet.keyboard.up("Enter")
+
+    assert [act["act"] for act in acted(tablet, desk)] == ["retry"]
+
+
 def test_a_finger_may_rest_on_the_button_while_the_page_is_told_more(desk, tablet):
     desk.show(step=move(), ballbar_attached=False)
     tablet.get_by_role("button", name="Hold").hover()

@@ -103,12 +103,20 @@ def test_the_steps_and_the_length_are_known_beforehand(desk, page):
 
 
 def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page):
-    desk.steps = [leg(1, 1), {**leg(2, 3), "outcome": "skipped", "text": "Out of range: too long"}]
+    out = {"outcome": "skipped", "text": "Out of range: too long"}
+    done = {"outcome": "measured", "length_mm": 300.1}
+    desk.steps = [
+        {**leg(1, 1), **done},
+        *({**leg(2, tool), **out} for tool in (1, 2)),
+        {**leg(1, 1, pose=13), **out},
+        {**leg(1, 1, pose=13, attempt=2), **done},  # tried again, and measured
+    ]
     desk.show(state="finished", step=None)
     page.goto("/operator/3")
 
     expect(page.locator(".left-out li")).to_have_count(1)
-    expect(page.locator(".left-out li")).to_contain_text("B2\u2013T3Out of range: too long")
+    expect(page.locator(".left-out li")).to_contain_text("pose 12: B2\u2013T1, B2\u2013T2")
+    expect(page.locator(".left-out li")).to_contain_text("Out of range: too long")
 
 
 def test_a_session_that_is_not_there_is_told(desk, chromium, url):

@@ -42,42 +42,53 @@ function label(offer, model, texts) {
   return texts.say(key, { pair: step?.points ? pairInWords(step.points) : texts.say("initialise.names") });
 }
 
+// A second tap of a gloved hand, meant for the screen before, must not answer the next one.
+const FRESH_MS = 600;
+
 export class Actions {
   #place;
-  #tapped;
+  #on;
   #shown = "";
+  #shown_ms = 0;
   #buttons = [];
 
-  // `tapped(act, { answer })`
-  constructor(place, tapped) {
+  // `on`: { tapped(act, { answer }), settled() }
+  constructor(place, on) {
     this.#place = place;
-    this.#tapped = tapped;
+    this.#on = on;
   }
 
   show(screen, model, texts) {
     const offers = OFFERED[screen];
     // Built anew for a new step only: a finger may rest on a button while the rest of the page changes.
     const shown = `${screen} ${model.session?.step?.id}`;
-    if (shown !== this.#shown) this.#build(offers, texts);
-    this.#shown = shown;
+    if (shown !== this.#shown) this.#begin(shown, offers, texts);
+    const fresh = performance.now() - this.#shown_ms < FRESH_MS;
     offers.forEach((offer, i) => {
       const button = this.#buttons[i];
-      button.disabled = !offer.act || !can(model, offer.act);
+      const offered = Boolean(offer.act) && can(model, offer.act);
+      // What must be held is no second tap.
+      const early = fresh && !offer.held;
+      button.disabled = early || !offered;
+      button.classList.toggle("fresh", early && offered);
       const text = button.classList.contains("holding") ? texts.say("act.hold_more") : label(offer, model, texts);
       if (button.lastChild.textContent !== text) button.lastChild.textContent = text;
     });
   }
 
-  #build(offers, texts) {
+  #begin(shown, offers, texts) {
+    this.#shown = shown;
+    this.#shown_ms = performance.now();
     this.#buttons = offers.map((offer) => this.#button(offer, texts));
     this.#place.replaceChildren(...this.#buttons);
+    setTimeout(() => this.#on.settled(), FRESH_MS + 1);
   }
 
   #button(offer, texts) {
     const kind = offer.held ? "main hold" : `main${offer.plain ? " plain" : ""}`;
     const fill = element("i", { class: "fill", "aria-hidden": "true" });
     const button = element("button", { type: "button", class: kind, "data-act": offer.act }, fill, element("span"));
-    const tapped = () => this.#tapped(offer.act, { answer: offer.answer });
+    const tapped = () => this.#on.tapped(offer.act, { answer: offer.answer });
     if (!offer.held) button.addEventListener("click", tapped);
     else holdButton(button, { held: tapped, changed: (holding) => (button.lastChild.textContent = texts.say(holding ? "act.hold_more" : "act.hold")) });
     return button;

@@ -1,6 +1,7 @@
 // From the world [mm] to the picture [px]: a pinhole at the person's eyes, turned to what is to be done. Pure.
 
 const MARGIN_PX = 46; // for the balls and for labels at the rim
+const MARGIN_SHARE = 0.13; // of a picture that is small
 const NEAREST = 2.2; // times the size of what is seen: closer, the perspective would exaggerate
 
 const minus = (a, b) => a.map((value, i) => value - b[i]);
@@ -40,7 +41,8 @@ export function camera(scene, framed_mm, width, height) {
     return { x: dot(ray, right) / depth, y: -dot(ray, up) / depth, depth };
   };
   const frame = bounds(framed_mm.map(seen));
-  const room = (span, size) => (size - 2 * MARGIN_PX) / Math.max(span, 1e-6);
+  const margin_px = Math.min(MARGIN_PX, MARGIN_SHARE * Math.min(width, height));
+  const room = (span, size) => (size - 2 * margin_px) / Math.max(span, 1e-6);
   const zoom = Math.min(room(frame.right - frame.left, width), room(frame.bottom - frame.top, height));
   const place = (value, low, high, size) => size / 2 + zoom * (value - (low + high) / 2);
   return (point) => {

@@ -34,7 +34,7 @@ export function holdButton(button, { held, changed }) {
   button.addEventListener("keydown", (event) => {
     if (!KEYS.includes(event.key)) return;
     event.preventDefault();
-    press();
+    if (!event.repeat) press();
   });
   button.addEventListener("keyup", (event) => KEYS.includes(event.key) && release());
 }

@@ -2,7 +2,7 @@
 
 import { element } from "./elements.js";
 import { READ } from "./situation.js";
-import { stepInWords } from "./words.js";
+import { pairInWords, stepInWords } from "./words.js";
 
 const HEADS = {
   tool: "overview.tool",
@@ -56,16 +56,27 @@ export function showOverview(panel, session, steps, texts) {
   );
 }
 
+// A pose that was skipped and measured at a later attempt is not left out.
+function measuredLater({ config, attempt }, steps) {
+  const later = (step) => step.config === config && step.attempt > attempt && step.outcome === "measured";
+  return config !== null && steps.some(later);
+}
+
+function leftOut({ of, steps }, texts) {
+  const named = steps.filter((step) => step.points).map((step) => pairInWords(step.points));
+  const what = `${texts.say(HEADS[of.head], of)}: ${named.join(", ") || stepInWords(steps[0], texts)}`;
+  return element("li", {}, element("b", {}, what), element("span", {}, steps[0].text));
+}
+
 // What became of it: how much was measured, what was left out and why.
 export function showEnd(panel, session, steps, texts) {
   const { readings, planned, elapsed_s } = session.progress;
   const facts = { readings, planned, time: texts.duration(elapsed_s) };
-  const left = steps.filter((step) => step.outcome === "skipped");
-  const row = (step) => element("li", {}, element("b", {}, stepInWords(step, texts)), element("span", {}, step.text));
+  const left = grouped(steps.filter((step) => step.outcome === "skipped" && !measuredLater(step, steps)));
   panel.replaceChildren(
     element("p", { class: "facts" }, texts.say("ended.facts", facts)),
     element("h2", {}, texts.say(left.length ? "ended.skipped" : "ended.none_skipped")),
-    element("ul", { class: "left-out" }, ...left.map(row)),
+    element("ul", { class: "left-out" }, ...left.map((found) => leftOut(found, texts))),
     element("a", { class: "main plain link-button", href: "/operator" }, texts.say("ended.sessions")),
   );
 }

@@ -32,6 +32,11 @@ const ACTS = {
 // An outcome, or a listed step with its outcome, that kept a length.
 const measured = (said) => [said?.kind, said?.outcome].includes("measured") && said.length_mm !== null;
 
+// A key that stays down is one tap, whatever screens come by meanwhile.
+function oneTapAKey(event) {
+  if (event.repeat && [" ", "Enter"].includes(event.key) && event.target.closest("button")) event.preventDefault();
+}
+
 class SessionPage {
   #at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
   #id = document.body.dataset.session;
@@ -79,12 +84,13 @@ class SessionPage {
     this.gauge = new Gauge(at, this.texts);
     this.dialogues = new Dialogues(at.dialogue, this.texts);
     this.dock = new Dock(at.dock, (act) => this.#tapped(act));
-    this.actions = new Actions(at.actions, (act, more) => this.act(act, more));
+    this.actions = new Actions(at.actions, { tapped: (act, more) => this.act(act, more), settled: () => this.draw() });
     this.hands = new Hands(at.hands, {
       present: () => this.model.session,
       other: (chosen) => this.dialogues.pairs(this.#pairs(), chosen),
       failed: (sentence) => this.say(sentence || this.texts.say("hands.unreached")),
     });
+    document.addEventListener("keydown", oneTapAKey);
     at.language.addEventListener("click", () => this.#switchLanguage());
     at.mute.addEventListener("click", () => ((this.tablet.muted = !this.tablet.muted), this.draw()));
     at.person.addEventListener("click", () => this.#askName());
@@ -115,7 +121,7 @@ class SessionPage {
     this.model.session = session;
     if (measured(session.last_outcome)) this.model.stored = session.last_outcome;
     if (before) this.#news(before, session);
-    if (before?.step?.id !== session.step?.id || before?.robot_moving !== session.robot_moving) this.#newStep(session);
+    if (before?.step?.id !== session.step?.id || before?.state !== session.state) this.#newStep(session);
     this.draw();
   }
 

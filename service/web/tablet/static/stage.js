@@ -76,6 +76,7 @@ export class Stage {
     const shown = points.length ? points.join(" ") : (names ?? session.name);
     if (at.names.dataset.shown !== shown) at.names.replaceChildren(...(points.length ? nameBlocks(points) : [shown]));
     at.names.dataset.shown = shown;
+    at.names.setAttribute("aria-label", shown);
     at.names.classList.toggle("words", !points.length);
     const unseen = screen === "connect_leg" && !session.swaps_can_be_seen;
     showIf(at.hint, unseen);

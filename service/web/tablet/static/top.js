@@ -27,9 +27,10 @@ function remaining(seconds, texts) {
   return seconds < SOON_S ? texts.say("progress.soon") : texts.say("progress.left", { time: texts.duration(seconds) });
 }
 
-function progress({ progress: done }, texts) {
+function progress(session, texts) {
+  const done = session.progress;
   const said = [texts.say("progress.readings", { readings: done.readings, planned: done.planned })];
-  if (done.remaining_s !== null) said.push(remaining(done.remaining_s, texts));
+  if (done.remaining_s !== null && !hasEnded(session)) said.push(remaining(done.remaining_s, texts));
   const skipped = done.skipped_poses;
   if (skipped) said.push(texts.say(skipped === 1 ? "progress.skipped_one" : "progress.skipped_many", { count: skipped }));
   return said.join(" · ");
