@@ -5,6 +5,7 @@ import contextlib
 import dataclasses
 from collections.abc import AsyncIterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Final, Protocol, runtime_checkable
 
 from drivers.api import Clock
@@ -87,7 +88,8 @@ async def open_context(
         cell = _cell(settings)
         database = await asyncio.to_thread(Database, settings.database_url)
         stack.callback(database.close)
-        simulation = await _simulation(cell, settings, stack)
+        state = database.file.with_name(f"{database.file.name}.cell.json")
+        simulation = await _simulation(cell, settings, state, stack)
         cell = _with_simulated_devices(cell, simulation, drivers)
         rack = _rack(cell, simulation, drivers)
         stack.push_async_callback(_close_clock, rack.clock)
@@ -115,11 +117,13 @@ def _cell(settings: Settings) -> Cell:
     return simulated_cell(settings.simulated_scenario, settings.simulated_seed)
 
 
-async def _simulation(cell: Cell, settings: Settings, stack: contextlib.AsyncExitStack) -> Simulation | None:
+async def _simulation(
+    cell: Cell, settings: Settings, state: Path, stack: contextlib.AsyncExitStack
+) -> Simulation | None:
     if cell.simulated is None:
         return None
     pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace
-    return await stack.enter_async_context(running_simulation(cell.simulated, pace))
+    return await stack.enter_async_context(running_simulation(cell.simulated, pace, state))
 
 
 def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:

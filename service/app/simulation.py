@@ -47,11 +47,19 @@ class Simulation:
 
 
 @contextlib.asynccontextmanager
-async def running_simulation(simulated: SimulatedCell, pace: int) -> AsyncIterator[Simulation]:
-    """Start a simulated cell and end it with the context; raises SimulationFailedError."""
+async def running_simulation(
+    simulated: SimulatedCell, pace: int, state: Path | None = None
+) -> AsyncIterator[Simulation]:
+    """Start a simulated cell and end it with the context; raises SimulationFailedError.
+
+    With a file for its state it stands where it stood when it last ended, however that was: a real cell
+    does not put its robot and its fixtures back when a computer is started anew.
+    """
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
         scenario = _with_effects(simulated, Path(folder))
-        arguments = (scenario, "--seed", str(simulated.seed), "--pace", str(pace))
+        arguments = [scenario, "--seed", str(simulated.seed), "--pace", str(pace)]
+        if state is not None:
+            arguments += ["--state", str(state)]
         pipe = asyncio.subprocess.PIPE
         # A session of its own: ctrl-C at the terminal is for the service, which ends the cell in order.
         process = await asyncio.create_subprocess_exec(
