@@ -263,3 +263,19 @@ async def test_the_base_is_put_where_the_session_under_way_wants_it(client, tabl
     action, details = bench.hands.done[-1]
     assert action == "place_base"
     assert (details["x_mm"], details["z_mm"], details["rz_deg"]) == (350.0, 50.0, 0.0)
+
+
+async def test_a_session_without_a_leg_makes_no_campaign(client, tablet):
+    refused = await client.post("/api/v1/campaigns", json={"session_ids": [1]})
+
+    assert refused.status_code == 409
+    assert "no leg" in refused.json()["detail"]
+
+
+async def test_a_ballbar_session_judges_no_other(client, tablet):
+    await client.post("/api/v1/sessions", json=session_request())
+
+    refused = await client.post("/api/v1/campaigns", json={"session_ids": [2, 1]})
+
+    assert refused.status_code == 409
+    assert "ballbar" in refused.json()["detail"]

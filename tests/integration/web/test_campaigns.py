@@ -130,3 +130,35 @@ async def test_a_session_that_never_ran_makes_no_campaign(client):
 
     assert refused.status_code == 409
     assert refused.json()["detail"] == "Session 1 has no reading of a tool nest; run it first."
+
+
+async def test_sessions_named_in_json_make_a_campaign(client, until):
+    session = await measured(client, until, "calibration")
+
+    stored = await client.post(CAMPAIGNS, json={"name": "mine", "session_ids": [session["id"]]})
+
+    assert stored.status_code == 201, stored.text
+    assert stored.json()["session_ids"] == [session["id"]]
+    assert stored.json()["calibration_points"] == session["measured"]
+
+
+@pytest.mark.parametrize(
+    ("body", "what"),
+    [
+        ('{"session_ids": []}', "session_ids"),
+        ('{"session_ids": [1], "rest": 2}', "rest"),
+        ('{"session_ids": [1', "not JSON"),
+        (b"\xff", "not JSON"),
+    ],
+)
+async def test_sessions_named_wrongly_are_refused_in_one_sentence(client, body, what):
+    refused = await client.post(CAMPAIGNS, content=body, headers={"Content-Type": "application/json"})
+
+    assert refused.status_code == 422
+    assert what in refused.json()["detail"]
+
+
+async def test_sessions_that_are_not_there_make_no_campaign(client):
+    refused = await client.post(CAMPAIGNS, json={"session_ids": [7]})
+
+    assert refused.status_code == 404
