@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test check accuracy diagnosis-report ballbar-report nightly clean
+.PHONY: setup demo test check accuracy diagnosis-report ballbar-report interruptions live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -36,6 +36,13 @@ diagnosis-report: setup
 
 ballbar-report: setup
 	$(BIN)/python -m service.showcase.ballbar_report --out out/ballbar
+
+# Two hundred kills of a ballbar session take a quarter of an hour; the latency of the live stream half a minute.
+interruptions: setup
+	$(BIN)/python -m service.showcase.interruptions --kills 200 --out out/interruptions
+
+live-latency: setup
+	$(BIN)/python -m service.showcase.live_latency
 
 nightly: setup
 	$(BIN)/truepose nightly --out out/nightly
