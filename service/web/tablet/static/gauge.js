@@ -84,6 +84,7 @@ export class Gauge {
     if (state === this.#state) return;
     this.#state = state;
     this.#nodes.gauge.dataset.state = state;
+    document.body.dataset.length = state;
     this.#nodes.shape.replaceChildren(stateShape(state));
   }
 
