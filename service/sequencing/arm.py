@@ -1,5 +1,6 @@
 """The arm as the session moves it: the one call of `move_joints`, behind the interlocks."""
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
@@ -66,7 +67,7 @@ class Arm:
         """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors."""
         if self._left_at is None:
             await self._require_rest()
-        reading = await self.read()
+        reading = await self._read_in_time()
         now_s = await self._clock.now_s()
         # nothing is awaited between the last look at the session's state and the motion
         self._require_permission(target_rad, reading, now_s)
@@ -82,6 +83,16 @@ class Arm:
         smallest_rad = reading.resolution_rad if before is None else 0.0
         came_from = reading.joints_rad if before is None else before
         self._direction = _direction(came_from, target_rad, self._direction, smallest_rad)
+
+    async def _read_in_time(self) -> JointReading:
+        """Ask where the joints are; what was under way for too long says nothing of now."""
+        try:
+            async with asyncio.timeout(self._max_state_age_s):
+                return await self.read()
+        except TimeoutError as error:
+            raise MotionForbiddenError(
+                f"The robot took more than {self._max_state_age_s:g} s to state its joints; nothing moves."
+            ) from error
 
     async def _require_rest(self) -> None:
         """Look twice where nobody knows how the arm came here: a lost motion may still be under way."""
