@@ -60,10 +60,11 @@ class Book:
         return next(lengths, None)
 
     async def open(self) -> None:
-        """Record that the service was started anew where an earlier run had begun the session."""
+        """Record, once, that the service was started anew where an earlier run had begun the session."""
         if self._restarted_as is not None:
             text = control.state_text(self._restarted_as, control.RESTARTED)
             await self.append(EntryKind.CONTROL, text=text)
+            self._restarted_as = None
 
     async def append(self, kind: EntryKind, step_id: str = "", act: Act | None = None, **fields: Any) -> int:
         """Keep a line; returns its number. What follows from it is seen once it is on disk."""

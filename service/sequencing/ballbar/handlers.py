@@ -67,8 +67,8 @@ class ActHandlers:
         if now.acting is not None and act.tablet != now.acting.tablet and act.name not in FROM_ANY_TABLET:
             raise WatchingTabletError(f"{now.acting.person} acts on another tablet; take over there first.")
         present = now.step.id if now.step else None
-        running = now.state is SessionState.RUNNING
-        if act.name in _OF_A_STEP and (running or act.step_id is not None) and act.step_id != present:
+        goes_on = now.state is SessionState.AWAITING_CONFIRMATION and act.step_id is None
+        if act.name in _OF_A_STEP and not goes_on and act.step_id != present:
             raise NotNowError(f"The session is at the step {present} by now; nothing was done.")
         if act.name not in now.acts:
             raise NotNowError(f"The session is {words(now.state)}; '{act.name}' cannot be done now.")
@@ -121,7 +121,7 @@ class ActHandlers:
                 f"{sentence}; {_END_OF_MOTION}.", await book.append(EntryKind.CONTROL, act=act, text=text)
             )
         motion.wish = None
-        if ends and before is SessionState.RUNNING:
+        if ends and before in {SessionState.RUNNING, SessionState.PAUSING}:
             number = await book.enter(SessionState.ABORTING, reason, act)
             await book.enter(state, reason)
         else:
@@ -157,7 +157,6 @@ class ActHandlers:
             )
 
     async def _store(self, act: Act) -> ActOutcome:
-        await self._floor.readings.fresh()
         await self._floor.require_stop()
         taken = self._floor.readings.length(self._floor.now, await self._clock.now_s(), by_hand=True)
         number, suspicion = await self._floor.store(taken, act)

@@ -79,6 +79,8 @@ class Readings:
 
     async def watch(self) -> AsyncIterator[LiveSample]:
         """Yield every sample from now on, until the session ends."""
+        if self._closed:
+            return
         queue: asyncio.Queue[LiveSample | None] = asyncio.Queue(_KEPT_FOR_A_WATCHER)
         self._watchers.add(queue)
         try:

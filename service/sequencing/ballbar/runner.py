@@ -82,6 +82,7 @@ class BallbarRunner:
         self._motion = Motion(plan, cell, self._limits, self._book, self._stand)
         self._floor = Floor(kit, judges or Judges(), self._book, self._readings, self._stand, self._motion)
         self._handlers = ActHandlers(self._floor, cell.clock)
+        self._failure: Exception | None = None  # a halt could not be kept: the run ends with this
         last = self._book.last_length
         if last is not None:  # it may still be connected where it was stored
             self._readings.contact.take(last.deviation_mm)
@@ -122,7 +123,9 @@ class BallbarRunner:
         """
         wished = self._wish_at_once(act)
         try:
+            await self._gather_samples(act)
             async with self._floor.changing:
+                await self._book.open()
                 earlier = await self._book.earlier_outcome(act.key)
                 if earlier is not None:
                     return earlier
@@ -131,6 +134,10 @@ class BallbarRunner:
         except SequencingError:
             if wished and self._motion.wish is _HALTS[act.name]:
                 self._motion.wish = None
+            raise
+        except Exception as error:
+            if wished:  # nobody will enter that state any more, and the arm must not go on either
+                self._failure = error
             raise
         finally:
             self._book.tell()
@@ -173,10 +180,21 @@ class BallbarRunner:
         self._motion.wish = _HALTS[act.name]
         return True
 
+    async def _gather_samples(self, act: Act) -> None:
+        """Have a length that is stored by hand rest on samples that were taken since the button was pressed.
+
+        The floor is not taken meanwhile: the loop that brings the samples may be waiting for it.
+        """
+        if act.name is ActName.STORE and not self._book.knows(act.key):
+            self._handlers.require(act)
+            await self._readings.fresh()
+
     # motion and computation
 
     async def _conduct(self) -> None:
         while not self._ended:
+            if self._failure is not None:
+                raise self._failure
             version = self._book.version
             step = self.situation.step
             if step is not None and self.situation.busy:

@@ -36,8 +36,13 @@ def group_of(step_id: str) -> str:
 
 def group_with_zero(step_id: str) -> str:
     """Return the group whose readings count from an initialisation, also from one that came in between."""
+    return group_of(listed(step_id))
+
+
+def listed(step_id: str) -> str:
+    """Return the step of the agenda that a step is, or that it must come before."""
     group = group_of(step_id)
-    return group_of(group) if kind_of(group) is not None else group
+    return group if kind_of(group) is not None else step_id
 
 
 def is_of_a_pose(step_id: str) -> bool:
