@@ -232,18 +232,38 @@ class BallbarDesk:
             under_way = self._of(session_id)
             if under_way is None:
                 record = await self._require(session_id)
-                if has_ended(record.state):
-                    raise NotNowError(f"Session {session_id} is {words(record.state)}; nothing more is done.")
-                if act.name is ActName.ABORT:
+                if act.name is ActName.ABORT and not has_ended(record.state):
                     return await self._end_unstarted(session_id, act)
-                await self._refuse_beside_another(session_id)
+                await self._require_startable(record, act)
                 under_way = await self._launch(session_id)
-        done = await under_way.runner.act(act)
+        try:
+            done = await under_way.runner.act(act)
+        except TrueposeError:
+            await self._give_back_unstarted(under_way)
+            raise
         return ActAnswer(done.sentence, done.entry)
+
+    async def _require_startable(self, record: SessionRecord, act: Act) -> None:
+        """Raise NotNowError, DeviceInUseError where nobody runs a session and this act cannot change that."""
+        planned = record.state is SessionState.PLANNED
+        if has_ended(record.state) or (planned and act.name is not ActName.START):
+            raise NotNowError(
+                f"Session {record.id} is {words(record.state)}; '{act.name}' cannot be done now."
+            )
+        await self._refuse_beside_another(record.id)
+
+    async def _give_back_unstarted(self, under_way: _UnderWay) -> None:
+        """Let others have the devices where a session was not started after all."""
+        if under_way.runner.situation.state is SessionState.PLANNED and not under_way.task.done():
+            under_way.task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await under_way.task
+            self._release(under_way.task)
 
     async def _end_unstarted(self, session_id: int, act: Act) -> ActAnswer:
         text = control.state_text(SessionState.ABORTED, "The end was asked for; nothing was in motion.")
-        entry = LedgerEntry("", EntryKind.CONTROL, 0.0, act.person, act.tablet, act.key, text)
+        now_s = await self._rack.clock.now_s()
+        entry = LedgerEntry("", EntryKind.CONTROL, now_s, act.person, act.tablet, act.key, text)
         number = await SessionLedger(session_id, self._ledger, None).append(entry)
         self.watching.tell()
         return ActAnswer("The session has ended; nothing was in motion.", number)
@@ -269,6 +289,7 @@ class BallbarDesk:
         )
         self._rack.lend(session_id)
         task = asyncio.create_task(self._run(session_id, runner), name=f"ballbar session {session_id}")
+        task.add_done_callback(self._release)
         self._under_way = _UnderWay(session_id, runner, ledger, task)
         self.watching.tell()
         return self._under_way
@@ -279,7 +300,10 @@ class BallbarDesk:
         except Exception:
             # The runner has recorded the failure where the disk let it; the log keeps the traceback.
             _LOG.exception("session %d failed", session_id)
-        finally:
+
+    def _release(self, task: asyncio.Task[None]) -> None:
+        """Let others have the devices; a callback, for a task that is cancelled may never have begun."""
+        if self._under_way is not None and self._under_way.task is task:
             self._rack.take_back()
             self._under_way = None
             self.watching.tell()

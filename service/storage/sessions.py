@@ -10,7 +10,7 @@ from service.domain.session import Progress, Registration, SessionPlan, SessionS
 from service.storage.added_stops import stops_added_to
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
-from service.storage.errors import NotFoundError
+from service.storage.errors import ConflictError, NotFoundError
 from service.storage.events import add_event
 from service.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
 from service.storage.request_keys import once
@@ -93,7 +93,12 @@ class SessionRepository:
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def plan(self, session_id: int) -> SessionPlan:
-        """Return what the session does, with what was added to it; raises NotFoundError."""
+        """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""
+        if (await self.get(session_id)).role == "ballbar":
+            raise ConflictError(
+                f"Session {session_id} is one with the ballbar; its steps are at "
+                f"ballbar-sessions/{session_id}/steps."
+            )
         plan = from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
         added = await self._database.read(lambda c: stops_added_to(c, session_id))
         return dataclasses.replace(plan, stops=plan.stops + added)

@@ -97,7 +97,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
     )
 
 
-@router.get("/{id}/plan", responses=_READ)
+@router.get("/{id}/plan", responses=problems(404, 409, 422, 503))
 async def get_plan(here: Here, id: Id) -> PlanReply:
     """List what the session does, in order."""
     return plan_reply(await here.sessions.plan(id))

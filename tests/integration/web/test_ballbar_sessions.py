@@ -279,3 +279,20 @@ async def test_a_ballbar_session_judges_no_other(client, tablet):
 
     assert refused.status_code == 409
     assert "ballbar" in refused.json()["detail"]
+
+
+async def test_a_session_that_was_not_started_leaves_the_devices_to_others(client, tablet):
+    too_early = await tablet.press("pause")
+
+    assert too_early.status_code == 409
+    await client.post("/api/v1/sessions", json=session_request())
+    assert (await client.post("/api/v1/sessions/2/start")).status_code == 202
+
+
+async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet):
+    refused = await client.get("/api/v1/sessions/1/plan")
+
+    assert refused.status_code == 409
+    assert "ballbar-sessions/1/steps" in refused.json()["detail"]
+    assert (await client.get("/api/v1/sessions/1")).json()["role"] == "ballbar"
+    assert (await client.get("/api/v1/sessions/1/progress")).status_code == 200

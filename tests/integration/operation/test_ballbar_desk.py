@@ -1,0 +1,208 @@
+"""Who runs a ballbar session, and what becomes of the devices and of requests when something goes wrong."""
+
+import asyncio
+from dataclasses import replace
+
+import pytest
+
+from service.domain.artefacts import BallbarKit
+from service.domain.ballbar import EntryKind
+from service.domain.cell import DeviceEntry
+from service.domain.session import SessionState
+from service.operation.ballbar_plans import BallbarWish
+from service.operation.ballbar_sessions import BallbarDesk
+from service.operation.devices import MountedDevice, Rack
+from service.operation.errors import DeviceInUseError
+from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
+from service.sequencing.ballbar.situation import situation
+from service.sequencing.errors import NotNowError, PlanRefusedError
+from service.storage.ballbar_ledger import BallbarLedger
+from service.storage.records import RequestKey, SessionSetup
+from service.storage.sessions import SessionRepository
+from tests.ballbar_cells import domain_cell
+from tests.ballbar_sessions import make_ballbar_plan, measured
+from tests.integration.web.bench import Bench
+
+
+class FakeRunner:
+    """Does what the test says, and runs until it is cancelled or told to fail."""
+
+    def __init__(self, plan, kit, cell, ledger, foresight, entries=()):
+        self.situation = situation(plan, kit, entries)
+        self.question, self.robot_moving, self.version = None, False, 0
+        self.entries = entries
+        self.acts = 0
+        self.gate = asyncio.Event()
+        self.gate.set()
+        self.refusal = None
+        self.failure = asyncio.Event()
+        self._ledger = ledger
+
+    async def run(self):
+        await self.failure.wait()
+        raise RuntimeError("the program has a mistake")
+
+    async def changed(self, after):
+        await asyncio.Event().wait()
+
+    async def act(self, act):
+        if self.refusal is not None:
+            raise self.refusal
+        await self.gate.wait()
+        self.acts += 1
+        number = await self._ledger.append(measured("tool/initialise", 150.0, key=act.key))
+        return ActOutcome(f"Done {self.acts} times.", number)
+
+
+class Scene:
+    """A desk on a real database, fake devices, and the runners that it made."""
+
+    def __init__(self, database):
+        bench = Bench()
+        devices = [("ballbar", bench.ballbar), ("robot", bench.robot)]
+        self.rack = Rack(
+            [MountedDevice(DeviceEntry(kind, "fake", {}), kind, "fake", it) for kind, it in devices],
+            bench.clock,
+        )
+        self.sessions = SessionRepository(database)
+        self.ledger = BallbarLedger(database)
+        self.runners = []
+        self.refusal = None
+        self.desk = BallbarDesk(
+            self.sessions, self.ledger, self.rack, lambda setup: None, None, self.make_runner
+        )
+
+    def make_runner(self, *pieces, **entries):
+        self.runners.append(FakeRunner(*pieces, **entries))
+        self.runners[-1].refusal = self.refusal
+        return self.runners[-1]
+
+    async def planned(self):
+        setup = SessionSetup(domain_cell(ballbar=BallbarKit()))
+        return await self.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+
+    async def act(self, session_id, name=ActName.START, key="k"):
+        act = Act(name, "Ada", "tablet-1", key)
+        return await self.desk.act(session_id, act, RequestKey(key, f"fingerprint of {name}"))
+
+
+@pytest.fixture
+async def scene(database):
+    opened = Scene(database)
+    yield opened
+    await opened.desk.close()
+
+
+async def test_a_start_that_is_refused_leaves_the_devices_to_others(scene):
+    first, second = await scene.planned(), await scene.planned()
+    scene.refusal = NotNowError("not now")
+
+    with pytest.raises(NotNowError):
+        await scene.act(first)
+    scene.refusal = None
+
+    assert (await scene.act(second, key="k2")).entry is not None
+
+
+async def test_a_key_of_a_refused_act_is_free(scene):
+    session_id = await scene.planned()
+    scene.refusal = NotNowError("not now")
+    with pytest.raises(NotNowError):
+        await scene.act(session_id)
+    scene.refusal = None
+
+    assert (await scene.act(session_id)).sentence == "Done 1 times."
+
+
+async def test_a_request_that_is_repeated_while_the_first_is_under_way_waits_for_its_answer(scene):
+    session_id = await scene.planned()
+    first = asyncio.create_task(scene.act(session_id))
+    while not scene.runners:
+        await asyncio.sleep(0.001)
+    scene.runners[0].gate.clear()
+    again = asyncio.create_task(scene.act(session_id))
+    await asyncio.sleep(0.05)
+    scene.runners[0].gate.set()
+
+    assert await first == await again
+    assert scene.runners[0].acts == 1
+
+
+async def test_an_act_whose_tablet_is_gone_is_done_all_the_same(scene):
+    session_id = await scene.planned()
+    await scene.act(session_id, key="k1")
+    scene.runners[0].gate.clear()
+    gone = asyncio.create_task(scene.act(session_id, ActName.STORE, key="k2"))
+    await asyncio.sleep(0.05)
+
+    gone.cancel()
+    scene.runners[0].gate.set()
+
+    answer = await scene.act(session_id, ActName.STORE, key="k2")
+    assert answer.sentence == "Done 2 times."
+    assert scene.runners[0].acts == 2
+
+
+async def test_an_entry_without_its_answer_is_not_made_again(scene):
+    """As a service leaves it that is killed between the two."""
+    session_id = await scene.planned()
+    number = await scene.ledger.append(session_id, measured("tool/initialise", 150.0, key="k9"))
+
+    answer = await scene.act(session_id, ActName.STORE, key="k9")
+
+    assert answer.entry == number
+    assert scene.runners == []
+    assert await scene.act(session_id, ActName.STORE, key="k9") == answer
+
+
+async def test_a_runner_that_fails_gives_the_devices_back(scene):
+    first, second = await scene.planned(), await scene.planned()
+    await scene.act(first)
+
+    scene.runners[0].failure.set()
+    while scene.desk.runner(first) is not None:
+        await asyncio.sleep(0.001)
+
+    assert (await scene.act(second, key="k2")).entry is not None
+
+
+async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
+    session_id = await scene.planned()
+    await scene.act(session_id)
+    await scene.sessions.change_state(session_id, SessionState.RUNNING, "started")
+    await scene.desk.close()
+
+    again = BallbarDesk(scene.sessions, scene.ledger, scene.rack, lambda setup: None, None, scene.make_runner)
+    await again.recover()
+
+    assert [entry.kind for entry in scene.runners[-1].entries] == [EntryKind.MEASURED]
+    assert again.runner(session_id) is scene.runners[-1]
+    await again.close()
+
+
+async def test_a_session_whose_cell_lost_its_ballbar_does_not_keep_the_service_from_starting(scene):
+    session_id = await scene.planned()
+    await scene.sessions.change_state(session_id, SessionState.RUNNING, "started")
+    bare = Rack([], Bench().clock)
+
+    desk = BallbarDesk(scene.sessions, scene.ledger, bare, lambda setup: None, None, scene.make_runner)
+    await desk.recover()
+
+    (note,) = await scene.sessions.notes(session_id)
+    assert "not taken up" in note
+    assert (await desk.view(session_id)).id == session_id
+
+
+async def test_while_one_session_holds_the_devices_no_other_starts(scene):
+    first, second = await scene.planned(), await scene.planned()
+    await scene.act(first)
+
+    with pytest.raises(DeviceInUseError, match=f"Session {first}"):
+        await scene.act(second, key="k2")
+
+
+async def test_the_number_of_cups_is_that_of_the_kit(scene):
+    setup = SessionSetup(domain_cell(ballbar=replace(BallbarKit(), base_points=4)))
+
+    with pytest.raises(PlanRefusedError, match="4"):
+        await scene.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
