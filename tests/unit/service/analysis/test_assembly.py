@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from service.analysis.assembly import MeasuredSession, assemble_campaign
+from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from service.analysis.errors import NothingMeasuredError, SessionsDifferError
+from service.domain.campaign import Campaign
 from service.domain.cell import Conditions, SimulatedCell
 from service.domain.robot import FramePlacement
 from service.domain.session import Registration
@@ -90,3 +91,22 @@ def test_sessions_of_different_set_ups_are_not_joined():
 
     with pytest.raises(SessionsDifferError, match="Sessions 1 and 2 differ in their base placement"):
         assemble_campaign(measured(1), measured(2, setup=moved))
+
+
+def test_points_of_a_tracker_session_judge_a_campaign_of_legs_and_identify_nothing():
+    calibration, tracker = measured(3, points=()), measured(5, fixed_nests=(make_fixed_nest(),))
+    legs = Campaign(make_setup().cell.robot, FramePlacement(), make_setup().cell.nests, notes=("legs",))
+
+    campaign = judged_by(legs, calibration, tracker)
+
+    assert campaign.calibration is None
+    assert len(campaign.validation) == 2
+    assert campaign.notes == ("legs", "Validation readings are those of session 5.")
+
+
+def test_a_tracker_session_of_another_robot_judges_nothing():
+    other = measured(5, setup=changed_cell(robot=dataclasses.replace(make_setup().cell.robot, name="other")))
+    legs = Campaign(make_setup().cell.robot, FramePlacement(), make_setup().cell.nests)
+
+    with pytest.raises(SessionsDifferError, match="robot"):
+        judged_by(legs, measured(3, points=()), other)
