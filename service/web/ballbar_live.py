@@ -126,11 +126,10 @@ async def _feed_samples(here: Context, id: int, mailbox: _Mailbox) -> None:
     while True:
         news = here.ballbar_desk.watching.news
         runner = here.ballbar_desk.runner(id)
-        if runner is None:
-            await news.wait()
-            continue
-        async for sample in runner.live():
-            mailbox.put_sample(f"event: sample\ndata: {json.dumps(_document(sample))}\n\n")
+        if runner is not None:
+            async for sample in runner.live():
+                mailbox.put_sample(f"event: sample\ndata: {json.dumps(_document(sample))}\n\n")
+        await news.wait()  # also behind a run that is over, until there is another one
 
 
 def _document(sample: LiveSample) -> dict[str, object]:

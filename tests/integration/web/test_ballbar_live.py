@@ -10,7 +10,7 @@ import pytest
 
 from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Tablet
-from tests.integration.web.bench import Bench
+from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
 
 
@@ -103,6 +103,26 @@ async def test_a_session_that_begins_tells_so_and_sends_its_samples(client, tabl
         "spread_mm",
         "robot_still",
     } <= sample.keys()
+
+
+async def test_the_stream_goes_on_while_the_ballbar_of_an_ended_session_is_being_closed(
+    client, tablet, monkeypatch
+):
+    async def close_slowly(self):
+        await asyncio.sleep(0.5)
+
+    monkeypatch.setattr(FakeBallbar, "close", close_slowly)
+
+    async def end():
+        await tablet.press("start")
+        await asyncio.sleep(0.3)
+        await tablet.press("abort")
+
+    ending = asyncio.create_task(end())
+    found = await follow(client, tablet.path, lambda found: kinds(found)[-2:] == ["", ""])
+    await ending
+
+    assert [document["state"] for kind, document in found if kind == "situation"][-1] == "aborted"
 
 
 async def test_tablets_that_follow_are_counted(client, tablet):
