@@ -135,8 +135,10 @@ class BallbarDesk:
             if record.role == "ballbar":
                 try:
                     await self._launch(record.id)
-                except TrueposeError as error:
-                    # A cell file without its ballbar must not keep the service from starting.
+                except Exception as error:
+                    # A cell file without its ballbar, whatever else: one session must not keep the service
+                    # from starting. The log keeps the traceback, the session a sentence.
+                    _LOG.exception("session %d was not taken up", record.id)
                     await self._sessions.note(record.id, f"The session was not taken up: {error}")
 
     async def act(self, session_id: int, act: Act, key: RequestKey) -> ActAnswer:

@@ -61,10 +61,10 @@ class Tally:
 
 
 async def interrupt(
-    kills: int, seed: int, folder: Path, poses: int = 20, scenario: str = "lrmate-tilted"
-) -> Tally:
-    """Kill the service `kills` times and return what was seen."""
-    tally, rng = Tally(), np.random.default_rng(seed)
+    tally: Tally, kills: int, seed: int, folder: Path, poses: int = 20, scenario: str = "lrmate-tilted"
+) -> None:
+    """Kill the service `kills` times; what was seen is in `tally`, also where something breaks the run."""
+    rng = np.random.default_rng(seed)
     async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:
         (folder / "cell.toml").write_text(cell_file, encoding="utf-8")
         service = KilledService(folder / "cell.toml", folder / "sessions.sqlite3", folder / "service.log")
@@ -75,7 +75,6 @@ async def interrupt(
                     await _Session(http, service, tally, rng).run(kills, poses, seed)
         finally:
             await service.kill()
-    return tally
 
 
 class _Session:
@@ -103,10 +102,10 @@ class _Session:
                 before = await self._interrupted(person, before)
         finally:
             await _ended(walking)
+            self._tally.acknowledged += len(person.ledger.acts)
+            self._tally.repeated += person.ledger.repeated
+            self._tally.entries += len(before)
         await person.act("abort")
-        self._tally.acknowledged += len(person.ledger.acts)
-        self._tally.repeated += person.ledger.repeated
-        self._tally.entries += len(before)
 
     async def _interrupted(self, person: PersonAtTablet, before: Sequence[Entry]) -> list[Entry]:
         """Kill the service, start it again, and check what it says; returns its ledger."""
@@ -152,7 +151,7 @@ async def _ended(task: "asyncio.Task[Any]") -> None:
 
 def report(tally: Tally) -> dict[str, Any]:
     """Return the tally as a document."""
-    ready = np.array(tally.ready_s)
+    ready = np.array(tally.ready_s or [np.nan])
     quantiles = {
         "median": float(np.median(ready)),
         "p95": float(np.quantile(ready, 0.95)),
@@ -173,10 +172,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with tempfile.TemporaryDirectory(prefix="truepose-") as temporary:
         folder = Path(temporary) if wanted.out is None else wanted.out
         folder.mkdir(parents=True, exist_ok=True)
-        tally = asyncio.run(interrupt(wanted.kills, wanted.seed, folder, wanted.poses, wanted.scenario))
-        text = json.dumps(report(tally), indent=1)
-        (folder / "interruptions.json").write_text(text + "\n", encoding="utf-8")
-    sys.stdout.write(text + "\n")
+        tally = Tally()
+        try:
+            asyncio.run(interrupt(tally, wanted.kills, wanted.seed, folder, wanted.poses, wanted.scenario))
+        finally:
+            text = json.dumps(report(tally), indent=1)
+            (folder / "interruptions.json").write_text(text + "\n", encoding="utf-8")
+            sys.stdout.write(text + "\n")
     return 0 if tally.passed else 1
 
 

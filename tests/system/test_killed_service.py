@@ -3,11 +3,13 @@
 A handful of kills; `python -m service.showcase.interruptions` makes two hundred.
 """
 
-from service.showcase.interruptions import interrupt, report
+from service.showcase.interruptions import Tally, interrupt, report
 
 
 async def test_a_killed_service_loses_and_doubles_nothing_and_moves_nothing(tmp_path):
-    tally = await interrupt(5, seed=1, folder=tmp_path, poses=13)
+    tally = Tally()
+
+    await interrupt(tally, 5, seed=1, folder=tmp_path, poses=13)
 
     assert report(tally)["pass"], report(tally)
     assert tally.kills == 5
