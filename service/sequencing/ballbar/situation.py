@@ -251,14 +251,31 @@ def _has_no_way(step: BallbarStep, record: Record) -> bool:
 def _progress(
     agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record
 ) -> BallbarProgress:
-    readings = [outcomes[step.id].kind for step in agenda if step.kind in READINGS]
+    """Return how far the session is: what was left out for good is planned no longer."""
+    measured = sum(outcomes[step.id].kind == "measured" for step in agenda if step.kind in READINGS)
+    ahead = [step.kind for step in agenda if outcomes[step.id].kind == "open"]
+    ahead += _to_be_tried_again(agenda, outcomes, record)
     return BallbarProgress(
-        readings=readings.count("measured"),
-        planned=len(readings),
+        readings=measured,
+        planned=measured + sum(kind in READINGS for kind in ahead),
         skipped_poses=_skipped_poses(agenda, record),
         elapsed_s=record.times.elapsed_s,
-        remaining_s=record.times.remaining_s(
-            step.kind for step in agenda if outcomes[step.id].kind == "open"
-        ),
+        remaining_s=record.times.remaining_s(ahead),
         pace_s_per_reading=record.times.pace_s_per_reading(),
     )
+
+
+def _to_be_tried_again(
+    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record
+) -> list[StepKind]:
+    """Return the steps of skipped poses that the next pre-calibration will bring back."""
+    due = {
+        step.placement
+        for step in agenda
+        if step.kind is StepKind.PRECALIBRATE and outcomes[step.id].kind == "open"
+    }
+    return [
+        step.kind
+        for step in agenda
+        if step.placement in due and step.attempt == 1 and step_ids.group_of(step.id) in record.skipped_poses
+    ]
