@@ -24,6 +24,14 @@ class PlannedSetup:
 
 
 @dataclass(frozen=True, slots=True)
+class PlannedAway:
+    """Where the arm waits off the cups while the ball is taken out and the base triangle is measured."""
+
+    joints_rad: tuple[float, ...]
+    via_rad: tuple[tuple[float, ...], ...] = ()  # clear way to it from the last set-up
+
+
+@dataclass(frozen=True, slots=True)
 class PlannedPose:
     """One configuration and the legs that are measured in it."""
 
@@ -45,6 +53,7 @@ class PlannedPlacement:
     cups_mm: tuple[Vector, ...]  # nominal, in the world, base points 1, 2, 3 (4)
     setups: tuple[PlannedSetup, ...]
     poses: tuple[PlannedPose, ...]
+    away: PlannedAway | None = None  # None: planned before there was one; the arm stays at the last set-up
 
 
 @dataclass(frozen=True, slots=True)

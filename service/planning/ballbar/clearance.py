@@ -1,6 +1,7 @@
 """What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -17,7 +18,7 @@ from service.planning.ballbar.bodies import (
     tool_body,
     tool_normal,
 )
-from service.planning.ballbar.capsules import Capsules, gaps, joined, lowest_mm, smallest_gap
+from service.planning.ballbar.capsules import Capsules, gaps, joined, lowest_mm, smallest_gap, still
 from service.planning.ballbar.fixture import BaseFixture, fixture_body
 
 # A half-inch ball lies in its magnetic cup to a bit below its middle; further over, the bar touches the rim.
@@ -74,6 +75,13 @@ def arm_room_mm(bodies: Scene) -> FloatArray:
     beside_table = lowest_mm(off_table) - bodies.cell.table_z_mm
     beside_fixture = smallest_gap(joined([bodies.arm, bodies.tool]), bodies.fixture)
     return np.asarray(np.min([beside_table, beside_fixture, *_self_gaps(bodies)], axis=0))
+
+
+def hands_room_mm(bodies: Scene) -> FloatArray:
+    """Return the free space about the sides of the base [mm], shape (n,): to tool and moving links."""
+    links = len(bodies.cell.link_radii_mm)
+    moving = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
+    return smallest_gap(moving, still(list(combinations(bodies.fixture_cups_mm, 2)), 0.0))
 
 
 def _of_links(bodies: Scene, links: range) -> Capsules:

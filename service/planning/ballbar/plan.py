@@ -10,6 +10,7 @@ from service.domain.arrays import FloatArray, IntArray
 from service.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PlannedSetup
 from service.domain.cell import Cell
 from service.domain.errors import ConfigurationError
+from service.planning.ballbar.away import away
 from service.planning.ballbar.bodies import BallbarCell
 from service.planning.ballbar.choice import Candidates, candidates, choose
 from service.planning.ballbar.clearance import is_clear
@@ -162,14 +163,15 @@ class _Session:
         joints = np.array([pose.joints_rad for pose in poses]).reshape(-1, self.cell.robot.n_joints)
         first = np.flatnonzero(np.isin(rows, early))
         groups = self._groups(len(poses), first, self._parking(joints, first, after))
-        found = tour(around, joints, groups, last, self.rng)
+        waits = away(around, last, joints, self.rng)
+        found = tour(around, joints, groups, Stop(np.array(waits.joints_rad)), self.rng)
         self._check(found, joints, own.fixture, after)
         ordered = tuple(
             replace(poses[row], config=config, via_rad=via)
             for config, (row, via) in enumerate(zip(found.order, found.vias, strict=True), start=number)
         )
         cups = tuple((float(x), float(y), float(z)) for x, y, z in own.fixture.cups_mm)
-        return PlannedPlacement(own.fixture.number, own.fixture.frame, cups, setups_there, ordered)
+        return PlannedPlacement(own.fixture.number, own.fixture.frame, cups, setups_there, ordered, waits)
 
     def _with_ways(
         self, around: Surroundings, held: tuple[PlannedSetup, ...], here: Stop | None

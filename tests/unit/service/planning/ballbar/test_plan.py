@@ -42,13 +42,23 @@ def test_from_stop_to_stop_the_arm_keeps_room():
             assert is_clear(replace(CELL, arm_room_mm=9.0), fixture, between(a, b)).all()
 
 
-def test_the_way_from_the_last_set_up_to_the_first_pose_begins_with_a_lift():
+def test_the_way_off_the_last_cup_begins_with_a_lift():
     (placement,) = AT_HAND.placements
 
-    held, above = placement.setups[-1].joints_rad, placement.poses[0].via_rad[0]
+    held, above = placement.setups[-1].joints_rad, placement.away.via_rad[0]
 
     nests = chain_of(CELL, np.array([held, above])).points(CELL.nests_mm[0])
     assert np.linalg.norm(nests[1] - nests[0]) >= 60.0 - 1e-6
+
+
+def test_from_off_the_cups_to_the_first_pose_the_arm_keeps_room():
+    (placement,) = AT_HAND.placements
+    pose = placement.poses[0]
+
+    points = [np.array(p) for p in (placement.away.joints_rad, *pose.via_rad, pose.joints_rad)]
+
+    for a, b in pairwise(points):
+        assert is_clear(replace(CELL, arm_room_mm=9.0), fixture_before_the_arm(), between(a, b)).all()
 
 
 def test_the_first_poses_are_those_that_the_pre_calibration_needs():
