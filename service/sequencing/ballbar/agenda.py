@@ -105,6 +105,14 @@ def _opening(placement: PlannedPlacement, kit: BallbarKit) -> Iterator[BallbarSt
             via_rad=setup.via_rad,
         )
         yield BallbarStep(f"{group}/clamp", StepKind.CLAMP_CUP, number, base_point=point)
+    if placement.away is not None:
+        yield BallbarStep(
+            step_ids.move(step_ids.away(place)),
+            StepKind.MOVE,
+            number,
+            target_rad=placement.away.joints_rad,
+            via_rad=placement.away.via_rad,
+        )
     yield BallbarStep(f"{place}/ball-out", StepKind.REMOVE_BALL, number)
     yield from _triangle(place, kit, "base", number)
 

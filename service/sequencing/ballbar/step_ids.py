@@ -65,6 +65,11 @@ def cup(place: str, base_point: int) -> str:
     return f"{place}/cup-{base_point}"
 
 
+def away(place: str) -> str:
+    """Return the group of the motion off the cups once all are clamped."""
+    return f"{place}/away"
+
+
 def pose(place: str, config: int, attempt: int) -> str:
     """Return the group of the steps of one attempt at a pose."""
     again = {1: "", 2: "/again"}.get(attempt, f"/again-{attempt - 1}")

@@ -10,6 +10,7 @@ from service.domain.ballbar import (
     EntryKind,
     LedgerEntry,
     LengthTaken,
+    PlannedAway,
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
@@ -51,6 +52,7 @@ def make_placement(number: int, configs: tuple[int, ...], n_cups: int = 3) -> Pl
         (*CUPS, FOURTH)[:n_cups],
         tuple(PlannedSetup(k, joints(-10 * number - k)) for k in range(1, n_cups + 1)),
         tuple(make_pose(config, number) for config in configs),
+        PlannedAway(joints(-10 * number - 5), (joints(-10 * number - 4.5),)),
     )
 
 
@@ -58,6 +60,11 @@ def make_plan(*configs: tuple[int, ...], n_cups: int = 3, **changes) -> BallbarP
     """One placement for each tuple of configurations."""
     placements = tuple(make_placement(p, c, n_cups) for p, c in enumerate(configs, start=1))
     return replace(BallbarPlan(placements), **changes)
+
+
+def without_away(plan: BallbarPlan) -> BallbarPlan:
+    """The plan as it was stored before the arm backed off the cups."""
+    return replace(plan, placements=tuple(replace(place, away=None) for place in plan.placements))
 
 
 def found(*poses: PlannedPose, exchanged: tuple[int, ...] = (), forecasts: tuple[PoseForecast, ...] = ()):

@@ -13,6 +13,7 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     joints,
     make_plan,
     make_pose,
+    without_away,
 )
 
 
@@ -47,6 +48,7 @@ def test_a_session_is_listed_beforehand_in_the_order_of_the_thesis():
         "placement-1/cup-2/clamp",
         "placement-1/cup-3/move",
         "placement-1/cup-3/clamp",
+        "placement-1/away/move",
         "placement-1/ball-out",
         "placement-1/initialise",
         "placement-1/side-1-2",
@@ -59,6 +61,22 @@ def test_a_session_is_listed_beforehand_in_the_order_of_the_thesis():
         "placement-1/pose-12/detach",
         "placement-1/precalibrate-1",
     ]
+
+
+def test_off_the_cups_the_arm_goes_by_a_motion_like_any_other():
+    (away,) = (step for step in steps(make_plan((12,)), KIT) if "/away/" in step.id)
+
+    assert (away.kind, away.placement, away.config, away.base_point) == (StepKind.MOVE, 1, None, None)
+    assert (away.target_rad, away.via_rad) == (joints(-15), (joints(-14.5),))
+
+
+def test_a_plan_that_was_stored_without_it_has_no_motion_off_the_cups():
+    plan = make_plan((1,), (2,))
+
+    listed = ids(without_away(plan))
+
+    assert listed == [name for name in ids(plan) if "/away/" not in name]
+    assert len(listed) == len(ids(plan)) - 2
 
 
 def test_a_fourth_cup_is_clamped_and_tied_to_the_three_others():

@@ -7,7 +7,15 @@ from service.domain.session import SessionState
 from service.sequencing.ballbar import control, step_ids
 from service.sequencing.ballbar.acts import ActName
 from service.sequencing.ballbar.record import READINGS
-from tests.unit.service.sequencing.ballbar.sessions import Story, found, joints, make_plan, make_pose
+from service.sequencing.desk import CELL_CLEAR
+from tests.unit.service.sequencing.ballbar.sessions import (
+    Story,
+    found,
+    joints,
+    make_plan,
+    make_pose,
+    without_away,
+)
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
 DOUBT = Suspicion("same_pair", (1, 2), (1, 1), 300.1, 300.0)
@@ -155,11 +163,38 @@ def test_back_to_a_cup_has_the_ball_fitted_again_and_the_triangle_measured_again
     story = Story(PLAN).until("placement-1/initialise")
 
     assert story.back() == "placement-1/ball-out"
+    assert story.back() == "placement-1/away/move"
+    assert story.back() == "placement-1/cup-3/move"  # the arm is not over the cup any more
+
+    assert story.present == "placement-1/cup-3/move/ball"
+    story.do()
+    assert story.now.step.via_rad == (joints(-14.5),)  # the way off the cup, back
+    assert [story.do() for _ in range(4)] == [
+        "placement-1/cup-3/move",
+        "placement-1/cup-3/clamp",
+        "placement-1/away/move",
+        "placement-1/ball-out",
+    ]
+
+
+def test_in_a_plan_without_a_motion_off_the_cups_the_ball_is_fitted_again_over_the_last_cup():
+    story = Story(without_away(PLAN)).until("placement-1/initialise")
+
+    assert story.back() == "placement-1/ball-out"
     assert story.back() == "placement-1/cup-3/clamp"
 
     assert story.present == "placement-1/cup-3/clamp/ball"
     story.do()
     assert story.present == "placement-1/cup-3/clamp"
+
+
+def test_the_arm_backs_off_the_cups_only_after_a_person_has_said_that_the_cell_is_clear():
+    story = Story(PLAN).until("placement-1/away/move")
+
+    assert story.now.question == CELL_CLEAR
+    assert not story.now.confirmed
+    story.do()
+    assert story.present == "placement-1/ball-out"
 
 
 def test_there_is_no_way_back_behind_a_pre_calibration():

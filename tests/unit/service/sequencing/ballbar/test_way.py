@@ -2,7 +2,15 @@
 
 from service.sequencing.ballbar.agenda import steps
 from service.sequencing.ballbar.way import ways
-from tests.unit.service.sequencing.ballbar.sessions import KIT, Story, found, joints, make_plan, make_pose
+from tests.unit.service.sequencing.ballbar.sessions import (
+    KIT,
+    Story,
+    found,
+    joints,
+    make_plan,
+    make_pose,
+    without_away,
+)
 
 PLAN = make_plan((1, 2, 3), (4,), precalibrate_after=3)
 
@@ -22,6 +30,28 @@ def test_the_next_stop_is_reached_as_planned():
 def test_the_first_stop_is_reached_as_planned_from_anywhere():
     assert between(None, "placement-1/cup-1/move") == ()
     assert between("no such stop", pose(2)) == (joints(2.5),)
+
+
+def test_the_first_pose_is_reached_from_the_stop_off_the_cups():
+    away = "placement-1/away/move"
+
+    assert between("placement-1/cup-3/move", away) == (joints(-14.5),)
+    assert between(away, pose(1)) == (joints(1.5),)
+
+
+def test_where_the_first_pose_is_left_out_the_second_is_reached_from_off_the_cups_by_way_of_it():
+    assert between("placement-1/away/move", pose(2)) == (joints(1.5), joints(1), joints(2.5))
+
+
+def test_back_to_the_last_cup_the_arm_goes_by_way_of_the_stop_off_the_cups():
+    assert between(pose(1), "placement-1/cup-3/move") == (joints(1.5), joints(-15), joints(-14.5))
+
+
+def test_in_a_plan_without_a_stop_off_the_cups_the_first_pose_is_reached_from_the_last_cup():
+    plan = without_away(PLAN)
+
+    assert between("placement-1/cup-3/move", pose(1), plan) == (joints(1.5),)
+    assert between(None, "placement-2/cup-1/move", plan) == between(None, "placement-2/cup-1/move")
 
 
 def test_a_stop_that_is_left_out_is_passed():
