@@ -9,7 +9,7 @@ const PLAIN = {
   pausing: ["paused.title", "pausing.names", "pausing.text"],
   interrupted: ["interrupted.title", "interrupted.names", "interrupted.text"],
   moving: ["moving.title", "move.names", "moving.text"],
-  move: ["move.title", "move.names", "move.text"],
+  move: ["move.away", "move.names", "move.text"],
   initialise: ["initialise.title", "initialise.names", "initialise.text"],
   place_base: ["place.title", "place.names", "place.text"],
   fit_ball: ["ball.title", "ball.names", "ball.text"],
@@ -54,7 +54,7 @@ function title(screen, session, texts) {
   if (screen === "measure_side") return texts.say(SIDES[step.artefact]);
   if (screen !== "move") return texts.say(PLAIN[screen][0]);
   if (step.config !== null) return texts.say("move.to_pose", { config: step.config });
-  return step.base_point === null ? texts.say("move.title") : texts.say("move.to_cup", { cup: `B${step.base_point}` });
+  return step.base_point === null ? texts.say(PLAIN.move[0]) : texts.say("move.to_cup", { cup: `B${step.base_point}` });
 }
 
 // The names of points that the screen is about; none where it is about something else.
