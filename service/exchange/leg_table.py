@@ -1,12 +1,13 @@
 """Tables of the ballbar: legs, the fixtures' triangles, cup set-ups, and the tracker's readings of cups."""
 
 from collections.abc import Collection
+from dataclasses import replace
 
 import numpy as np
 
 from service.domain.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
 from service.exchange.point_table import POSITION, ignored_columns
-from service.exchange.stop_columns import joint_names, read_stops_of, stop_columns, torque_names
+from service.exchange.stop_columns import NO_REPEAT, joint_names, read_stops_of, stop_columns, torque_names
 from service.exchange.table import POSITIVE, WHOLE, Column, at_least, between, one_of, read_table
 
 Ignored = tuple[str, ...]  # clauses that name a column each
@@ -45,7 +46,24 @@ def read_leg_table(
         standard_uncertainty_mm=table.numbers("u_mm"),
         initialisation=table.optional_whole("init"),
     )
-    return legs, ignored_columns(table)
+    legs, clauses = _numbered_apart(legs)
+    return legs, (*ignored_columns(table), *clauses)
+
+
+def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
+    """Number the stops apart where each placement counts its own: legs of one number share one stop."""
+    stops = legs.stops
+    pairs = np.unique(np.column_stack([stops.config, legs.placement]), axis=0)
+    if len(np.unique(pairs[:, 0])) == len(pairs):
+        return legs, ()
+    step = 10 ** len(str(stops.config.max()))
+    _, place = np.unique(legs.placement, return_inverse=True)
+    earlier = stops.repeat_of
+    if earlier is not None:
+        earlier = np.where(earlier == NO_REPEAT, NO_REPEAT, earlier + step * place)
+    apart = replace(stops, config=stops.config + step * place, repeat_of=earlier)
+    clause = f"placements share numbers of configurations; {step} is added to them for each further placement"
+    return replace(legs, stops=apart), (clause,)
 
 
 def read_fixture_table(file: str, data: bytes) -> tuple[FixtureLengths, Ignored]:
