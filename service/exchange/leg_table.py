@@ -51,7 +51,7 @@ def read_leg_table(
 
 
 def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
-    """Number the stops apart where each placement counts its own: legs of one number share one stop."""
+    """Tell stops apart that each placement numbers for itself: legs of one number share one stop."""
     stops = legs.stops
     pairs = np.unique(np.column_stack([stops.config, legs.placement]), axis=0)
     if len(np.unique(pairs[:, 0])) == len(pairs):
