@@ -22,6 +22,7 @@ from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
+from service.operation.requests_under_way import RequestsUnderWay
 from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
@@ -34,7 +35,7 @@ from service.sequencing.ballbar.situation import Situation, situation
 from service.sequencing.errors import NotNowError
 from service.sequencing.states import has_ended, words
 from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.errors import KeyReusedError, NotFoundError
+from service.storage.errors import NotFoundError
 from service.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 from service.storage.sessions import SessionRepository
 
@@ -84,14 +85,6 @@ class _Fixed:
     plan: BallbarPlan
 
 
-@dataclass(frozen=True, slots=True)
-class _Pending:
-    """An act that is being decided."""
-
-    fingerprint: str
-    task: asyncio.Task[ActAnswer]
-
-
 class BallbarDesk:
     """Plans, runs and finds again ballbar sessions, and passes on what persons ask of them."""
 
@@ -112,7 +105,8 @@ class BallbarDesk:
         self._make_runner = make_runner
         self._under_way: _UnderWay | None = None
         self._fixed: dict[int, _Fixed] = {}
-        self._pending: dict[tuple[int, str], _Pending] = {}
+        self._acts = RequestsUnderWay[ActAnswer]()
+        self._plans = RequestsUnderWay[int]()
         self.watching = Watching()
         self._turn = asyncio.Lock()  # two acts that start at once must not start two sessions
 
@@ -121,8 +115,17 @@ class BallbarDesk:
     ) -> int:
         """Store a planned session and return its number.
 
-        Raises NoBallbarError, PlanRefusedError, and what the choice of poses raises.
+        To choose poses takes a while: a request that is repeated meanwhile waits for the same choice.
+        Raises NoBallbarError, PlanRefusedError, KeyReusedError, and what the choice of poses raises.
         """
+        if key is None:
+            return await self._plan(name, setup, wish, None)
+        made = await self._sessions.answered(key)
+        if made is not None:
+            return made
+        return await self._plans.shared(key.key, key, lambda: self._plan(name, setup, wish, key))
+
+    async def _plan(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None) -> int:
         kit = kit_of(setup)
         plan = wish.given or await self._choose(setup, wish)
         cell = setup.cell
@@ -149,17 +152,7 @@ class BallbarDesk:
         key is free.
         """
         await self._require(session_id)
-        pending = self._pending.get((session_id, key.key))
-        if pending is None:
-            # Not cancelled with its request: a tablet that vanishes gets its answer when it is back.
-            task = asyncio.create_task(self._decide(session_id, act, key))
-            pending = self._pending[session_id, key.key] = _Pending(key.fingerprint, task)
-            task.add_done_callback(lambda _: self._pending.pop((session_id, key.key), None))
-        elif pending.fingerprint != key.fingerprint:
-            raise KeyReusedError(
-                f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
-            )
-        return await asyncio.shield(pending.task)
+        return await self._acts.shared((session_id, key.key), key, lambda: self._decide(session_id, act, key))
 
     async def view(self, session_id: int) -> BallbarView:
         """Return a session as it stands; raises NotFoundError."""

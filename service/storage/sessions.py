@@ -13,7 +13,7 @@ from service.storage.documents import from_document, to_document
 from service.storage.errors import ConflictError, NotFoundError
 from service.storage.events import add_event
 from service.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
-from service.storage.request_keys import once
+from service.storage.request_keys import answered, once
 from service.storage.rows import add_row
 from service.storage.tables import (
     added_stops,
@@ -68,6 +68,10 @@ class SessionRepository:
         return await self._database.write(
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
         )
+
+    async def answered(self, key: RequestKey) -> int | None:
+        """Return the session that a request with this key made before; raises KeyReusedError."""
+        return await self._database.read(lambda c: answered(c, key, "session"))
 
     async def get(self, session_id: int) -> SessionRecord:
         """Return a session; raises NotFoundError."""

@@ -5,7 +5,14 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from service.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose, PlannedSetup, Vector
+from service.domain.ballbar import (
+    BallbarPlan,
+    PlannedAway,
+    PlannedPlacement,
+    PlannedPose,
+    PlannedSetup,
+    Vector,
+)
 from service.domain.robot import FramePlacement
 from service.operation.ballbar_plans import BallbarWish
 from service.sequencing.ballbar.acts import Act, ActName, Answer
@@ -29,6 +36,13 @@ class SetupRequest(Request):
     """Where the robot holds the setting ball while a cup is clamped on it."""
 
     base_point: BasePoint
+    joints_deg: JointsDeg
+    via_deg: Way = Field(default_factory=list)
+
+
+class AwayRequest(Request):
+    """Where the arm waits, after the last cup, while a person reaches the tool and the cups."""
+
     joints_deg: JointsDeg
     via_deg: Way = Field(default_factory=list)
 
@@ -58,6 +72,7 @@ class PlacementRequest(Request):
         None, min_length=3, max_length=4, description="In the world; required where poses are given."
     )
     setups: list[SetupRequest] | None = Field(None, min_length=3, max_length=4)
+    away: AwayRequest | None = Field(None, description="Null: the arm stays at the last set-up.")
     poses: list[PoseRequest] | None = Field(None, min_length=1, max_length=500)
 
 
@@ -176,6 +191,9 @@ def _given(number: int, place: PlacementRequest) -> PlannedPlacement | None:
             for setup in place.setups
         ),
         poses=tuple(_pose(number, pose) for pose in place.poses),
+        away=None
+        if place.away is None
+        else PlannedAway(_rad(place.away.joints_deg), _ways(place.away.via_deg)),
     )
 
 

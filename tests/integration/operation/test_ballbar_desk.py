@@ -17,6 +17,7 @@ from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from service.sequencing.ballbar.situation import situation
 from service.sequencing.errors import NotNowError, PlanRefusedError
 from service.storage.ballbar_ledger import BallbarLedger
+from service.storage.errors import KeyReusedError
 from service.storage.records import RequestKey, SessionSetup
 from service.storage.sessions import SessionRepository
 from tests.ballbar_cells import domain_cell
@@ -206,3 +207,28 @@ async def test_the_number_of_cups_is_that_of_the_kit(scene):
 
     with pytest.raises(PlanRefusedError, match="4"):
         await scene.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+
+
+async def test_a_plan_that_is_asked_for_again_while_it_is_made_is_made_once(scene):
+    setup, key = SessionSetup(domain_cell(ballbar=BallbarKit())), RequestKey("k", "fingerprint")
+    asked, gate = [], asyncio.Event()
+
+    async def choose(setup, wish):
+        asked.append(wish)
+        await gate.wait()
+        return make_ballbar_plan()
+
+    desk = BallbarDesk(
+        scene.sessions, scene.ledger, scene.rack, lambda setup: None, choose, scene.make_runner
+    )
+    requests = [asyncio.create_task(desk.plan("six legs", setup, BallbarWish(), key)) for _ in range(2)]
+    while not asked:
+        await asyncio.sleep(0.001)
+    requests[0].cancel()  # its tablet gave up waiting
+    gate.set()
+
+    number = await requests[1]
+    assert await desk.plan("six legs", setup, BallbarWish(), key) == number
+    assert len(asked) == 1
+    with pytest.raises(KeyReusedError):
+        await desk.plan("other", setup, BallbarWish(), replace(key, fingerprint="other"))
