@@ -4,7 +4,7 @@ Every action is one word with details as further keys; one that is impossible is
 then nothing has changed.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, Protocol, TypeAlias
@@ -20,6 +20,7 @@ from simulators.scenario_table import read_table
 
 Detail: TypeAlias = str | int | float | bool
 _BALL_NEST = 1  # in which the setting ball sits
+_IN_THE_WAY_MM = 60.0  # a nest so near to a cup leaves no place for a hand, nor for the ballbar's end
 
 
 class Workplace(Protocol):
@@ -191,6 +192,8 @@ class Hands:
             raise HandsError("a side is between two different points")
         self._need_bars(artefact, f"a side of the {artefact} triangle")
         kind: Literal["cup", "nest"] = "nest" if artefact == "tool" else "cup"
+        if artefact == "base":
+            self._need_nest_off((side.a, side.b), "the ballbar is put on the cup")
         self._put_between(Ball(kind, side.a), Ball(kind, side.b))
 
     def _detach(self, _: _Nothing) -> None:
@@ -215,6 +218,8 @@ class Hands:
         self._need_still("the setting ball is taken out")
         if not self.ball_fitted:
             raise HandsError("there is no setting ball in the tool")
+        clamped = [cup.base_point for cup in self._fixture.cups if cup.placement == self._fixture.placement]
+        self._need_nest_off(clamped, "the setting ball is taken out")
         self.ball_fitted = False
 
     def _clamp(self, cup: _Cup) -> None:
@@ -263,6 +268,20 @@ class Hands:
                 f"the ballbar does not fit between {span.first} and {span.second}: they are {length:.1f} mm"
                 f" apart, and it goes from {nominal - travel:g} to {nominal + travel:g} mm"
             )
+
+    def _need_nest_off(self, base_points: Iterable[int], deed: str) -> None:
+        """Refuse what the tool is in the way of while the robot still holds it over a cup."""
+        if self._known_to_fit:
+            return
+        now_s = self._workplace.now_s
+        nest = self._place_mm(Ball("nest", _BALL_NEST), now_s)
+        for point in base_points:
+            off_mm = float(np.linalg.norm(nest - self._fixture.cup_mm(point, now_s)))
+            if off_mm < _IN_THE_WAY_MM:
+                raise HandsError(
+                    f"the robot holds nest {_BALL_NEST} {off_mm:.1f} mm from cup {point}: have it back off at"
+                    f" least {_IN_THE_WAY_MM:g} mm before {deed}"
+                )
 
     def _need_bars(self, bars: BarSet, purpose: str) -> None:
         if self._ballbar.bars != bars:

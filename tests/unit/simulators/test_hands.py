@@ -41,6 +41,7 @@ async def clamp_all(cell, placement=1, points=(1, 2, 3)):
     for point in points:
         await move(cell, SETUPS[point - 1])
         cell.hands.do("clamp", {"base_point": point})
+    await move(cell, POSE)
     cell.hands.do("remove_ball", {})
 
 
@@ -447,6 +448,41 @@ async def test_the_ball_stands_in_the_way_of_nest_1_and_is_fitted_once(posed):
     for action, details in (("connect", {"base": 3, "tool": 1}), ("fit_ball", {})):
         with pytest.raises(HandsError, match="the setting ball is in nest 1"):
             cell.hands.do(action, details)
+
+
+async def test_the_ball_stays_while_the_robot_holds_it_in_a_clamped_cup(lrmate):
+    cell = lrmate()
+    cell.hands.do("place_base", {"placement": 1})
+    cell.hands.do("fit_ball", {})
+    await move(cell, SETUPS[0])
+    cell.hands.do("clamp", {"base_point": 1})
+
+    with pytest.raises(HandsError, match=r"nest 1 0\.\d mm from cup 1: have it back off .* taken out"):
+        cell.hands.do("remove_ball", {})
+    await move(cell, POSE)
+    cell.hands.do("remove_ball", {})
+
+    assert not cell.hands.ball_fitted
+
+
+async def test_no_side_of_the_base_is_connected_at_the_cup_over_which_the_robot_stands(posed):
+    cell = await posed(ballbar=wide())
+    await move(cell, SETUPS[2])
+
+    for a, b in ((1, 3), (3, 2)):
+        with pytest.raises(HandsError, match=r"nest 1 0\.\d mm from cup 3: have it back off at least 60 mm"):
+            cell.hands.do("side", {"artefact": "base", "a": a, "b": b})
+    cell.hands.do("side", {"artefact": "base", "a": 1, "b": 2})
+
+    assert shown(cell).signal == "good"
+
+
+async def test_a_ball_that_no_cup_was_clamped_on_comes_out_anywhere(lrmate):
+    cell = lrmate()
+    cell.hands.do("fit_ball", {})
+    cell.hands.do("remove_ball", {})
+
+    assert not cell.hands.ball_fitted
 
 
 def test_before_anything_is_there_nothing_can_be_connected(lrmate):

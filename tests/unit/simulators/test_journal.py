@@ -32,6 +32,7 @@ async def some_work(cell) -> None:
     cell.do("fit_ball", {})
     await moved(cell, [10.0, 30.0, -40.0, 20.0, -60.0, 0.0])
     cell.do("clamp", {"base_point": 1})
+    await moved(cell, [40.0, 10.0, -40.0, 20.0, -60.0, 0.0])
     cell.do("remove_ball", {})
     cell.do("calibrator", {"bars": "tool"})
     await cell.clock.sleep(12.5)

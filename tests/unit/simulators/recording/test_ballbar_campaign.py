@@ -409,6 +409,7 @@ async def test_a_campaign_is_what_a_person_would_have_measured_in_the_cell():
     for point, joints_deg in enumerate(SETUPS, start=1):
         await cell.move_robot([np.radians(joints_deg)], limits, np.zeros(3))
         cell.hands.do("clamp", {"base_point": point})
+    await cell.move_robot([np.radians(POSES[0])], limits, np.zeros(3))
     cell.hands.do("remove_ball", {})
     lengths = []
     for joints_deg, legs in zip(POSES, LEGS, strict=True):
