@@ -55,14 +55,24 @@ class Motion:
         self._book.tell()
         try:
             await self._require_fresh_confirmation()
+            left = await self._left_of((*step.via_rad, step.target_rad))
             self._stand.forget()
-            for joints in (*step.via_rad, step.target_rad):
+            for joints in left:
                 await self._arm.move(joints)
             await self._clock.sleep(self._plan.settle_s)
             return await self._arrival(step.target_rad)
         finally:
             self.moving = False
             self.confirmed_s = None
+
+    async def _left_of(self, way: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+        """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
+        reading = await self._stand.look()
+        allowed_rad = self._plan.joint_tolerance_rad + reading.resolution_rad
+        passed = [
+            n for n, joints in enumerate(way) if joint_away(reading.joints_rad, joints, allowed_rad) is None
+        ]
+        return way[min(passed[-1] + 1, len(way) - 1) :] if passed else way
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
         reading = await self._stand.look()

@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -491,6 +492,27 @@ async def test_a_halt_during_a_motion_lets_it_end_and_sends_nothing_more(name, s
         assert "ends first" in outcome.sentence
         assert bench.robot.moves[before:] == [joints(1.5)]  # not on to the target
         assert bench.now.state is state
+
+
+async def test_a_way_on_which_the_arm_was_halted_is_gone_on_with_from_there():
+    stops = (joints(5), joints(6), joints(7))
+    plan = make_plan((1, 2), settle_s=0.1)
+    (place,) = plan.placements
+    poses = (make_pose(1, via_rad=stops), *place.poses[1:])
+    async with Bench(replace(plan, placements=(replace(place, poses=poses),))) as bench:
+        await bench.start()
+        await bench.until("placement-1/pose-1/move")
+        before = len(bench.robot.moves)
+        await bench.press(ActName.CONFIRM)
+        while len(bench.robot.moves) < before + 2:
+            await bench.clock.advance(0.1)
+        await bench.press(ActName.STOP)
+        await bench.clock.advance(2.0)
+
+        await bench.press(ActName.CONFIRM)
+        await bench.do()
+
+        assert bench.robot.moves[before:] == [*stops, joints(1)]
 
 
 async def test_a_halt_that_is_asked_for_while_a_motion_is_being_confirmed_comes_first():
