@@ -51,6 +51,7 @@ class PersonAtTablet:
         self._tablet = tablet
         self._keys: Iterator[int] = itertools.count(1)
         self.ledger = OwnLedger()
+        self.refusals: list[str] = []  # what the hands could not do, in the cell's words
         self.seen: dict[str, Any] | None = None  # the session as it was last told
         self.hands_free = asyncio.Event()  # cleared: the person waits and sends nothing
         self.hands_free.set()
@@ -90,8 +91,11 @@ class PersonAtTablet:
         return answer
 
     async def hands(self, action: str, **details: Any) -> httpx.Response:
-        """Have the simulated hands do something."""
-        return await self._reach("POST", "/simulated-hands", {"action": action, **details})
+        """Have the simulated hands do something; returns the answer, which may be a refusal."""
+        answer = await self._reach("POST", "/simulated-hands", {"action": action, **details})
+        if answer.status_code == httpx.codes.CONFLICT:
+            self.refusals.append(answer.json()["detail"])
+        return answer
 
     async def _go_on(self, session: dict[str, Any]) -> None:
         state, step = session["state"], session["step"]

@@ -39,6 +39,7 @@ async def test_a_session_with_simulated_hands_becomes_a_campaign_that_identifies
     session = await person.walk()
 
     assert session["state"] == "finished", session["reason"]
+    assert not [said for said in person.refusals if "does not fit" not in said]  # too far apart may happen
     entries = (await service.get(f"{person.path}/ledger", params={"limit": 1000})).json()["entries"]
     (found,) = [entry["precalibration"] for entry in entries if entry["kind"] == "computed"][:1]
     assert found["exchanged"] == []
