@@ -2,13 +2,14 @@
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from service.domain.ballbar import BallbarPlan, PlannedAway
 from service.domain.results import Parameter
 from service.domain.robot import FramePlacement, JointRow, Robot
 from service.domain.session import (
@@ -20,6 +21,7 @@ from service.domain.session import (
     StopSkipped,
 )
 from service.storage.documents import from_document, to_document
+from tests.ballbar_sessions import make_ballbar_plan
 
 
 def through_json(value):
@@ -76,6 +78,22 @@ def test_a_field_that_an_older_document_lacks_takes_its_default():
 
     assert from_document(StopSkipped, document) == StopSkipped(3, 1.0, "no reflector")
     assert from_document(Robot, robot).repeatability_mm == 0.0
+
+
+def test_a_ballbar_plan_that_was_stored_before_the_arm_backed_off_the_cups_is_read_as_it_was_meant():
+    plan = make_ballbar_plan()
+    document = to_document(plan)
+    del document["placements"][0]["away"]
+
+    assert from_document(BallbarPlan, document) == plan
+    assert plan.placements[0].away is None
+
+
+def test_where_the_arm_waits_off_the_cups_survives_its_json_form():
+    (placement,) = make_ballbar_plan().placements
+    plan = BallbarPlan((replace(placement, away=PlannedAway((0.1,) * 6, ((0.2,) * 6,))),))
+
+    assert through_json(plan) == plan
 
 
 def test_an_enum_is_its_word():
