@@ -34,33 +34,34 @@ class Scene:
     """Geometry in the world for one step."""
 
     points: tuple[ScenePoint, ...]
-    arm_mm: tuple[Vector, ...]  # from the base to the last frame, where the arm is for this step
+    arm_mm: tuple[Vector, ...]  # from the base to the last frame, for this step; the base alone: not known
     leg: tuple[str, str] | None
     stand_mm: Vector  # the person's eyes
     look_at_mm: Vector
-    before_move_arm_mm: tuple[Vector, ...] | None  # of a motion: where the arm is now
+    before_move_arm_mm: tuple[Vector, ...] | None  # of a motion: where the arm is now, as far as known
 
 
 def scene_of(view: BallbarView) -> Scene:
     """Return the geometry of the present step; where nothing is left to do, of the cell as it stands."""
     found, cell = view.situation, view.setup.cell
     step = found.step
-    standing = (
-        np.zeros(cell.robot.n_joints) if found.arrival is None else np.array(found.arrival.reported_rad)
-    )
-    moving = step is not None and step.target_rad is not None
-    joints = np.array(step.target_rad) if step is not None and step.target_rad is not None else standing
-    chain = _chain(cell, joints)
-    points = (*_cups(_placement(view, step)), *_nests(cell, chain))
+    standing = None if found.arrival is None else np.array(found.arrival.reported_rad)
+    target = None if step is None or step.target_rad is None else np.array(step.target_rad)
+    there = standing if target is None else target
     leg = _leg(step)
-    look_at, stand = _view_of(points, step, placement_translation(cell.base_nominal))
+    # Nobody knows where the arm is before its first motion. The tool's triangle is the same anywhere.
+    of_tool = there is None and leg is not None
+    chain = _chain(cell, np.zeros(cell.robot.n_joints) if there is None else there)
+    points = (*_cups(_placement(view, step)), *(_nests(cell, chain) if of_tool or there is not None else ()))
+    base_mm = placement_translation(cell.base_nominal)
+    look_at, stand = _view_of(points, step, base_mm)
     return Scene(
         points=points,
-        arm_mm=_arm(chain),
+        arm_mm=(_vector(base_mm),) if there is None else _arm(chain),
         leg=leg,
         stand_mm=stand,
         look_at_mm=look_at,
-        before_move_arm_mm=_arm(_chain(cell, standing)) if moving and found.arrival is not None else None,
+        before_move_arm_mm=None if target is None or standing is None else _arm(_chain(cell, standing)),
     )
 
 

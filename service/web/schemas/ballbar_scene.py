@@ -21,13 +21,17 @@ class SceneReply(Reply):
     """What a page draws of the present step, in the world."""
 
     points: list[ScenePointReply]
-    arm_mm: list[Point] = Field(description="From the base to the last frame, where the arm is for the step.")
+    arm_mm: list[Point] = Field(
+        description="From the base to the last frame, for this step; the base alone: not known."
+    )
     leg: list[str] | None = Field(
         description="The two points that the ballbar joins.", examples=[["B2", "T3"]]
     )
     stand_mm: Point = Field(description="The person's eyes.")
     look_at_mm: Point
-    before_move_arm_mm: list[Point] | None = Field(description="Of a motion: where the arm is now.")
+    before_move_arm_mm: list[Point] | None = Field(
+        description="Of a motion: where the arm is now, as far as known."
+    )
 
 
 class HandsReply(Reply):

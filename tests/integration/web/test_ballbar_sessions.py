@@ -193,13 +193,13 @@ async def test_a_plan_beyond_the_joints_is_refused_when_it_is_made(client):
     assert "joint 1" in refused.json()["detail"]
 
 
-async def test_the_scene_shows_cups_nests_and_where_the_person_stands(client, tablet):
+async def test_the_scene_before_the_start_shows_the_robot_only(client, tablet):
     scene = (await client.get(f"{tablet.path}/scene")).json()
 
-    assert [point["name"] for point in scene["points"]] == ["T1", "T2", "T3"]
+    assert scene["points"] == []
     assert scene["leg"] is None
     assert scene["before_move_arm_mm"] is None
-    assert scene["arm_mm"][0] == [0.0, 0.0, 0.0]
+    assert scene["arm_mm"] == [[0.0, 0.0, 0.0]]  # nobody has moved the arm yet
 
 
 async def test_after_a_restart_the_same_step_is_shown_and_nothing_moves_before_a_person_confirms(

@@ -101,10 +101,28 @@ def test_the_view_stays_while_the_legs_of_a_pose_are_connected():
     assert len(set(views)) == 1
 
 
-def test_a_tool_triangle_needs_no_base():
-    _, shown = scene()
+def test_before_its_first_motion_nobody_says_where_the_arm_is():
+    _, initialising = scene()
+    _, placing = scene(*TOOL, *done("tool/detach"))
+
+    assert initialising.points == ()
+    assert [point.kind for point in placing.points] == ["cup"] * 3
+    assert initialising.arm_mm == placing.arm_mm == ((0.0, 0.0, 0.0),)
+
+
+def test_a_tool_triangle_is_drawn_wherever_the_arm_is():
+    _, shown = scene(*TOOL[:1])
 
     assert [point.name for point in shown.points] == ["T1", "T2", "T3"]
+    assert shown.arm_mm == ((0.0, 0.0, 0.0),)
+
+
+def test_the_first_motion_shows_where_the_arm_will_be_and_not_where_it_was():
+    step, shown = scene(*TOOL, *done("tool/detach", "placement-1/place", "placement-1/ball"))
+
+    assert step.id == "placement-1/cup-1/move"
+    assert len(shown.arm_mm) > 3
+    assert shown.before_move_arm_mm is None
 
 
 def test_of_a_session_that_is_done_the_cell_is_drawn_as_it_stands():
