@@ -23,7 +23,7 @@ from service.identification.observations import BlockResult, IndependentReadings
 from service.identification.structure import Structure
 
 TOOL_PLACEMENT = 0  # number of the placement that stands for the tool
-_BALL_NEST = 1  # tool nest that holds the setting ball
+BALL_NEST = 1  # tool nest that holds the setting ball
 Anchors = tuple[tuple[int, int], ...]
 
 
@@ -184,7 +184,7 @@ def clamp_block(setup: CupSetups, anchors: Anchors, uncertainty_mm: float) -> Cl
     if not rows:
         return None
     numbers = -1 - 10_000 - np.arange(len(rows))  # apart from those of the sides
-    targets = Targets(Stops(numbers, setup.joints_rad[rows]), np.full(len(rows), _BALL_NEST))
+    targets = Targets(Stops(numbers, setup.joints_rad[rows]), np.full(len(rows), BALL_NEST))
     index = np.array([anchors.index(pairs[row]) for row in rows])
     return ClampBlock(targets, index, np.full(len(rows), uncertainty_mm), np.ones(len(rows)))
 

@@ -13,11 +13,16 @@ from service.effects.ports import ParameterSpec, Setting
 from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from service.effects.tool_certificate import certificate_specs
 from service.identification.evaluation import Targets
-from service.identification.fixture_observations import TOOL_PLACEMENT, clamp_block, side_block
+from service.identification.fixture_observations import (
+    BALL_NEST,
+    TOOL_PLACEMENT,
+    clamp_block,
+    side_block,
+)
 from service.identification.leg_observations import LEG_OFFSET, LegBlock, anchor_name
 from service.identification.legs_start import LegPlacement, place_legs
 from service.identification.observations import Block
-from service.identification.placement import Placement
+from service.identification.placement import Known, Placement
 from service.identification.setting import known_placement, unknown_nests
 from service.identification.start import started_structure
 from service.identification.structure import Structure
@@ -78,6 +83,7 @@ def leg_structure(
         legs.length_mm,
         known.nests_mm,
         known.nest_unknown,
+        _clamped(campaign, anchors, known),
         with_offset=with_offset,
     )
     placement = _at_base(campaign.base_nominal or FramePlacement(), found)
@@ -87,6 +93,20 @@ def leg_structure(
     offset_mm = found.offset_mm if with_offset else None
     structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
     return structure, (leg_block(legs, campaign, anchors), *_fixture_blocks(campaign, anchors)), start
+
+
+def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Known) -> FloatArray:
+    """Return where the nominal arm, base at the identity, held each anchor's ball; NaN where none."""
+    places = np.full((len(anchors), 3), np.nan)
+    setup, nest = campaign.setup, BALL_NEST - 1
+    if setup is None or known.nest_unknown[nest]:
+        return places
+    held = nominal_chain(campaign.robot, setup.joints_rad).points(known.nests_mm[nest])
+    clamped = zip(setup.placement.tolist(), setup.base_point.tolist(), strict=True)
+    for row, pair in enumerate(clamped):
+        if pair in anchors:
+            places[anchors.index(pair)] = held[row]
+    return places
 
 
 def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[Block]:

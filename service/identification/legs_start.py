@@ -2,6 +2,9 @@
 
 For a given attachment, |p_n - a|^2 = (l_n - offset)^2 is linear in the anchor a and |a|^2 once two
 readings are subtracted; a coarse set of attachments is tried, the best are refined robustly.
+
+An anchor whose place is told is started there. A few legs from nests that lie close together fit nearly as
+well to the anchor's image in the plane of the nests, and no refinement leads from one to the other.
 """
 
 from dataclasses import dataclass
@@ -35,6 +38,7 @@ def place_legs(
     length_mm: FloatArray,
     nests_mm: FloatArray,
     nest_unknown: BoolArray,
+    told_mm: FloatArray,
     *,
     with_offset: bool,
 ) -> LegPlacement:
@@ -49,6 +53,8 @@ def place_legs(
     length_mm : ndarray, shape (n,)
     nests_mm : ndarray, shape (K, 3)
     nest_unknown : ndarray, shape (K,)
+    told_mm : ndarray, shape (A, 3)
+        About where each anchor is, base at the identity; NaN where only its legs tell.
     with_offset : bool
         Whether a constant is added to every length.
 
@@ -59,7 +65,7 @@ def place_legs(
     rows = _spread(anchor)
     search = _Search(
         chain.rotation[-1][rows], chain.origin[-1][rows], nest[rows], anchor[rows], length_mm[rows],
-        nests_mm, nest_unknown, int(anchor.max()) + 1, with_offset,
+        nests_mm, nest_unknown, told_mm, with_offset,
     )  # fmt: skip
     starts = [search.start(attachment) for attachment in _attachments(bool(nest_unknown.any()))]
     starts.sort(key=search.typical)
@@ -94,13 +100,14 @@ class _Search:
     length: FloatArray
     nests: FloatArray
     unknown: BoolArray
-    n_anchors: int
+    told: FloatArray
     with_offset: bool
 
     def start(self, attachment: FloatArray) -> FloatArray:
         nests = np.where(self.unknown[:, None], attachment, self.nests)
         points = self._points(nests)
-        anchors = [self._trilaterate(points, k) for k in range(self.n_anchors)]
+        known = ~np.isnan(self.told[:, 0])
+        anchors = [place if known[k] else self._trilaterate(points, k) for k, place in enumerate(self.told)]
         return np.concatenate([
             np.ravel(anchors),
             nests[self.unknown].ravel(),
@@ -133,7 +140,7 @@ class _Search:
         return np.asarray(end.x)
 
     def answer(self, unknowns: FloatArray) -> LegPlacement:
-        split = 3 * self.n_anchors
+        split = self.told.size
         nests = self.nests.copy()
         n_free = 3 * int(self.unknown.sum())
         nests[self.unknown] = unknowns[split : split + n_free].reshape(-1, 3)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import CupSetups
+from service.domain.campaign import CupSetups, LegReadings, Stops
 from service.identification import identify
-from service.identification.fixture_observations import ClampBlock, SideBlock
+from service.identification.fixture_observations import ClampBlock, SideBlock, anchor_places
 from service.identification.leg_observations import LegBlock
 from service.identification.observations import linearise_blocks
 from service.identification.problem import build
@@ -128,3 +128,40 @@ def test_a_set_up_far_from_its_cup_is_gross_and_bends_nothing():
 
     # 2 deg of every joint is tens of millimetres: no weight, and the rest still closes.
     assert answer.positions.tied.identified.max_mm < 0.01
+
+
+def with_two_legs_of_cup_3(campaign):
+    legs = campaign.legs
+    kept = (legs.base_point != 3) | np.isin(legs.stops.config, np.unique(legs.stops.config)[:2])
+    return replace(
+        campaign,
+        legs=LegReadings(
+            Stops(legs.stops.config[kept], legs.stops.joints_rad[kept]),
+            legs.placement[kept],
+            legs.base_point[kept],
+            legs.nest[kept],
+            legs.length_mm[kept],
+            legs.standard_uncertainty_mm[kept],
+        ),
+    )
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_clamped_cup_is_looked_for_where_the_robot_held_the_ball(seed):
+    campaign, true = ballbar_campaign(seed=seed)
+    few = with_two_legs_of_cup_3(campaign)  # which fit anywhere on a circle
+
+    problem = build(few, ("geometry",))
+
+    assert anchor_places(problem.structure, problem.start) == pytest.approx(true.cups_mm[1], abs=1e-6)
+
+
+def test_a_cup_with_a_few_legs_that_nobody_clamped_is_looked_for_by_its_legs():
+    campaign, true = ballbar_campaign()
+    few = replace(with_two_legs_of_cup_3(campaign), setup=None)
+
+    problem = build(few, ("geometry",))
+
+    places = anchor_places(problem.structure, problem.start)
+    assert places[:2] == pytest.approx(true.cups_mm[1][:2], abs=1e-6)
+    assert problem.blocks[0].length_mm == pytest.approx(few.legs.length_mm)
