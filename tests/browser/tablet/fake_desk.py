@@ -96,7 +96,10 @@ class FakeDesk:
         self.arrived = []  # every request of an act, repeated keys too
         self.acts = []  # what was carried out
         self.hands = []
+        self.hands_refuse = None
         self.simulated = True
+        self.planning = None  # an event for which planning waits
+        self.plan_keys = []
         self.sample = sample()
         self.scene = scene(["B2", "T3"])
         self.steps = [leg(1, 1), leg(2, 3), leg(3, 1)]
@@ -156,6 +159,9 @@ class FakeDesk:
 
     async def _plan(self, request: Request):
         self.planned.append(await request.json())
+        self.plan_keys.append(request.headers["idempotency-key"])
+        while self.planning is not None and not self.planning.is_set():
+            await asyncio.sleep(0.02)
         return JSONResponse(self.session, 201)
 
     async def _listed(self, after: int = 0):
@@ -166,6 +172,8 @@ class FakeDesk:
 
     async def _do(self, request: Request):
         self.hands.append(await request.json())
+        if self.hands_refuse:
+            return _problem(409, self.hands_refuse)
         return Response(status_code=204)
 
     async def _act(self, request: Request, idempotency_key: str = Header()):

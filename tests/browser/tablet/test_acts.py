@@ -197,7 +197,7 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "exchanged",
             "B2\u2013T3 and B1\u2013T2 seem to be exchanged.",
             "reconnected",
-            "They were exchanged",
+            "Exchanged: read both again",
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
     ],
@@ -212,6 +212,17 @@ def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, but
 
     (act,) = acted(tablet, desk)
     assert (act["act"], act["answer"]) == ("answer", answer)
+
+
+def test_the_large_coloured_answer_to_a_doubt_is_the_one_that_stores_nothing(desk, tablet):
+    desk.show(suspicion={**SUSPICION, "kind": "other_pair"})
+
+    coloured = tablet.locator("#actions .main:not(.plain)")
+    expect(coloured).to_have_text("I have reconnected it")
+    expect(tablet.locator("#actions .main").nth(1)).to_have_class("main plain")
+    coloured.click()
+
+    assert acted(tablet, desk)[0]["answer"] == "reconnected"
 
 
 def test_a_doubt_about_the_calibrator_is_about_no_pair(desk, tablet):
@@ -266,6 +277,17 @@ def hands(tablet, desk, n):
             break
         tablet.wait_for_timeout(20)
     return desk.hands
+
+
+def test_a_refusal_of_the_simulated_hands_is_a_sentence(desk, chromium, url):
+    desk.hands_refuse = "the ballbar does not fit between B2 and T1: they are 305.1 mm apart"
+    with a_tablet(chromium, url, may_fail=True) as tablet:
+        tablet.goto("/operator/3")
+
+        tablet.get_by_role("button", name="Do as asked").click()
+
+        said = "The ballbar does not fit between B2 and T1: they are 305.1 mm apart."
+        expect(tablet.locator("#said")).to_have_text(said)
 
 
 def test_the_simulated_hands_do_what_the_step_asks(desk, tablet):

@@ -93,6 +93,33 @@ def test_a_bar_that_was_not_moved_is_told_of(desk, tablet):
     expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
 
 
+def test_what_was_read_is_not_waited_for_again_until_the_bar_was_off(desk, tablet):
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+
+    desk.show(last_outcome={"step_id": "x", "kind": "measured", "length_mm": 300.4213, "text": ""})
+    expect(tablet.locator("#advice")).to_contain_text("read here already")
+    in_state(tablet, desk, "no_signal")
+    in_state(tablet, desk, "in_range")
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+
+
+@pytest.mark.parametrize("renewed", ["off", "moved", "retry"])
+def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, renewed):
+    told = {"kind": "unlikely", "asked": ["B2", "T3"], "suspected": None, "expected_mm": 300.9}
+    desk.show(suspicion={**told, "length_mm": 300.4213})
+    tablet.locator("body[data-screen=doubt]").wait_for()
+    desk.show(suspicion=None)  # "I have reconnected it", and nobody did
+    expect(tablet.locator("#advice")).to_contain_text("read here already")
+
+    if renewed == "off":
+        in_state(tablet, desk, "no_signal")
+    elif renewed == "retry":
+        tablet.get_by_role("button", name="Retry").click()
+    desk.sample = sample(length_mm=300.8 if renewed == "moved" else 300.4215)
+
+    expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
+
+
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     expect(tablet.locator("#last")).to_have_text("Nothing stored yet")
 

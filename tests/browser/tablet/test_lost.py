@@ -45,6 +45,8 @@ def test_a_silent_link_is_told_within_two_seconds(desk, wired):
     assert page.evaluate("window.told_ms") - cut_ms <= BANNER_MS
     expect(page.locator("#lost")).to_contain_text("emergency stop")
     expect(page.locator("#gauge")).to_have_attribute("data-state", "no_signal")  # an old length is no length
+    expect(page.locator("#word")).to_have_text("No connection")  # nobody is sent to the cable of the bar
+    expect(page.locator("#advice")).to_contain_text("may stay where it is")
 
 
 def test_a_quiet_session_is_not_taken_for_a_lost_one(desk, wired):

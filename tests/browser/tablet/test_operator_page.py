@@ -1,5 +1,7 @@
 """The list of sessions, the start of a new one, and the steps listed before anything moves."""
 
+import threading
+
 import pytest
 from playwright.sync_api import expect
 
@@ -54,6 +56,54 @@ def test_a_new_session_is_planned_with_what_was_chosen(desk, page):
 
     page.wait_for_url("**/operator/3")
     assert desk.planned == [{"name": "left arm", "placement_count": 2, "base_points": 4, "poses": 12}]
+
+
+def test_planning_is_waited_for_and_seen_to_go_on(desk, page):
+    desk.planning = threading.Event()
+    page.goto("/operator")
+    page.get_by_label("Name").fill("left arm")
+
+    page.get_by_role("button", name="Plan the session").click()
+
+    expect(page.locator("#plan")).to_have_text("Planning … 0:02")
+    expect(page.locator("#plan")).to_be_disabled()
+    expect(page.locator("#estimate")).to_contain_text("some minutes")
+    page.get_by_role("button", name="Passer en français").click()
+    expect(page.locator("#plan")).to_contain_text("Planification … 0:0")
+    desk.planning.set()
+    page.wait_for_url("**/operator/3")
+    assert len(desk.planned) == 1
+
+
+def test_a_plan_whose_answer_was_lost_is_found_in_the_list(desk, chromium, url):
+    desk.sessions = [session(1, "finished") | {"name": "left arm"}]
+    desk.planning = threading.Event()  # is never set: the answer does not come
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator")
+        expect(page.locator("#sessions li")).to_have_count(1)
+        page.get_by_label("Name").fill("left arm")
+        page.get_by_role("button", name="Plan the session").click()
+        expect(page.locator("#plan")).to_be_disabled()
+
+        desk.sessions = [*desk.sessions, session(3, "planned") | {"name": "left arm"}]
+
+        page.wait_for_url("**/operator/3")
+        desk.planning.set()
+
+
+def test_a_request_to_plan_that_broke_is_repeated_with_its_key(desk, chromium, url):
+    with a_tablet(chromium, url, may_fail=True) as page:
+        page.goto("/operator")
+        page.get_by_label("Name").fill("left arm")
+        broken = []
+        page.route("**/ballbar-sessions", lambda route: (broken.append(route.request.headers), route.abort()))
+        page.get_by_role("button", name="Plan the session").click()
+        page.wait_for_timeout(500)
+        page.unroute("**/ballbar-sessions")
+
+        page.wait_for_url("**/operator/3")
+
+    assert [headers["idempotency-key"] for headers in broken] == desk.plan_keys
 
 
 def test_a_session_without_a_name_is_not_planned(desk, page):
@@ -117,6 +167,21 @@ def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page):
     expect(page.locator(".left-out li")).to_have_count(1)
     expect(page.locator(".left-out li")).to_contain_text("pose 12: B2\u2013T1, B2\u2013T2")
     expect(page.locator(".left-out li")).to_contain_text("Out of range: too long")
+
+
+def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk, page):
+    skipped = {"outcome": "skipped", "text": "Out of range: too long"}
+    first, second = leg(1, 1), {**leg(1, 1, attempt=2), "id": "placement-1/pose-12/again/leg-1-1"}
+    desk.steps = [{**first, **skipped}, second]
+    desk.show(step=second)
+    page.goto("/operator/3")
+    expect(page.locator("#names")).to_have_text("B1T1")
+    page.wait_for_timeout(300)  # the steps are known by now, and not yet the end
+
+    desk.steps = [{**first, **skipped}, {**second, "outcome": "measured", "length_mm": 300.1}]
+    desk.show(state="finished", step=None)
+
+    expect(page.locator("#panel h2")).to_have_text("Nothing was left out.")
 
 
 def test_a_session_that_is_not_there_is_told(desk, chromium, url):

@@ -156,6 +156,91 @@ def test_nothing_is_cut_or_covered_and_every_text_stands_out(desk, any_tablet):
         assert any_tablet.evaluate(FAINT_TEXTS) == [], screen
 
 
+def test_nothing_that_is_told_covers_anything(desk, chromium, url):
+    acting = {"tablet": "another", "person": "Wilhelmina Featherstonehaugh"}
+    for size, language in LAYOUTS:
+        with a_tablet(chromium, url, size=size, language=language, may_fail=True) as page:
+            page.goto("/operator/3")
+            page.locator("#simulated").wait_for()
+            for screen in SCREENS:
+                desk.show(acting=acting, swaps_can_be_seen=False)
+                shown(page, desk, screen)
+                assert page.evaluate(COVERED) == [], (screen, size, language)
+            page.context.set_offline(True)
+            page.locator("#lost").wait_for()
+            assert page.evaluate(COVERED) == [], (size, language)
+
+
+@pytest.mark.parametrize("size", [PORTRAIT, LANDSCAPE], ids=["portrait", "landscape"])
+def test_pose_leg_and_attempt_can_always_be_read(desk, chromium, url, size):
+    with a_tablet(chromium, url, size=size, language="fr") as page:
+        page.goto("/operator/3")
+        desk.show(step=leg(attempt=2, index=122, count=431), acting={"tablet": "another", "person": "Ada"})
+
+        where = page.locator("#where")
+        expect(where).to_have_text("Étape 122 sur 431, emplacement 1, pose 12, jambe 4 sur 6, essai 2")
+        cut = "n => n.scrollWidth > n.clientWidth + 1 || n.getBoundingClientRect().right > innerWidth"
+        assert where.evaluate(cut) is False
+
+
+def test_where_the_base_goes_is_said_in_numbers(desk, tablet):
+    shown(tablet, desk, "place_base")
+
+    rows = tablet.locator("#panel tbody tr")
+    # From the robot's base at the origin: x, y, height, and 409 mm = hypot(380, 150) from its axis.
+    expect(rows.nth(0)).to_have_text("B1380\u221215060409")
+    expect(rows).to_have_count(3)
+    # B1 to B2 goes 260 mm along x and 150 mm along y: 30 degrees.
+    expect(tablet.locator("#panel")).to_contain_text("B1→B2 is turned 30° from x")
+
+
+def test_numbers_are_from_the_robot_wherever_it_stands(desk, tablet):
+    desk.show(step=step("place_base"))
+    told = scene()
+    desk.scene = {**told, "arm_mm": [(100.0, 50.0, 20.0)], "points": told["points"][:3]}
+    tablet.reload()
+
+    expect(tablet.locator("#panel tbody tr").nth(0)).to_have_text("B1280\u221220040344")
+
+
+def test_an_arm_whose_angles_nobody_knows_is_not_drawn(desk, tablet):
+    told = scene()
+    desk.scene = {**told, "arm_mm": told["arm_mm"][:1], "points": told["points"][:3]}
+    desk.show(step=step("place_base"))
+
+    expect(tablet.locator("#picture .tag.moment")).to_have_text("robot")
+    expect(tablet.locator("#picture .arm path")).to_have_count(0)
+    assert tablet.evaluate(OVERLAPPING_NAMES) == {"tags": 4, "pairs": 0, "outside": 0}
+
+
+@pytest.mark.parametrize(
+    ("reason", "said", "lang"),
+    [
+        ("Stop was pressed.", "On a appuyé sur ARRÊT.", "fr"),
+        ("The service was started anew.", "Le service a été redémarré.", "fr"),
+        (
+            "Axis 3 is not where it was left. Put it right.",
+            "Axis 3 is not where it was left. Put it right.",
+            "en",
+        ),
+    ],
+)
+def test_why_nothing_goes_on_is_said_in_the_language_of_the_page(desk, chromium, url, reason, said, lang):
+    desk.show(state="awaiting_confirmation", reason=reason)
+    with a_tablet(chromium, url, language="fr") as page:
+        page.goto("/operator/3")
+
+        expect(page.locator("#panel .reason")).to_have_text(said)
+        expect(page.locator("#panel .reason")).to_have_attribute("lang", lang)
+
+
+def test_a_pause_needs_no_reason_below_its_title(desk, tablet):
+    desk.show(state="paused", reason="A pause was asked for.")
+
+    expect(tablet.locator("#names")).to_have_text("PAUSED")
+    expect(tablet.locator("#panel")).to_be_hidden()
+
+
 def test_no_advice_pushes_anything_away(desk, any_tablet):
     for swaps_can_be_seen in (True, False):
         for state, said in STATES.items():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import service.sequencing.ballbar
 import service.web.tablet
 
 HERE = Path(service.web.tablet.__file__).parent
@@ -17,6 +18,12 @@ USED = set(re.findall(r'"([a-z_]+\.[a-z_]+)"', CODE)) | set(
     re.findall(r'data-(?:text|label)="([^"]+)"', PAGES)
 )
 KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person", "truepose.muted"}
+
+
+SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', (HERE / "static" / "reasons.js").read_text("utf-8"), re.M)
+SEQUENCING = "".join(
+    path.read_text("utf-8") for path in Path(service.sequencing.ballbar.__file__).parent.glob("*.py")
+)
 
 
 def blanks(text):
@@ -51,3 +58,8 @@ def test_french_keeps_its_spaces_before_high_punctuation():
     loose = [text for text in LANGUAGES["fr"].values() if re.search(r"[^\u00a0\d][:;!?»]", text)]
 
     assert loose == []
+
+
+@pytest.mark.parametrize("sentence", SAID_BY_THE_SERVICE)
+def test_what_the_page_translates_is_what_the_service_says(sentence):
+    assert f'"{sentence}"' in SEQUENCING

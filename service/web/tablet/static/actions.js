@@ -27,8 +27,9 @@ const OFFERED = {
   pausing: [{ key: "act.wait" }],
   paused: [{ act: "resume", key: "act.resume" }],
   doubt: [
-    { act: "answer", answer: "reconnected", key: "doubt.reconnected", exchanged: "doubt.read_again", plain: true },
-    { act: "answer", answer: "right_pair", key: "doubt.right" },
+    // The safe answer is the large coloured one: a tap by habit must not store a length against the evidence.
+    { act: "answer", answer: "reconnected", key: "doubt.reconnected", exchanged: "doubt.read_again" },
+    { act: "answer", answer: "right_pair", key: "doubt.right", plain: true },
   ],
   finished: [],
   aborted: [],

@@ -14,7 +14,7 @@ export class Refused extends Error {
 
 async function reached(path, request, patience_ms) {
   const patience = new AbortController();
-  const timer = setTimeout(() => patience.abort(), patience_ms);
+  const timer = patience_ms === null ? null : setTimeout(() => patience.abort(), patience_ms);
   try {
     const reply = await fetch(path, { ...request, cache: "no-store", signal: patience.signal });
     return [reply, reply.status === 204 ? null : await reply.json().catch(() => null)];
@@ -25,6 +25,7 @@ async function reached(path, request, patience_ms) {
   }
 }
 
+// `patience_ms` null: as long as it takes.
 export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   const [reply, answer] = await reached(path, request, patience_ms);
   if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));

@@ -61,16 +61,16 @@ export class Gauge {
     this.#texts = texts;
   }
 
-  // `sample` is null where nothing was received for the present step.
-  show(sample, step) {
+  // `sample` is null where nothing was received for the present step; `old`: the bar sits where it was read.
+  show(sample, step, { up, old }) {
     const shown = sample ?? { state: "no_signal", length_mm: null, deviation_mm: null, stable_share: 0, robot_still: true };
     const { gauge, word, length, deviation, advice } = this.#nodes;
     this.#showState(shown.state);
     gauge.style.setProperty("--stable", shown.stable_share);
-    write(word, this.#texts.say(WORDS[shown.state]));
+    write(word, this.#texts.say(up ? WORDS[shown.state] : "link.lost"));
     write(length, this.#length(shown, step));
     write(deviation, this.#deviation(shown, step));
-    write(advice, this.#advice(shown, step));
+    write(advice, up ? this.#advice(shown, step, old) : this.#texts.say("advice.offline"));
     this.#drawScale(shown, step);
     // For whoever measures how old the number on the screen is.
     gauge.dataset.sampledAtMs = shown.sampled_at_ms ?? "";
@@ -104,8 +104,9 @@ export class Gauge {
     return texts.say("length.deviation", { deviation, expected: texts.number(expected_mm, 3) });
   }
 
-  #advice(sample, step) {
+  #advice(sample, step, old) {
     const overdue = this.#overdue(sample, step);
+    if (old && sample.state === "in_range") return this.#texts.say("advice.old");
     if (overdue) return this.#texts.say("advice.overdue");
     if (sample.state === "in_range") return this.#texts.say(sample.robot_still ? "advice.stable" : "advice.robot");
     const key = ADVICE[sample.state] ?? outOf(step)[sample.state];

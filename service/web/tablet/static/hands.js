@@ -32,6 +32,12 @@ export function asked(step) {
   return actions[step.kind] ?? null;
 }
 
+// Devices say what is wrong in half a sentence.
+function asSentence(text) {
+  const whole = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(whole) ? whole : `${whole}.`;
+}
+
 export class Hands {
   #place;
   #buttons = [];
@@ -72,7 +78,7 @@ export class Hands {
       if (TAKEN.includes(action.action)) await this.#takeOff();
       await post(PATH, action);
     } catch (error) {
-      this.#on.failed(error.status ? error.message : "");
+      this.#on.failed(error.status ? asSentence(error.message) : "");
     }
   }
 

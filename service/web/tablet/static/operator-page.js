@@ -7,7 +7,7 @@ import { Texts } from "./texts.js";
 
 const AGAIN_MS = 2000;
 const PAGE = 100;
-const PLANNING_MS = 120_000;
+const SECOND_MS = 1000;
 const PACE_S = 9.5; // a reading, as the thesis took them: six legs and a motion a minute
 const STATES = {
   planned: "session.planned",
@@ -31,6 +31,7 @@ class OperatorPage {
   #chosen = {};
   #key = newKey();
   #listed = null;
+  #planning = null; // what is being planned: { name, began_ms, known } (`known`: sessions of before, if they were read)
   #silent = false; // the sentence on the screen says that the service does not answer
 
   constructor(texts) {
@@ -65,10 +66,12 @@ class OperatorPage {
   #translate() {
     this.texts.translate(document);
     this.#estimate();
+    if (this.#planning) this.#showPlanning();
     if (this.#listed) this.#show(this.#listed);
   }
 
   #estimate() {
+    if (this.#planning) return;
     const readings = readingsOf(this.#chosen);
     write(this.#at.estimate, this.texts.say("new.estimate", { readings, time: this.texts.duration(readings * PACE_S) }));
   }
@@ -77,26 +80,69 @@ class OperatorPage {
     const form = this.#at.new;
     const name = form.elements.name.value.trim();
     if (!name) return form.elements.name.focus();
-    const button = form.querySelector("button");
-    button.disabled = true;
-    write(button, this.texts.say("new.planning"));
+    this.#planning = { name, began_ms: performance.now(), known: this.#listed?.map((session) => session.id) };
+    const ticking = setInterval(() => this.#showPlanning(), SECOND_MS);
+    this.#showPlanning();
     try {
-      const session = await post("/api/v1/ballbar-sessions", { name, ...this.#chosen }, this.#key, PLANNING_MS);
-      return location.assign(`/operator/${session.id}`);
-    } catch (error) {
-      this.#say(error instanceof Refused && error.message ? error.message : this.texts.say("list.unreached"));
+      this.#open(await this.#planned({ name, ...this.#chosen }));
+    } catch (refused) {
       // A refusal is an answer: the next wish is another one.
-      if (error instanceof Refused) this.#key = newKey();
-      return undefined;
+      this.#key = newKey();
+      this.#say(refused.message || this.texts.say("queue.failed", { status: refused.status }));
     } finally {
-      button.disabled = false;
-      write(button, this.texts.say("new.plan"));
+      clearInterval(ticking);
+      this.#planning = null;
+      this.#showForm();
     }
+    return undefined;
+  }
+
+  // However long it takes, and whatever becomes of the connection: the key makes a second arrival harmless.
+  async #planned(wish) {
+    for (;;) {
+      try {
+        return await post("/api/v1/ballbar-sessions", wish, this.#key, null);
+      } catch (error) {
+        if (error instanceof Refused) throw error;
+      }
+      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+    }
+  }
+
+  // The answer may be lost on its way while the session is stored: the list shows it.
+  #findPlanned(sessions) {
+    const { name, known } = this.#planning;
+    const found = known && sessions.find((session) => session.name === name && !known.includes(session.id));
+    if (found) this.#open(found);
+  }
+
+  #open(session) {
+    location.assign(`/operator/${session.id}`);
+  }
+
+  #showPlanning() {
+    const seconds = Math.floor((performance.now() - this.#planning.began_ms) / SECOND_MS);
+    const time = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+    this.#showForm();
+    write(this.#at.plan, this.texts.say("new.planning", { time }));
+    write(this.#at.estimate, this.texts.say("new.patience"));
+  }
+
+  // What is planned stays as it was wished.
+  #showForm() {
+    const planning = this.#planning !== null;
+    this.#at.wish.disabled = planning;
+    this.#at.plan.classList.toggle("at-work", planning);
+    if (planning) return;
+    write(this.#at.plan, this.texts.say("new.plan"));
+    this.#estimate();
   }
 
   async #list() {
     try {
-      this.#show(await this.#sessions());
+      const sessions = await this.#sessions();
+      this.#show(sessions);
+      if (this.#planning) this.#findPlanned(sessions);
       if (this.#silent) showIf(this.#at.said, false);
       this.#silent = false;
     } catch {

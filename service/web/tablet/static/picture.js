@@ -123,15 +123,21 @@ function chipSize(name, letters_px) {
   return { width: letters_px * (0.66 * name.length + 0.6), height: letters_px * 1.3 };
 }
 
-// Which of two arms is the one of now.
+// Which of two arms is the one of now; where it is not known how the arm stands, its base.
 function moments(scene, see, words) {
+  const tag = (at, name) => ({ ...at, name, kind: "moment", asked: false, radius: 24, ...chipSize(name, LETTERS_PX.other) });
+  if (!stands(scene)) return scene.arm_mm.map((base) => tag(see(base), words.robot));
   if (!scene.before_move_arm_mm) return [];
   const said = [[scene.before_move_arm_mm, words.now], [scene.arm_mm, words.then]];
   return said.map(([joints, name]) => {
     // At the elbow: the flange has the names of the nests around it.
-    const elbow = see(joints[Math.ceil(joints.length / 2)]);
-    return { ...elbow, name, kind: "moment", asked: false, radius: 24, ...chipSize(name, LETTERS_PX.other) };
+    return tag(see(joints[Math.ceil(joints.length / 2)]), name);
   });
+}
+
+// Of an arm whose angles nobody has read, only the base is known.
+function stands(scene) {
+  return scene.arm_mm.length > 1;
 }
 
 function framed(scene) {
@@ -155,6 +161,7 @@ function arrowHead() {
 }
 
 function arms(scene, see) {
+  if (!stands(scene)) return [arm(scene.arm_mm, see, "here")];
   if (!scene.before_move_arm_mm) return [arm(scene.arm_mm, see, "here"), holder(scene, see)];
   return [
     arrowHead(), arm(scene.before_move_arm_mm, see, "here"), arm(scene.arm_mm, see, "target"),
@@ -163,7 +170,7 @@ function arms(scene, see) {
 }
 
 // Draws `scene` into `svg` of that size [px]. `asked`: names of the points the step is about;
-// `suspected`: the pair that a doubtful reading goes with; `words`: what `now` and `then` are called.
+// `suspected`: the pair that a doubtful reading goes with; `words`: what `now`, `then` and `robot` are called.
 export function drawPicture(svg, scene, { asked, suspected, words }, whole) {
   svg.setAttribute("viewBox", `0 0 ${whole.width} ${whole.height}`);
   const size = { ...whole, height: whole.height - CAPTION_PX };

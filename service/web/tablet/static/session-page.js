@@ -2,6 +2,7 @@
 
 import { Actions } from "./actions.js";
 import { Refused, ask } from "./api.js";
+import { Connection } from "./connection.js";
 import { Dialogues } from "./dialogues.js";
 import { Dock } from "./dock.js";
 import { showIf, write } from "./elements.js";
@@ -10,7 +11,7 @@ import { Hands } from "./hands.js";
 import { Live } from "./live.js";
 import { Queue } from "./queue.js";
 import { Sender } from "./sender.js";
-import { READ, onlyNow, screenOf, stepOf } from "./situation.js";
+import { READ, hasEnded, onlyNow, screenOf, stepOf } from "./situation.js";
 import { Sound } from "./sound.js";
 import { Stage } from "./stage.js";
 import { Storage, Tablet } from "./tablet.js";
@@ -41,6 +42,7 @@ class SessionPage {
   #at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
   #id = document.body.dataset.session;
   #path = `/api/v1/ballbar-sessions/${this.#id}`;
+  #connection = new Connection();
   #drawing = false;
   #speaking = null;
   #saying = null;
@@ -121,6 +123,7 @@ class SessionPage {
     this.model.session = session;
     if (measured(session.last_outcome)) this.model.stored = session.last_outcome;
     if (before) this.#news(before, session);
+    else if (session.suspicion) this.#connection.read(session.suspicion.length_mm);
     if (before?.step?.id !== session.step?.id || before?.state !== session.state) this.#newStep(session);
     this.draw();
   }
@@ -138,6 +141,7 @@ class SessionPage {
     if (!tap.person) return this.#askName();
     if (onlyNow(session, act)) return this.sender.now(act === "confirm" ? { ...tap, seen_time_s: sample?.time_s } : tap);
     if (!this.sender.queue(tap)) this.say(this.texts.say("queue.full"));
+    if (act === "retry") this.#connection.renew(); // the service reads at once then
     if (act === "stop" && !this.model.up) this.say(this.texts.say("lost.stop"));
     return undefined;
   }
@@ -192,13 +196,19 @@ class SessionPage {
 
   #news(before, session) {
     const told = JSON.stringify(session.last_outcome) !== JSON.stringify(before.last_outcome);
-    if (told && measured(session.last_outcome)) this.#stored();
-    if (!before.suspicion && session.suspicion) this.sound.play("doubt");
+    if (told && measured(session.last_outcome)) this.#stored(session.last_outcome);
+    if (!before.suspicion && session.suspicion) this.#doubted(session.suspicion);
     if (before.step?.id !== session.step?.id && session.step?.kind === "move") this.sound.play("move");
   }
 
-  #stored() {
+  #doubted({ length_mm }) {
+    this.sound.play("doubt");
+    this.#connection.read(length_mm);
+  }
+
+  #stored({ length_mm }) {
     this.sound.play("stored");
+    this.#connection.read(length_mm);
     this.model.storedNow = true;
     this.#speak(this.texts.say("stored.spoken"));
     setTimeout(() => {
@@ -209,7 +219,9 @@ class SessionPage {
 
   #newStep(session) {
     this.dialogues.close();
-    if (session.step && !this.model.stepsById.has(session.step.id)) this.#loadSteps().catch(() => null);
+    // At the end the list says what was left out: not what was skipped once and measured later.
+    const unknown = session.step && !this.model.stepsById.has(session.step.id);
+    if (unknown || hasEnded(session)) this.#loadSteps().catch(() => null);
     this.#loadScene().catch(() => null);
   }
 
@@ -243,6 +255,7 @@ class SessionPage {
   // Not through `draw`: a length is on the screen as soon as it is here.
   #sampled(sample) {
     this.model.sample = sample;
+    this.#connection.see(sample);
     this.model.sampleOf = this.model.session?.step?.id;
     this.#showLength();
   }
@@ -250,7 +263,7 @@ class SessionPage {
   #showLength() {
     const { session, sample } = this.model;
     const screen = screenOf(session);
-    this.gauge.show(sample, session?.step);
+    this.gauge.show(sample, session?.step, { up: this.model.up || !this.model.opened, old: this.#connection.old });
     const state = READ.includes(screen) && sample ? sample.state : null;
     this.sound.state(state);
     if (state !== null) this.#speakState(state);

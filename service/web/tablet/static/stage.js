@@ -3,6 +3,8 @@
 import { element, drawn, showIf, write } from "./elements.js";
 import { showEnd, showOverview } from "./overview.js";
 import { drawPicture } from "./picture.js";
+import { placeInNumbers } from "./place.js";
+import { reasonInWords } from "./reasons.js";
 import { READ } from "./situation.js";
 import { pairInWords, pointsOf, wordsOf } from "./words.js";
 
@@ -47,10 +49,16 @@ function highlighted(step, scene) {
   return scene.points.filter((point) => point.kind === "cup").map((point) => point.name);
 }
 
+// The geometry of the present step; null while it is fetched.
+function sceneNow({ session, scene, sceneOf }) {
+  return sceneOf === session?.step?.id ? scene : null;
+}
+
 export class Stage {
   #at;
   #drawn = null;
   #scene = null;
+  #panel = { shown: "", steps: null, scene: null };
 
   constructor(at, redraw) {
     this.#at = at;
@@ -86,15 +94,19 @@ export class Stage {
   #showPanel(screen, model, texts) {
     const { panel } = this.#at;
     const { session, steps } = model;
-    const shown = [screen, texts.language, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up, steps.length].join();
-    showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || (RESTS.includes(screen) && session.reason !== ""));
-    if (panel.dataset.shown === shown) return;
-    panel.dataset.shown = shown;
+    const scene = sceneNow(model);
+    const shown = [screen, session?.step?.id, texts.language, session?.suspicion?.kind, session?.ballbar_attached, session?.reason, model.up].join();
+    const why = RESTS.includes(screen) ? reasonInWords(session.reason, texts) : null;
+    const placing = screen === "place_base" && scene !== null;
+    showIf(panel, ["planned", "move", "doubt", ...ENDS].includes(screen) || why !== null || placing);
+    if (this.#panel.shown === shown && this.#panel.steps === steps && this.#panel.scene === scene) return;
+    this.#panel = { shown, steps, scene };
     if (ENDS.includes(screen)) showEnd(panel, session, steps, texts);
     else if (screen === "planned") showOverview(panel, session, steps, texts);
     else if (screen === "move") panel.replaceChildren(...this.#checks(model, texts));
     else if (screen === "doubt") panel.replaceChildren(...doubtInWords(session, texts).map((text) => element("p", {}, text)));
-    else if (RESTS.includes(screen)) panel.replaceChildren(element("p", { class: "reason", lang: "en" }, session.reason));
+    else if (why) panel.replaceChildren(element("p", { class: "reason", lang: why.lang }, why.text));
+    else if (placing) panel.replaceChildren(...placeInNumbers(scene, texts));
     else panel.replaceChildren();
   }
 
@@ -104,10 +116,11 @@ export class Stage {
     return [checks, why && element("p", { class: "why" }, texts.say(why))].filter(Boolean);
   }
 
-  #showPicture(screen, { session, scene, sceneOf }, texts) {
+  #showPicture(screen, model, texts) {
     const { picture } = this.#at;
-    const fits = scene !== null && sceneOf === session?.step?.id;
-    showIf(picture, fits && !UNSEEN.includes(screen));
+    const { session } = model;
+    const scene = sceneNow(model);
+    showIf(picture, scene !== null && !UNSEEN.includes(screen));
     const size = { width: picture.clientWidth, height: picture.clientHeight };
     if (picture.hidden || size.width < 50 || size.height < 50) return;
     const points = pointsOf(screen, session);
@@ -118,7 +131,7 @@ export class Stage {
     this.#drawn = shown;
     this.#scene = scene;
     const svg = picture.querySelector("svg");
-    const words = { now: texts.say("picture.now"), then: texts.say("picture.then") };
+    const words = { now: texts.say("picture.now"), then: texts.say("picture.then"), robot: texts.say("picture.robot") };
     drawPicture(svg, scene, { asked, suspected, words }, size);
     const [first, second] = asked;
     svg.setAttribute("aria-label", texts.say(caption(screen, asked), { first, second }));

@@ -45,6 +45,12 @@ export class Texts {
     return value.toLocaleString(this.language, format);
   }
 
+  // Without a sign before a zero.
+  whole(value) {
+    const rounded = Math.round(value);
+    return rounded < 0 ? this.signed(rounded, 0) : this.number(Math.abs(rounded), 0);
+  }
+
   signed(value, digits) {
     return `${value < 0 ? "−" : "+"}${this.number(Math.abs(value), digits)}`;
   }
