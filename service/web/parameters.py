@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Path, Query, Request
 
 from service.storage.records import Page, RequestKey
-from service.web.schemas.base import NUMBER_LIMIT
+from service.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as the list gives it.")]
@@ -16,7 +16,7 @@ IdempotencyKey = Annotated[
         alias="Idempotency-Key",
         min_length=1,
         max_length=128,
-        pattern=r"^[!-~]+$",
+        pattern=KEY,
         description="Any text of your own. A request sent again with the same key makes nothing twice: "
         "it answers with what the first one made.",
         examples=["3f1c6a9e-plan-left-arm"],
@@ -30,7 +30,7 @@ NeededKey = Annotated[
         alias="Idempotency-Key",
         min_length=1,
         max_length=128,
-        pattern=r"^[!-~]+$",
+        pattern=KEY,
         description="Any text of your own. An act sent again with the same key is done once: it answers with "
         "the sentence and the entry of the first one.",
         examples=["3f1c6a9e-store-leg-2-3"],

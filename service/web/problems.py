@@ -36,7 +36,12 @@ from service.sequencing.errors import (
     WatchingTabletError,
 )
 from service.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
+from service.web.schemas.base import KEY, VISIBLE
 
+_IN_WORDS: Final = {  # of patterns
+    VISIBLE: "Nobody could see it; give it at least one visible character",
+    KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
+}
 MEDIA_TYPE: Final = "application/problem+json"
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
 
@@ -131,6 +136,8 @@ async def _on_http(request: Request, error: Exception) -> JSONResponse:
     if not isinstance(error, HTTPException):
         raise error
     detail, headers = str(error.detail), dict(error.headers or {})
+    if error.status_code == HTTPStatus.BAD_REQUEST:  # the framework's word for bytes that are no text
+        detail = "The body cannot be read; send JSON in UTF-8."
     if error.status_code == HTTPStatus.NOT_FOUND:
         detail = f"There is nothing at {request.url.path}; /openapi.json lists what there is."
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
@@ -163,8 +170,9 @@ def _sentence(faults: Any) -> str:
     where = ".".join(str(part) for part in first["loc"] if part != "body") or "the body"
     if first["type"] == "json_invalid":
         return f"The body is not JSON: {first['ctx']['error']} at character {first['loc'][-1]}."
+    what = _IN_WORDS.get(first.get("ctx", {}).get("pattern"), first["msg"])
     more = f" ({len(faults) - 1} more like this.)" if len(faults) > 1 else ""
-    return f"{where}: {_lowered(first['msg'])}.{more}"
+    return f"{where}: {_lowered(what)}.{more}"
 
 
 def _lowered(text: str) -> str:

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 # A character that no reader of the schema takes for a space: what counts as one differs between them.
 VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
+KEY = r"^[!-~]+$"  # of a request: what every client can put into a header
 
 NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
 Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]

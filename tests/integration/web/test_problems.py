@@ -62,6 +62,20 @@ async def test_a_body_that_is_not_json(client):
     assert "not JSON" in detail_of(refused, 422)
 
 
+async def test_a_body_that_is_no_text(client):
+    refused = await client.post(SESSIONS, content=b"\xe9", headers={"Content-Type": "application/json"})
+
+    assert detail_of(refused, 400) == "The body cannot be read; send JSON in UTF-8."
+
+
+async def test_what_cannot_be_seen_is_refused_in_words(client):
+    unseen = await client.post(SESSIONS, json=session_request(name=" \u00a0"))
+    blank = await client.post(SESSIONS, json=session_request(), headers={"Idempotency-Key": "left arm"})
+
+    assert detail_of(unseen, 422) == "name: nobody could see it; give it at least one visible character."
+    assert "without blanks" in detail_of(blank, 422)
+
+
 async def test_a_body_of_another_type(client):
     refused = await client.post(SESSIONS, content="name: x", headers={"Content-Type": "text/yaml"})
 
