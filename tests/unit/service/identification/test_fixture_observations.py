@@ -165,3 +165,29 @@ def test_a_cup_with_a_few_legs_that_nobody_clamped_is_looked_for_by_its_legs():
     places = anchor_places(problem.structure, problem.start)
     assert places[:2] == pytest.approx(true.cups_mm[1][:2], abs=1e-6)
     assert problem.blocks[0].length_mm == pytest.approx(few.legs.length_mm)
+
+
+def test_a_handful_of_legs_starts_cups_where_they_were_clamped():
+    campaign, true = ballbar_campaign(stops=5)
+    off = 0.5 * np.random.default_rng(2).standard_normal(len(campaign.legs))  # of a nominal robot, mm
+    legs = replace(campaign.legs, length_mm=campaign.legs.length_mm + off)
+
+    structure, start = (problem := build(replace(campaign, legs=legs), EFFECTS)).structure, problem.start
+
+    first = structure.index_of("anchor_1_1_x")
+    assert start[first : first + 9].reshape(3, 3) == pytest.approx(true.cups_mm[1], abs=1e-6)
+
+
+def test_a_cup_that_was_clamped_elsewhere_is_started_from_its_legs():
+    campaign, true = ballbar_campaign()
+    joints = campaign.setup.joints_rad.copy()
+    joints[1] += np.deg2rad(5.0)  # tens of millimetres: not the place where this cup is
+    elsewhere = CupSetups(campaign.setup.placement, campaign.setup.base_point, joints)
+
+    structure, start = (
+        (problem := build(replace(campaign, setup=elsewhere), EFFECTS)).structure,
+        problem.start,
+    )
+
+    first = structure.index_of("anchor_1_2_x")
+    assert start[first : first + 3] == pytest.approx(true.cups_mm[1][1], abs=1e-3)
