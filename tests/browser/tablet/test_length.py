@@ -97,7 +97,7 @@ def test_what_was_read_is_not_waited_for_again_until_the_bar_was_off(desk, table
     expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
 
     desk.show(last_outcome={"step_id": "x", "kind": "measured", "length_mm": 300.4213, "text": ""})
-    expect(tablet.locator("#advice")).to_contain_text("read here already")
+    expect(tablet.locator("#advice")).to_contain_text("was read already")
     in_state(tablet, desk, "no_signal")
     in_state(tablet, desk, "in_range")
     expect(tablet.locator("#advice")).to_have_text("Hold still: stores by itself")
@@ -109,7 +109,7 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
     desk.show(suspicion={**told, "length_mm": 300.4213})
     tablet.locator("body[data-screen=doubt]").wait_for()
     desk.show(suspicion=None)  # "I have reconnected it", and nobody did
-    expect(tablet.locator("#advice")).to_contain_text("read here already")
+    expect(tablet.locator("#advice")).to_contain_text("was read already")
 
     if renewed == "off":
         in_state(tablet, desk, "no_signal")
