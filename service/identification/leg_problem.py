@@ -26,7 +26,7 @@ from service.identification.placement import Known, Placement
 from service.identification.setting import known_placement, unknown_nests
 from service.identification.start import started_structure
 from service.identification.structure import Structure
-from service.kinematics.chain import forward, nominal_chain, nominal_values
+from service.kinematics.chain import nominal_chain
 from service.kinematics.frames import placement_rotation, placement_translation
 
 _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
@@ -93,7 +93,6 @@ def leg_structure(
     structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
     structure, start = _with_certified_nests(structure, start, campaign, legs)
     anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
-    anchors_mm = _or_where_clamped(campaign, anchors, anchors_mm, placement)
     offset_mm = found.offset_mm if with_offset else None
     structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
     return structure, (leg_block(legs, campaign, anchors), *_fixture_blocks(campaign, anchors)), start
@@ -111,44 +110,6 @@ def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Kn
         if pair in anchors:
             places[anchors.index(pair)] = held[row]
     return places
-
-
-def _or_where_clamped(
-    campaign: Campaign, anchors: tuple[tuple[int, int], ...], found_mm: FloatArray, placement: Placement
-) -> FloatArray:
-    """Return the anchors, those that were clamped where the nominal robot held the ball if that fits better.
-
-    A handful of legs, which all have about one length, places a cup badly; the robot is off by a millimetre.
-    """
-    legs, setup = campaign.legs, campaign.setup
-    if legs is None or setup is None or known_placement(campaign).nest_unknown.any():
-        return found_mm
-    nests = known_placement(campaign).nests_mm
-    held = _nominal_points(
-        campaign, setup.joints_rad, np.ones(len(setup.placement), dtype=np.int64), nests, placement
-    )
-    reached = _nominal_points(campaign, legs.stops.joints_rad, legs.nest, nests, placement)
-    pairs = list(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))
-    chosen = found_mm.copy()
-    for row, pair in enumerate(zip(setup.placement.tolist(), setup.base_point.tolist(), strict=True)):
-        mine = np.array([other == pair for other in pairs])
-        if not mine.any():
-            continue
-        index = anchors.index(pair)
-        off_mm = [
-            float(np.median(np.abs(np.linalg.norm(reached[mine] - place, axis=1) - legs.length_mm[mine])))
-            for place in (found_mm[index], held[row])
-        ]
-        if off_mm[1] < max(off_mm[0], _NOMINAL_OFF_MM):
-            chosen[index] = held[row]
-    return chosen
-
-
-def _nominal_points(
-    campaign: Campaign, joints_rad: FloatArray, nest: IntArray, nests_mm: FloatArray, placement: Placement
-) -> FloatArray:
-    chain = forward(nominal_values(campaign.robot, joints_rad), placement.rotation, placement.origin_mm)
-    return chain.points(nests_mm[nest - 1])
 
 
 def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[Block]:
