@@ -125,11 +125,6 @@ class Rack:
         found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "hands"]
         return cast(SimulatedHands, found[0]) if found else None
 
-    def entry_of(self, kind: DeviceKind) -> DeviceEntry | None:
-        """Return what the cell file says of the device of a kind; None where it lists none."""
-        found = [mounted.entry for mounted in self._mounted.values() if mounted.kind == kind]
-        return found[0] if found else None
-
     async def close(self) -> None:
         """Close every link."""
         for mounted in self._mounted.values():

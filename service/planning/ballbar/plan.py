@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
-from service.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PlannedSetup
+from service.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
 from service.domain.cell import Cell
 from service.domain.errors import ConfigurationError
 from service.planning.ballbar.away import away
@@ -226,24 +226,3 @@ class _Session:
 
 def _approach(around: Surroundings, stop: Stop) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(q) for q in point) for point in lift(around, stop)[:0:-1])
-
-
-@dataclass(frozen=True, slots=True)
-class PlanRow:
-    """One configuration of a plan as a recorder takes it."""
-
-    placement: int
-    config: int
-    joints_deg: tuple[float, ...]
-    legs: tuple[Leg, ...]
-    aimed_mm: tuple[float, ...] | None
-
-
-def plan_rows(plan: BallbarPlan) -> tuple[PlanRow, ...]:
-    """Return the configurations of a plan, in their order."""
-    return tuple(_row(pose) for placement in plan.placements for pose in placement.poses)
-
-
-def _row(pose: PlannedPose) -> PlanRow:
-    joints = tuple(float(angle) for angle in np.degrees(pose.joints_rad))
-    return PlanRow(pose.placement, pose.config, joints, pose.legs, pose.aimed_mm)

@@ -15,7 +15,7 @@ from service.planning.ballbar.fixture import base_fixture
 from service.planning.ballbar.information import arm_model, of_poses, pose_rows
 from service.planning.ballbar.motions import between
 from service.planning.ballbar.plan import ballbar_cell as cell_for
-from service.planning.ballbar.plan import ballbar_plan, plan_at, plan_rows
+from service.planning.ballbar.plan import ballbar_plan, plan_at
 from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
 
@@ -115,15 +115,6 @@ def test_four_cups_and_another_bar_are_taken_from_what_was_asked():
 
     assert len(plan.placements[0].cups_mm) == 4
     assert len(plan.placements[0].setups) == 4
-
-
-def test_rows_for_a_recorder_are_the_poses_in_their_order():
-    rows = plan_rows(AT_HAND)
-
-    pose = AT_HAND.placements[0].poses[3]
-    assert len(rows) == 24
-    assert (rows[3].placement, rows[3].config, rows[3].legs) == (1, 4, pose.legs)
-    assert rows[3].joints_deg == pytest.approx(np.degrees(pose.joints_rad))
 
 
 def test_from_a_place_out_of_reach_nothing_is_planned():
