@@ -213,6 +213,24 @@ def test_an_arm_whose_angles_nobody_knows_is_not_drawn(desk, tablet):
     assert tablet.evaluate(OVERLAPPING_NAMES) == {"tags": 4, "pairs": 0, "outside": 0}
 
 
+def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
+    told = scene()
+    desk.scene = {
+        **told,
+        "arm_mm": told["arm_mm"][:1],
+        "points": told["points"][3:],
+        "look_at_mm": (535, 15, 335),
+    }
+    desk.show(step=step("measure_side", artefact="tool", points=["T1", "T2"]))
+
+    expect(tablet.locator("#picture .tag")).to_have_count(3)
+    at = tablet.locator("#picture .ball").evaluate_all(
+        "all => all.map(ball => ball.getBoundingClientRect().x)"
+    )
+    # Three nests over the width of the picture; with the base, 560 mm away, they would be close together.
+    assert max(at) - min(at) > 0.2 * tablet.viewport_size["width"]
+
+
 @pytest.mark.parametrize(
     ("reason", "said", "lang"),
     [

@@ -126,7 +126,7 @@ function chipSize(name, letters_px) {
 // Which of two arms is the one of now; where it is not known how the arm stands, its base.
 function moments(scene, see, words) {
   const tag = (at, name) => ({ ...at, name, kind: "moment", asked: false, radius: 24, ...chipSize(name, LETTERS_PX.other) });
-  if (!stands(scene)) return scene.arm_mm.map((base) => tag(see(base), words.robot));
+  if (!stands(scene)) return seenBase(scene).map((base) => tag(see(base), words.robot));
   if (!scene.before_move_arm_mm) return [];
   const said = [[scene.before_move_arm_mm, words.now], [scene.arm_mm, words.then]];
   return said.map(([joints, name]) => {
@@ -140,8 +140,13 @@ function stands(scene) {
   return scene.arm_mm.length > 1;
 }
 
+// A triangle of the tool stands nowhere then: it is seen from near.
+function seenBase(scene) {
+  return scene.points.some((point) => point.kind === "cup") ? scene.arm_mm : [];
+}
+
 function framed(scene) {
-  const arms = [scene.arm_mm, scene.before_move_arm_mm ?? []];
+  const arms = [stands(scene) ? scene.arm_mm : seenBase(scene), scene.before_move_arm_mm ?? []];
   const points = scene.points.map((point) => point.position_mm);
   const moving = scene.before_move_arm_mm !== null;
   return [...points, ...arms.flatMap((joints) => (moving ? joints : joints.slice(-FRAMED_JOINTS)))];
@@ -161,7 +166,7 @@ function arrowHead() {
 }
 
 function arms(scene, see) {
-  if (!stands(scene)) return [arm(scene.arm_mm, see, "here")];
+  if (!stands(scene)) return [arm(seenBase(scene), see, "here")];
   if (!scene.before_move_arm_mm) return [arm(scene.arm_mm, see, "here"), holder(scene, see)];
   return [
     arrowHead(), arm(scene.before_move_arm_mm, see, "here"), arm(scene.arm_mm, see, "target"),
