@@ -130,6 +130,7 @@ def predict_command(
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
     remark(rows.ignored)
+    remark(_unseen_base(identified))
     stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
     remark(
@@ -147,6 +148,16 @@ def _left_out(model: "Model", readings: "PointReadings | LegReadings") -> tuple[
     if isinstance(readings, LegReadings):
         return unpredictable_lengths(model, readings)
     return unpredictable(model, readings.stops)
+
+
+def _unseen_base(model: "Model") -> list[str]:
+    """Say of a model of lengths that its positions stand or fall with the stated base."""
+    if model.nominal_anchors and "base" not in model.effects:
+        return [
+            "The model was made from lengths, which do not see where the robot stands: positions are those of "
+            "the base as the campaign states it, and their uncertainty does not contain its error."
+        ]
+    return []
 
 
 def validate_command(
@@ -173,6 +184,7 @@ def validate_command(
     remark(measured.ignored)
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
     remark(f"{sentence}." for sentence in _left_out(identified, measured.readings))
+    remark(_unseen_base(identified) if answer.quantity == "position" else ())
     if json:
         print_json(validation_document(answer))
     else:
