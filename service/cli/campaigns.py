@@ -154,8 +154,8 @@ def _unseen_base(model: "Model") -> list[str]:
     """Say of a model of lengths that its positions stand or fall with the stated base."""
     if model.nominal_anchors and "base" not in model.effects:
         return [
-            "The model was made from lengths, which do not see where the robot stands: positions are those of "
-            "the base as the campaign states it, and their uncertainty does not contain its error."
+            "The model was made from lengths, which do not see where the robot stands: positions are those "
+            "of the base as the campaign states it, and their uncertainty does not contain its error."
         ]
     return []
 
