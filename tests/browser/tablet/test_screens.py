@@ -213,6 +213,13 @@ def test_an_arm_whose_angles_nobody_knows_is_not_drawn(desk, tablet):
     assert tablet.evaluate(OVERLAPPING_NAMES) == {"tags": 4, "pairs": 0, "outside": 0}
 
 
+def test_a_robot_of_which_only_the_base_is_known_is_a_picture_too(desk, tablet):
+    desk.scene = {**scene(), "arm_mm": [(100.0, 50.0, 20.0)], "points": []}
+    desk.show(step=step("initialise", artefact="tool"))
+
+    expect(tablet.locator("#picture .tag")).to_have_text("robot")
+
+
 def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
     told = scene()
     desk.scene = {

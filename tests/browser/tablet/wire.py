@@ -46,13 +46,23 @@ class Wire:
         while not self._ending:
             with contextlib.suppress(TimeoutError):
                 tablet, _ = listener.accept()
-                service = socket.create_connection(self._target)
+                service = self._reached(tablet)
+                if service is None:
+                    continue
                 self._pairs.append((tablet, service))
                 threading.Thread(target=self._carry, args=(tablet, service), daemon=True).start()
 
     def end(self):
         self._ending = True
         self.heal()
+
+    def _reached(self, tablet):
+        """Connect with the service; one that is being restarted refuses, and the tablet tries again."""
+        try:
+            return socket.create_connection(self._target)
+        except OSError:
+            tablet.close()
+            return None
 
     def _carry(self, tablet, service):
         with contextlib.suppress(OSError, ValueError):  # closed by `heal`

@@ -142,7 +142,8 @@ function stands(scene) {
 
 // A triangle of the tool stands nowhere then: it is seen from near.
 function seenBase(scene) {
-  return scene.points.some((point) => point.kind === "cup") ? scene.arm_mm : [];
+  const alone = scene.points.length > 0 && scene.points.every((point) => point.kind === "nest");
+  return alone ? [] : scene.arm_mm;
 }
 
 function framed(scene) {
