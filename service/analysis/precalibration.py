@@ -2,7 +2,10 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from operator import itemgetter
 from typing import Final
+
+import numpy as np
 
 from service.analysis.ballbar_assembly import Counting, assemble_ballbar_campaign
 from service.analysis.errors import NothingMeasuredError
@@ -10,7 +13,7 @@ from service.analysis.forecasts import Foreseen
 from service.analysis.next_poses import next_poses
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
-from service.domain.results import Identification, Model, Status
+from service.domain.results import Identification, Status
 from service.identification import identify
 from service.planning.ballbar.plan import ballbar_cell
 from service.storage.records import SessionSetup
@@ -18,6 +21,7 @@ from service.validation.connections import judge_pose
 
 _ROUNDS: Final = 3  # of identifying without the poses whose legs turned out exchanged
 _EFFECTS: Final = (None, ("geometry",), ("joint_offset",))  # None: what a whole campaign is given
+_WELL_FORESEEN_MM: Final = 0.06  # a wrong pair can be named then; between that and the range, less is better
 _USABLE: Final = frozenset({Status.CONVERGED, Status.NOT_CONVERGED})
 
 
@@ -42,8 +46,7 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
         raise NothingMeasuredError("The arm has not moved yet; measure a few poses first.")
     exchanged: tuple[int, ...] = ()
     for _ in range(_ROUNDS):
-        found, model = _identified(setup, kit, _without(counting, exchanged))
-        foreseen = Foreseen(model, plan, kit)
+        found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
         more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
         if more <= set(exchanged):
             break
@@ -59,16 +62,36 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
     )
 
 
-def _identified(setup: SessionSetup, kit: BallbarKit, counting: Counting) -> tuple[Identification, Model]:
-    """Return the richest model that so few legs carry; what they leave open is held by the priors."""
+def _identified(
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting
+) -> tuple[Identification, Foreseen]:
+    """Return the model that foresees the planned legs best, the richest one where it foresees them well.
+
+    A handful of legs carries a rich model without a residual, and then its poses are aimed by what the priors
+    leave open: by millimetres, where a poorer model says tenths.
+    """
     campaign = assemble_ballbar_campaign("the session so far", setup, kit, counting)
+    answers: list[tuple[float, Identification, Foreseen]] = []
     for effects in _EFFECTS:
         found = identify(campaign, effects)
-        if found.model is not None and found.status in _USABLE:
-            return found, found.model
-    raise NothingMeasuredError(
-        f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
-    )
+        if found.model is None or found.status not in _USABLE:
+            continue
+        foreseen = Foreseen(found.model, plan, kit)
+        answers.append((_typical_u_mm(foreseen, plan), found, foreseen))
+        if answers[-1][0] <= _WELL_FORESEEN_MM:
+            break
+    if not answers:
+        raise NothingMeasuredError(
+            f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
+        )
+    _, found, foreseen = min(answers, key=itemgetter(0))
+    return found, foreseen
+
+
+def _typical_u_mm(foreseen: Foreseen, plan: BallbarPlan) -> float:
+    """Return the standard uncertainty that half of the planned pairs are foreseen within."""
+    forecasts = foreseen.forecasts([pose for placement in plan.placements for pose in placement.poses])
+    return float(np.median([np.sqrt(np.diag(forecast.covariance_mm2)) for forecast in forecasts]))
 
 
 def _without(counting: Counting, exchanged: Collection[int]) -> Counting:
