@@ -30,7 +30,7 @@ LIMIT_MM = 1e-3
 # Effects that are no part of the arm's equation of motion: they place it.
 PLACING = {"axis_parallelism"}
 # Of single readings, of a ballbar, of fixed nests: nothing that a tracker would see an arm do.
-NOT_OF_A_ROBOT = {"label_swap", "outliers", "ballbar_zero", "fixture_shift", "reference", "tool_certificate"}
+NOT_OF_A_ROBOT = {"label_swap", "outliers", "ballbar_zero", "fixture_shift", "reference"}
 
 
 @pytest.fixture

@@ -1,4 +1,3 @@
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -109,14 +108,3 @@ def test_a_stated_change_draws_the_same_in_a_clean_and_in_an_everyday_cell(make_
 def test_a_factor_that_makes_no_robot_is_refused(factor):
     with pytest.raises(ScenarioError, match='key "factor" must be above 0 and at most 10'):
         replace(EverydaySizes(), factor=factor)
-
-
-def test_ten_thousand_true_positions_take_less_than_two_seconds(make_cell):
-    cell = make_cell("irb120-everyday")
-    joints = np.random.default_rng(1).uniform(-1.0, 1.0, (10_000, 6))
-    stops = cell.conditions(joints, np.ones_like(joints), np.linspace(0.0, 9000.0, 10_000), np.ones(10_000))
-
-    began_s = time.perf_counter()
-    cell.true_positions(stops)
-
-    assert time.perf_counter() - began_s < 2.0  # 0.53 on one idle core
