@@ -70,7 +70,7 @@ EXTENSIONS = {
         ("payload_z", 30.0, "kg*mm"),
     ],
     "thermal_growth": [("growth", 18e-6, "1/K")],
-    "tool_certificate": [("certified_1_x", 0.05, "mm"), ("certified_3_z", -0.04, "mm")],
+    "tool_certificate": [("certified_1_x", 0.05, "mm"), ("certified_2_z", -0.04, "mm")],
     "tool_reseating": _motion("seat_1", 0.03, 3e-4) + _motion("seat_2", -0.05, 2e-4),
 }
 
