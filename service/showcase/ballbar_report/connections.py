@@ -1,5 +1,6 @@
 """Slips of a person at coded stops, and what the judges of connections say to them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -70,7 +71,7 @@ def slips_at(stop: CodedStop, rng: np.random.Generator) -> SlipCounts:
         single_nowhere=single is None,
         single_named=single is not None and (single.named_at_once(*single.slips) or single.named_by_pose()),
     )
-    return counts + _silences([course for course in (same, exchanged, single) if course is not None])
+    return counts + silences([course for course in (same, exchanged, single) if course is not None])
 
 
 def _single(stop: CodedStop, rng: np.random.Generator) -> "Course | None":
@@ -85,12 +86,13 @@ def _single(stop: CodedStop, rng: np.random.Generator) -> "Course | None":
     return Course(stop, {stop.legs[at]: others[int(rng.integers(len(others)))]}) if others else None
 
 
-def _silences(courses: list["Course"]) -> SlipCounts:
+def silences(courses: list["Course"]) -> SlipCounts:
+    """Count the courses in which nobody was asked anything although something was wrong."""
     silent = [course.log_odds_of_slip() for course in courses if course.silent]
     return SlipCounts(
         silent=len(silent),
         silent_likelier=sum(odds > 0.0 for odds in silent),
-        silent_against_evidence=sum(odds > np.log(_SLIP_ODDS) for odds in silent),
+        silent_against_evidence=sum(odds > math.log(_SLIP_ODDS) for odds in silent),
     )
 
 

@@ -1,11 +1,14 @@
 """What is counted of wrong connections."""
 
+from dataclasses import asdict
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from service.reports.table_report import Verdict
 from service.showcase.ballbar_report.connection_section import connection_section
-from service.showcase.ballbar_report.connections import Course, SlipCounts, count_slips
+from service.showcase.ballbar_report.connections import Course, SlipCounts, count_slips, silences
 from tests.coded_stops import coded_stop
 
 
@@ -71,6 +74,20 @@ def test_counts_of_two_runs_add_up():
 
     assert together.stops == 5
     assert together.exchanged_named <= 5
+    assert {type(count) for count in asdict(together).values()} == {int}  # JSON knows no other whole numbers
+
+
+def test_slips_that_nobody_asked_about_are_weighed_by_what_the_readings_say():
+    loud, faint = (
+        SimpleNamespace(silent=True, log_odds_of_slip=lambda odds=odds: odds) for odds in (5.0, 1.0)
+    )
+    heard = SimpleNamespace(silent=False)
+
+    counts = silences([loud, faint, heard])
+
+    # a slip in a hundred connections: log 100 = 4.6 lies between the two
+    assert asdict(counts) == asdict(SlipCounts(silent=2, silent_likelier=2, silent_against_evidence=1))
+    assert {type(count) for count in asdict(counts).values()} == {int}
 
 
 @pytest.mark.parametrize(("named", "verdict"), [(198, Verdict.PASSED), (197, Verdict.FAILED)])
