@@ -7,7 +7,8 @@ every pose is taken to succeed, which is the listing beforehand.
   lengths are foreseen and targets aimed: the poses left come in its order, those that had to be skipped
   and those whose legs were exchanged among them, as a further attempt.
 - A fixture that is taken up cannot be measured again. So the end of a placement asks for a
-  pre-calibration too where poses were skipped, or measured while no length could be foreseen.
+  pre-calibration too where poses were skipped, or measured while no length could be foreseen. Poses skipped
+  once more get a further one where others were measured meanwhile: it aims better than the last.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -28,7 +29,7 @@ from service.domain.ballbar import (
 )
 from service.sequencing.ballbar import step_ids
 
-MAX_ATTEMPTS: Final = 3  # at one pose: planned, aimed anew, and once more where its legs were exchanged
+MAX_ATTEMPTS: Final = 3  # at one pose: planned, aimed anew, and once more with what was learnt meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +134,7 @@ class _Poses:
         self._skipped: list[_Attempt] = []
         self._attempts: dict[int, int] = {}  # configuration -> number of its last attempt
         self._untested = False  # something was measured here of which no length had been foreseen
+        self._learnt = False  # a pose was measured since the last pre-calibration
         self._precalibrations = 0
 
     def steps(self) -> Iterator[BallbarStep]:
@@ -150,7 +152,10 @@ class _Poses:
     def _precalibration_is_worth_it(self) -> bool:
         if self._threshold_reached():
             return True
-        return self._progress.measured > 0 and (bool(self._skipped) or self._untested)
+        if self._progress.measured == 0:
+            return False
+        never_aimed = any(attempt.number == 1 for attempt in self._skipped)
+        return self._untested or never_aimed or (bool(self._skipped) and self._learnt)
 
     def _attempt(self, attempt: _Attempt) -> Iterator[BallbarStep]:
         pose, progress = attempt.pose, self._progress
@@ -160,7 +165,8 @@ class _Poses:
         if group not in progress.course.skipped:
             progress.measured += 1
             self._untested |= not progress.foreseen
-        elif attempt.number == 1:
+            self._learnt = True
+        elif attempt.number < MAX_ATTEMPTS:
             self._skipped.append(attempt)
 
     def _precalibrate(self) -> Iterator[BallbarStep]:
@@ -171,14 +177,14 @@ class _Poses:
         yield BallbarStep(step_id, StepKind.PRECALIBRATE, self._number)
         found = progress.course.found.get(step_id)
         progress.foreseen |= found is not None or step_id not in progress.course.found
-        self._untested = False
+        self._untested = self._learnt = False
         if found is not None:
             progress.found = found
             self._due = self._aimed([*self._due, *self._again(found)])
         self._skipped = []
 
     def _again(self, found: PreCalibration) -> Iterable[_Attempt]:
-        """Return further attempts: at skipped poses once, at exchanged ones as often as allowed."""
+        """Return further attempts at skipped and at exchanged poses, as often as allowed."""
         for attempt in self._skipped:
             yield _Attempt(attempt.pose, attempt.number + 1)
         skipped = {attempt.pose.config for attempt in self._skipped}

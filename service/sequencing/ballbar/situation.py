@@ -23,7 +23,7 @@ from service.domain.ballbar import (
 from service.domain.session import SessionState
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.acts import ActName, acts_allowed
-from service.sequencing.ballbar.agenda import Course, forecast_of, steps
+from service.sequencing.ballbar.agenda import MAX_ATTEMPTS, Course, forecast_of, steps
 from service.sequencing.ballbar.pace import BallbarProgress
 from service.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
 from service.sequencing.ballbar.way import ways
@@ -236,9 +236,13 @@ def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None
 
 def _skipped_poses(agenda: tuple[BallbarStep, ...], record: Record) -> int:
     """Return how many poses there are whose last attempt ended with a skip."""
+    return sum(group in record.skipped_poses for group in _last_attempts(agenda))
+
+
+def _last_attempts(agenda: tuple[BallbarStep, ...]) -> set[str]:
+    """Return the group of the last attempt at each pose."""
     motions = (step for step in agenda if step.kind is StepKind.MOVE and step.config is not None)
-    last = {step.config: step_ids.group_of(step.id) for step in motions}
-    return sum(group in record.skipped_poses for group in last.values())
+    return set({step.config: step_ids.group_of(step.id) for step in motions}.values())
 
 
 def _has_no_way(step: BallbarStep, record: Record) -> bool:
@@ -274,8 +278,9 @@ def _to_be_tried_again(
         for step in agenda
         if step.kind is StepKind.PRECALIBRATE and outcomes[step.id].kind == "open"
     }
+    again = _last_attempts(agenda) & record.skipped_poses
     return [
         step.kind
         for step in agenda
-        if step.placement in due and step.attempt == 1 and step_ids.group_of(step.id) in record.skipped_poses
+        if step.placement in due and step.attempt < MAX_ATTEMPTS and step_ids.group_of(step.id) in again
     ]

@@ -38,3 +38,37 @@ def test_a_session_that_ended_has_read_all_that_was_planned_in_the_end():
     progress = story.now.progress
     assert progress.readings == progress.planned
     assert progress.remaining_s == 0.0
+
+
+def skipping(story, *poses, attempt=""):
+    """Skip these poses at their first leg, do all else, until the next pre-calibration or the end."""
+    groups = {f"placement-1/pose-{config}{attempt}" for config in poses}
+    while story.now.step is not None and "precalibrate" not in story.present:
+        if story.present.rsplit("/", 1)[0] in groups and "leg" in story.present:
+            story.skip()
+        else:
+            story.do()
+
+
+def test_poses_skipped_twice_are_aimed_once_more_where_others_were_measured_meanwhile():
+    story = Story(make_plan((1, 2, 3, 4), precalibrate_after=2))
+    skipping(story, 1, 2)
+    story.do()  # the pre-calibration
+    skipping(story, 1, attempt="/again")
+
+    assert story.present == "placement-1/precalibrate-2"
+    story.do()
+    skipping(story)
+    assert story.now.progress.skipped_poses == 0
+    assert story.now.progress.readings == story.now.progress.planned
+
+
+def test_poses_skipped_twice_are_left_out_where_nothing_was_learnt_meanwhile():
+    story = Story(make_plan((1, 2, 3, 4), precalibrate_after=2))
+    skipping(story, 1, 2)
+    story.do()
+
+    skipping(story, 1, 2, attempt="/again")
+
+    assert story.now.step is None
+    assert story.now.progress.skipped_poses == 2
