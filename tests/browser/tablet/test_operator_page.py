@@ -26,7 +26,7 @@ def test_ballbar_sessions_are_listed_newest_first(desk, page):
 
     rows = page.locator("#sessions li")
     expect(rows).to_have_count(2)
-    expect(rows.nth(0)).to_contain_text("bay 3paused120 of 431 readings")
+    expect(rows.nth(0)).to_contain_text("bay 3pausedread at 120 of 431 poses")
     expect(rows.nth(1)).to_contain_text("finished")
     assert page.evaluate("document.documentElement.scrollWidth") == page.viewport_size["width"]
     rows.nth(0).click()

@@ -173,12 +173,12 @@ class OperatorPage {
   }
 
   #row(session) {
-    const { measured: readings, planned } = session;
+    const { measured, planned } = session;
     return element("li", { "data-state": session.state },
       element("a", { href: `/operator/${session.id}` },
         element("b", {}, session.name),
         element("span", { class: "state" }, this.texts.say(STATES[session.state])),
-        element("span", { class: "amount" }, this.texts.say("list.readings", { readings, planned })),
+        element("span", { class: "amount" }, this.texts.say("list.poses", { measured, planned })),
         element("span", { class: "open" }, this.texts.say("list.open"))));
   }
 
