@@ -50,10 +50,14 @@ function card({ of, steps }, texts) {
 export function showOverview(panel, session, steps, texts) {
   const { planned, remaining_s } = session.progress;
   const facts = { readings: planned, steps: steps.length, time: texts.duration(remaining_s ?? 0) };
+  // What somebody opened stays open when the list is drawn anew.
+  const opened = [...panel.querySelectorAll("details")].map((one) => one.open);
+  const cards = grouped(steps).map((found) => card(found, texts));
   panel.replaceChildren(
     element("p", { class: "facts" }, texts.say("overview.facts", facts)),
-    element("div", { class: "groups" }, ...grouped(steps).map((found) => card(found, texts))),
+    element("div", { class: "groups" }, ...cards),
   );
+  cards.forEach((one, index) => { one.open = opened[index] === true; });
 }
 
 // A pose that was skipped and measured at a later attempt is not left out.
