@@ -18,7 +18,7 @@ from service.effects.ports import PortKind
 from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import State, Targets, evaluate, nest_centres
 from service.identification.leg_lengths import excess_mm
-from service.identification.leg_observations import anchor_name
+from service.identification.leg_observations import anchor_places, first_anchor
 from service.identification.observations import BlockResult, IndependentReadings, targets_subset
 from service.identification.structure import Structure
 
@@ -50,7 +50,7 @@ class SideBlock(IndependentReadings):
         """Return the changes of the predicted sides, shape (P, n, 1)."""
         joined = self._joined(state)
         direction = joined / np.linalg.norm(joined, axis=1)[:, None]
-        first, n_anchors = _first_anchor(state.structure), len(state.structure.anchors)
+        first, n_anchors = first_anchor(state.structure), len(state.structure.anchors)
         rows = np.arange(len(direction))
         jacobian = np.zeros((len(state.structure.names), len(direction)))
         for end, sign in ((0, -1.0), (1, 1.0)):
@@ -109,7 +109,7 @@ class ClampBlock(IndependentReadings):
     def derivatives(self, state: State) -> FloatArray:
         """Return the motions of the ball away from the cups, shape (P, n, 3)."""
         jacobian = position_jacobian(state)
-        first, rows = _first_anchor(state.structure), np.arange(len(self.anchor))
+        first, rows = first_anchor(state.structure), np.arange(len(self.anchor))
         for component in range(3):
             jacobian[first + 3 * self.anchor + component, rows, component] -= 1.0
         return jacobian
@@ -127,12 +127,6 @@ class ClampBlock(IndependentReadings):
             uncertainty=self.uncertainty[rows],
             weights=self.weights[rows],
         )
-
-
-def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
-    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
-    first = _first_anchor(structure)
-    return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
 
 
 def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Robot) -> SideBlock | None:
@@ -187,7 +181,3 @@ def clamp_block(setup: CupSetups, anchors: Anchors, uncertainty_mm: float) -> Cl
     targets = Targets(Stops(numbers, setup.joints_rad[rows]), np.full(len(rows), BALL_NEST))
     index = np.array([anchors.index(pairs[row]) for row in rows])
     return ClampBlock(targets, index, np.full(len(rows), uncertainty_mm), np.ones(len(rows)))
-
-
-def _first_anchor(structure: Structure) -> int:
-    return structure.index_of(anchor_name(structure.anchors[0], 0))

@@ -25,6 +25,17 @@ def anchor_name(anchor: tuple[int, int], component: int) -> str:
     return f"anchor_{anchor[0]}_{anchor[1]}_{'xyz'[component]}"
 
 
+def first_anchor(structure: Structure) -> int:
+    """Return the index of the first coordinate of the base cups, which follow one another."""
+    return structure.index_of(anchor_name(structure.anchors[0], 0))
+
+
+def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
+    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
+    first = first_anchor(structure)
+    return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
+
+
 @dataclass(frozen=True, slots=True)
 class LegBlock:
     """Measured lengths from base nests, which are parameters themselves, to tool nests."""
@@ -56,7 +67,7 @@ class LegBlock:
         direction = arm / np.linalg.norm(arm, axis=1)[:, None]
         jacobian = length_jacobian(state, feet)
         rows = np.arange(len(self.anchor))
-        first = structure.index_of(anchor_name(structure.anchors[0], 0))
+        first = first_anchor(structure)
         for component in range(3):
             own = np.einsum("ni,ni->n", foot_gradient(state, component), direction)
             jacobian[first + 3 * self.anchor + component, rows] = -own
@@ -66,10 +77,7 @@ class LegBlock:
 
     def _feet(self, state: State) -> FloatArray:
         """Return the anchor of each leg, shape (n, 3)."""
-        structure = state.structure
-        first = structure.index_of(anchor_name(structure.anchors[0], 0))
-        anchors = state.values[first : first + 3 * len(structure.anchors)].reshape(-1, 3)
-        return np.asarray(anchors[self.anchor])
+        return np.asarray(anchor_places(state.structure, state.values)[self.anchor])
 
     def component_variance(self) -> FloatArray:
         """Variance of each length [mm2], shape (n,)."""
