@@ -4,6 +4,7 @@ import numpy as np
 from scipy.special import elliprg
 
 from service.domain.arrays import FloatArray
+from service.domain.campaign import PointReadings
 from service.domain.results import Statistics
 from service.identification.leg_observations import LegBlock
 from service.identification.observations import Block, PositionBlock
@@ -38,6 +39,14 @@ def expected_noise_mm(block: Block) -> float:
         sigma = np.sqrt(block.uncertainty_mm**2 + scatter)
         return float(np.sqrt(2.0 / np.pi) * sigma.mean())
     return 0.0
+
+
+def covariance_with_scatter_mm2(points: PointReadings, scatter_mm: float) -> FloatArray:
+    """Return the covariance of each reading and of the arm's scatter per axis, shape (n, 3, 3)."""
+    covariance = points.covariance_mm2
+    if covariance is None:
+        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
+    return np.asarray(covariance + scatter_mm**2 * np.eye(3))
 
 
 def mean_norm(covariance: FloatArray) -> float:

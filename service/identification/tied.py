@@ -7,10 +7,10 @@ Neither the cups nor the positions have a part in the identification.
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.domain.campaign import Campaign, CupReadings, PointReadings
+from service.domain.campaign import Campaign, CupReadings
 from service.domain.results import Anchor, Model, NominalAndIdentified, PositionsJudged
 from service.identification.prediction import identified_anchors, predict, predict_nominal
-from service.identification.statistics import mean_norm, statistics
+from service.identification.statistics import covariance_with_scatter_mm2, mean_norm, statistics
 from service.kinematics.frames import rigid_alignment
 
 _FEWEST = 3  # points, not on a line, that place a frame
@@ -34,7 +34,7 @@ def judged_by_positions(
         return None
     nominal = predict_nominal(model, points.stops, points.nest)
     identified, _ = predict(model, points.stops, points.nest)
-    noise = mean_norm(_covariance_mm2(points, model))
+    noise = mean_norm(covariance_with_scatter_mm2(points, model.repeatability_mm))
 
     def pair(first: FloatArray, second: FloatArray) -> NominalAndIdentified:
         return NominalAndIdentified(
@@ -65,10 +65,3 @@ def _aligned(points_mm: FloatArray, moving_mm: FloatArray, fixed_mm: FloatArray)
     """Return the points moved as `moving_mm` must be to lie on `fixed_mm`."""
     rotation, translation = rigid_alignment(moving_mm, fixed_mm)
     return np.asarray(points_mm @ rotation.T + translation)
-
-
-def _covariance_mm2(points: PointReadings, model: Model) -> FloatArray:
-    own = points.covariance_mm2
-    if own is None:
-        own = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
-    return np.asarray(own + model.repeatability_mm**2 * np.eye(3))

@@ -9,7 +9,7 @@ from service.domain.campaign import LegReadings, PointReadings
 from service.domain.errors import ConfigurationError
 from service.domain.results import Model, NominalAndIdentified, Statistics, Validation
 from service.identification import predict, predict_lengths, predict_nominal
-from service.identification.statistics import mean_norm, statistics
+from service.identification.statistics import covariance_with_scatter_mm2, mean_norm, statistics
 
 _PAIRS_AT_ONCE = 2_000_000
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
@@ -44,7 +44,7 @@ def validate(
         return _validate_legs(model, readings, limit_mm)
     predicted, uncertainty = predict(model, readings.stops, readings.nest)
     nominal = predict_nominal(model, readings.stops, readings.nest)
-    covariance = _covariance_mm2(model, readings)
+    covariance = covariance_with_scatter_mm2(readings, model.repeatability_mm)
     noise = mean_norm(covariance)
     position = NominalAndIdentified(
         statistics(readings.position_mm - nominal, noise), statistics(readings.position_mm - predicted, noise)
@@ -62,14 +62,6 @@ def _passes(position: NominalAndIdentified, limit_mm: float | None, claimed_mm: 
     # A model far from what it claims does not know this robot, frame or unit, however bad the nominal one is.
     better = position.identified.mean_mm <= position.nominal.mean_mm
     return better and position.identified.mean_mm <= _BEYOND_CLAIM * claimed_mm
-
-
-def _covariance_mm2(model: Model, readings: PointReadings) -> FloatArray:
-    """Return the covariance of each reading and of the arm's scatter, shape (n, 3, 3)."""
-    covariance = readings.covariance_mm2
-    if covariance is None:
-        covariance = readings.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
-    return covariance + model.repeatability_mm**2 * np.eye(3)
 
 
 def _validate_legs(model: Model, legs: LegReadings, limit_mm: float | None) -> Validation:
