@@ -163,14 +163,13 @@ def with_revisits(stops: tuple[PlannedStop, ...], rng: np.random.Generator) -> t
     return stops + revisits
 
 
-def short_tour(joints_rad: FloatArray, start_rad: FloatArray | None = None) -> IntArray:
+def short_tour(joints_rad: FloatArray) -> IntArray:
     """Order configurations so that each is the nearest left to the one before, by its largest joint motion.
 
     Parameters
     ----------
     joints_rad : ndarray, shape (n, J)
-    start_rad : ndarray, shape (J,), optional
-        Where the arm comes from; by default all joints at 0.
+        The arm comes from all joints at 0.
 
     Returns
     -------
@@ -179,7 +178,7 @@ def short_tour(joints_rad: FloatArray, start_rad: FloatArray | None = None) -> I
     """
     left = np.ones(len(joints_rad), dtype=bool)
     order = np.empty(len(joints_rad), dtype=np.int64)
-    here = np.zeros(joints_rad.shape[1]) if start_rad is None else start_rad
+    here = np.zeros(joints_rad.shape[1])
     for k in range(len(order)):
         way = np.where(left, np.max(np.abs(joints_rad - here), axis=1), np.inf)
         order[k] = np.argmin(way)
