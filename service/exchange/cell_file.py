@@ -121,7 +121,7 @@ def _read(root: Node, folder: Path) -> Cell:
         world=read_artefact(root.optional("world")),
         certified_lengths=read_lengths(root.optional("certified_length"), len(fixed_nests)),
         tracker_position_mm=read_tracker_position(tracker),
-        limits=read_limits(root.optional("limits"), robot.n_joints),
+        limits=read_limits(root.optional("limits"), robot),
         conditions=read_conditions(root.optional("conditions")),
         devices=read_devices(root.optional("device")),
         simulated=read_simulated(root),

@@ -15,7 +15,7 @@ from service.domain.cell import (
     SimulatedCell,
     Vector,
 )
-from service.domain.robot import FixedNest
+from service.domain.robot import FixedNest, JointRange, Robot
 from service.exchange.document import Node
 from service.exchange.robot_document import read_ranges
 
@@ -23,6 +23,7 @@ _DEVICE_KEYS = frozenset({"name", "driver", "serial_number", "certificate"})
 _EFFECT_KEYS = frozenset({"name", "subject", "amplitude", "from_s"})
 _ADDRESSES = ("host", "serial", "usb")
 _LAST_PORT = 65535
+_ROUNDING_RAD = 1e-9  # limits come from degrees
 
 
 def refuse_unlisted(node: Node, known: Collection[str]) -> None:
@@ -134,8 +135,8 @@ def read_seen(node: Node | None, n_fixed_nests: int) -> tuple[Vector, ...] | Non
     return None if seen is None else tuple(entry.vector() for entry in seen.items(n_fixed_nests))
 
 
-def read_limits(node: Node | None, n_joints: int) -> CellLimits:
-    """Read the limits; what is not given keeps its default."""
+def read_limits(node: Node | None, robot: Robot) -> CellLimits:
+    """Read the limits, which may be tighter than the robot's own; what is not given keeps its default."""
     if node is None:
         return CellLimits()
     positive = ("reference_mm", "tool_speed_mm_s", "orientation_speed_deg_s")
@@ -143,12 +144,31 @@ def read_limits(node: Node | None, n_joints: int) -> CellLimits:
     default = CellLimits()
     reference, speed, turning = (_positive(node, name) for name in positive)
     return CellLimits(
-        joints=read_ranges(node.optional("joints_deg"), n_joints),
-        calibration=read_ranges(node.optional("calibration_deg"), n_joints),
+        joints=_read_within(node.optional("joints_deg"), robot),
+        calibration=_read_within(node.optional("calibration_deg"), robot),
         reference_mm=reference or default.reference_mm,
         tool_speed_mm_s=speed or default.tool_speed_mm_s,
         orientation_speed_rad_s=math.radians(turning) if turning else default.orientation_speed_rad_s,
     )
+
+
+def _read_within(node: Node | None, robot: Robot) -> tuple[JointRange, ...] | None:
+    """Read ranges of the joints, none of them wider than what the robot's own controller accepts."""
+    ranges = read_ranges(node, robot.n_joints)
+    if node is None or ranges is None or robot.joint_limits is None:
+        return ranges
+    for number, (given, own) in enumerate(zip(ranges, robot.joint_limits, strict=True), start=1):
+        low, high = own.lower_rad - _ROUNDING_RAD, own.upper_rad + _ROUNDING_RAD
+        if not low <= given.lower_rad <= given.upper_rad <= high:
+            node.items()[number - 1].fail(
+                f"joint {number} would go from {_degrees(given)}, where the {robot.name} itself goes from "
+                f"{_degrees(own)}; keep within that"
+            )
+    return ranges
+
+
+def _degrees(limits: JointRange) -> str:
+    return f"{math.degrees(limits.lower_rad):.10g} to {math.degrees(limits.upper_rad):.10g} deg"
 
 
 def _positive(node: Node, name: str) -> float | None:

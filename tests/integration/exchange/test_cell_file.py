@@ -129,6 +129,20 @@ REFUSED = {
         "there is no such key",
     ),
     "limits in radians": ("joints_deg", "joints_rad", BadValueError, "limits.joints_rad", "joints_deg"),
+    "limits wider than the robot's own": (
+        "[-110, 110]",
+        "[-110, 111]",
+        BadValueError,
+        "limits.joints_deg[1]",
+        "joint 2 would go from -110 to 111 deg, where the ABB IRB 120 itself goes from -110 to 110 deg",
+    ),
+    "configurations chosen beyond the robot": (
+        "[0, 90]",
+        "[-120, 90]",
+        BadValueError,
+        "limits.calibration_deg[1]",
+        "keep within that",
+    ),
     "limits of five joints": (
         "[-165, 165], ",
         "",
