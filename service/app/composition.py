@@ -20,6 +20,7 @@ from service.exchange.cell_file import read_cell, simulated_cell
 from service.operation.ballbar_sessions import BallbarDesk
 from service.operation.ballbar_work import BallbarWork
 from service.operation.devices import MountedDevice, Rack
+from service.operation.present_cell import PresentCell
 from service.operation.repeated_diagnosis import RepeatedDiagnosis
 from service.operation.sessions import SessionDesk
 from service.operation.simulated_hands import HandsDesk
@@ -86,6 +87,7 @@ async def open_context(
     drivers = load_registry() if registry is None else registry
     async with contextlib.AsyncExitStack() as stack:
         cell = _cell(settings)
+        present = _present(cell, settings)
         database = await asyncio.to_thread(Database, settings.database_url)
         stack.callback(database.close)
         state = database.file.with_name(f"{database.file.name}.cell.json")
@@ -94,7 +96,7 @@ async def open_context(
         rack = _rack(cell, simulation, drivers)
         stack.push_async_callback(_close_clock, rack.clock)
         stack.push_async_callback(rack.close)
-        context = _context(cell, database, rack, simulation, perform)
+        context = _context(cell, present, database, rack, simulation, perform)
         await context.session_desk.recover()
         await context.ballbar_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
@@ -115,6 +117,11 @@ def _cell(settings: Settings) -> Cell:
     if settings.cell_file is not None:
         return read_cell(settings.cell_file)
     return simulated_cell(settings.simulated_scenario, settings.simulated_seed)
+
+
+def _present(cell: Cell, settings: Settings) -> PresentCell:
+    file = settings.cell_file
+    return PresentCell(cell, None if file is None else lambda: read_cell(file))
 
 
 async def _simulation(
@@ -186,7 +193,12 @@ class _Closes(Protocol):
 
 
 def _context(
-    cell: Cell, database: Database, rack: Rack, simulation: Simulation | None, perform: Perform
+    cell: Cell,
+    present: PresentCell,
+    database: Database,
+    rack: Rack,
+    simulation: Simulation | None,
+    perform: Perform,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
@@ -194,7 +206,9 @@ def _context(
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     work = BallbarWork(perform)
-    ballbar_desk = BallbarDesk(sessions, BallbarLedger(database), rack, work.foresight, work.choose)
+    ballbar_desk = BallbarDesk(
+        sessions, BallbarLedger(database), rack, work.foresight, work.choose, present=present
+    )
     campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign)
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
@@ -210,7 +224,7 @@ def _context(
         diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
-        session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session),
+        session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session, present=present),
         ballbar_desk=ballbar_desk,
         hands_desk=HandsDesk(rack, ballbar_desk.frame_of),
         job_desk=job_desk,

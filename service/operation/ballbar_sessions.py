@@ -22,11 +22,12 @@ from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
+from service.operation.present_cell import PresentCell, speed_limits
 from service.operation.requests_under_way import RequestsUnderWay
 from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
-from service.sequencing.ballbar.acts import Act, ActName
+from service.sequencing.ballbar.acts import LETS_MOVE, Act, ActName
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_plan, motion_limits
 from service.sequencing.ballbar.foresight import Foresight
@@ -96,6 +97,7 @@ class BallbarDesk:
         make_foresight: MakeForesight,
         choose: ChoosePoses,
         make_runner: MakeRunner = BallbarRunner,
+        present: PresentCell | None = None,
     ) -> None:
         self._sessions = sessions
         self._ledger = ledger
@@ -103,6 +105,7 @@ class BallbarDesk:
         self._make_foresight = make_foresight
         self._choose = choose
         self._make_runner = make_runner
+        self._present = present or PresentCell()
         self._under_way: _UnderWay | None = None
         self._fixed: dict[int, _Fixed] = {}
         self._acts = RequestsUnderWay[ActAnswer]()
@@ -148,8 +151,8 @@ class BallbarDesk:
         """Do what a person asks, at most once for each key; the same key gets the same answer.
 
         Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, ReasonMissingError,
-        WatchingTabletError, DeviceInUseError, MissingDeviceError; after an error nothing was kept and the
-        key is free.
+        WatchingTabletError, DeviceInUseError, MissingDeviceError, PlanRefusedError, CellChangedError; after
+        an error nothing was kept and the key is free.
         """
         await self._require(session_id)
         return await self._acts.shared((session_id, key.key), key, lambda: self._decide(session_id, act, key))
@@ -223,6 +226,8 @@ class BallbarDesk:
         return answer
 
     async def _do(self, session_id: int, act: Act) -> ActAnswer:
+        if act.name in LETS_MOVE:
+            await self._present.require_unchanged()
         async with self._turn:
             under_way = self._of(session_id)
             if under_way is None:
@@ -304,13 +309,14 @@ class BallbarDesk:
             self.watching.tell()
 
     def _cell(self, setup: SessionSetup) -> BallbarCell:
-        cell = setup.cell
+        cell = self._present.bound(setup.cell)
         return BallbarCell(
             ballbar=self._rack.ballbar,
             robot_controller=self._rack.robot,
             clock=self._rack.clock,
             robot=cell.robot,
             joint_limits=cell.limits.joints,
+            speed_limits=speed_limits(cell.limits),
         )
 
     def _view(

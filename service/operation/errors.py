@@ -4,6 +4,7 @@ OperationError
 ├── UnknownDeviceError   the cell has no device of that name
 ├── MissingDeviceError   a session needs a kind of device that the cell file does not list
 ├── DeviceInUseError     a session holds the device
+├── CellChangedError     the cell file says something else than the service was started with
 ├── NoBallbarError       the cell file does not describe a ballbar
 └── RealCellError        only a simulated cell can be asked that
 """
@@ -25,6 +26,10 @@ class MissingDeviceError(OperationError):
 
 class DeviceInUseError(OperationError):
     """A session holds the device."""
+
+
+class CellChangedError(OperationError):
+    """The cell file says something else than the service was started with."""
 
 
 class NoBallbarError(OperationError):

@@ -11,9 +11,11 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from service.domain.cell import Cell
 from service.domain.session import SessionPlan, SessionState
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
+from service.operation.present_cell import PresentCell, speed_limits
 from service.planning.added_stops import Addition, WantedStop, addition
 from service.sequencing.cell import SessionCell
 from service.sequencing.desk import require_person
@@ -66,6 +68,7 @@ class SessionDesk:
         rack: Rack,
         when_finished: WhenFinished,
         make_runner: MakeRunner = SessionRunner,
+        present: PresentCell | None = None,
     ) -> None:
         self._sessions = sessions
         self._readings = readings
@@ -73,6 +76,7 @@ class SessionDesk:
         self._rack = rack
         self._when_finished = when_finished
         self._make_runner = make_runner
+        self._present = present or PresentCell()
         self._under_way: _UnderWay | None = None
         self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
         self._turn = asyncio.Lock()  # two clients that start at once must not start two sessions
@@ -84,8 +88,10 @@ class SessionDesk:
     async def start(self, session_id: int) -> str:
         """Start a planned session and return what a person is asked before anything moves.
 
-        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError.
+        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
+        CellChangedError.
         """
+        await self._present.require_unchanged()
         async with self._turn:
             record = await self._get(session_id)
             if record.state is not SessionState.PLANNED:
@@ -96,7 +102,11 @@ class SessionDesk:
             return await self._launch(record)
 
     async def confirm(self, session_id: int, person: str) -> str:
-        """Confirm what the session asks; takes up a session that a restart interrupted."""
+        """Confirm what the session asks; takes up a session that a restart interrupted.
+
+        Raises NotFoundError, NotNowError, PersonMissingError, PlanRefusedError, CellChangedError.
+        """
+        await self._present.require_unchanged()
         async with self._turn:
             record = await self._get(session_id)
             orphaned = self._running(session_id) is None
@@ -109,7 +119,11 @@ class SessionDesk:
         return await self._require(await self._get(session_id)).request_pause(person)
 
     async def resume(self, session_id: int, person: str) -> str:
-        """Continue a paused session. Raises NotFoundError, NotNowError, PersonMissingError."""
+        """Continue a paused session.
+
+        Raises NotFoundError, NotNowError, PersonMissingError, CellChangedError.
+        """
+        await self._present.require_unchanged()
         return await self._require(await self._get(session_id)).resume(person)
 
     async def abort(self, session_id: int, person: str | None) -> str:
@@ -131,7 +145,7 @@ class SessionDesk:
 
         Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
         named is run again once the session has finished. Raises NotFoundError, NotNowError,
-        PersonMissingError, WorkSpaceError, PlanRefusedError, KeyReusedError.
+        PersonMissingError, WorkSpaceError, PlanRefusedError, CellChangedError, KeyReusedError.
         """
         name = require_person(person)
         async with self._turn:  # two additions at once must not take the same numbers
@@ -139,14 +153,16 @@ class SessionDesk:
             earlier = None if key is None else await self._additions.answered(key)
             if earlier is not None:
                 return Addition(earlier.stops, ())
-            plan, setup = await self._sessions.plan(session_id), await self._sessions.setup(session_id)
-            found = addition(setup.cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
+            await self._present.require_unchanged()
+            plan = await self._sessions.plan(session_id)
+            cell = self._present.bound((await self._sessions.setup(session_id)).cell)
+            found = addition(cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
             added = AddedStops(session_id, name, found.stops, wanted.diagnosis_id)
-            await self._take_up(added, setup, plan, key)
+            await self._take_up(added, cell, plan, key)
             return found
 
     async def _take_up(
-        self, added: AddedStops, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None
+        self, added: AddedStops, cell: Cell, plan: SessionPlan, key: RequestKey | None
     ) -> None:
         async def keep() -> None:
             await self._additions.add(added, key)
@@ -157,7 +173,8 @@ class SessionDesk:
             return
         # Asked only now: the session may have ended since.
         record = await self._get(added.session_id)
-        _refuse_unfit(record, setup, extended_plan(plan, added.stops))
+        done = (await self._history(record)).done
+        _refuse_unfit(record, cell, extended_plan(plan, added.stops), done)
         await keep()
 
     def question(self, session_id: int) -> str | None:
@@ -225,7 +242,7 @@ class SessionDesk:
             _LOG.exception("what should have followed session %d failed", session_id)
 
     def _cell(self, setup: SessionSetup) -> SessionCell:
-        cell = setup.cell
+        cell = self._present.bound(setup.cell)
         return SessionCell(
             tracker=self._rack.tracker,
             robot_controller=self._rack.robot,
@@ -237,6 +254,7 @@ class SessionDesk:
             tracker_position_mm=cell.tracker_position_mm,
             fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
             joint_limits=cell.limits.joints or cell.robot.joint_limits,
+            speed_limits=speed_limits(cell.limits),
             certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
         )
@@ -270,12 +288,11 @@ class SessionDesk:
         return runner
 
 
-def _refuse_unfit(record: SessionRecord, setup: SessionSetup, plan: SessionPlan) -> None:
+def _refuse_unfit(record: SessionRecord, cell: Cell, plan: SessionPlan, done: frozenset[int]) -> None:
     """Raise NotNowError for a session that has ended, PlanRefusedError for stops outside the limits."""
     if has_ended(record.state):
         raise NotNowError(
             f"Session {record.id} is {words(record.state)}; plan a new one for what is missing."
         )
-    cell = setup.cell
     limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
-    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
+    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits, done)

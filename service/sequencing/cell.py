@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drivers.api import Clock, PointTracker, RobotController
+from drivers.api import Clock, MotionLimits, PointTracker, RobotController
 from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from service.domain.session import Vector
@@ -26,6 +26,7 @@ class SessionCell:
     fixed_nests: tuple[FixedNest, ...]
     tracker_position_mm: Vector | None = None  # nominal, in the world
     fixed_nests_seen_mm: tuple[Vector, ...] | None = None  # in the tracker's frame, roughly
-    joint_limits: tuple[JointRange, ...] | None = None  # what the controller accepts
+    joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
+    speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
     certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
     attachment: int = 1  # how often the tool has been mounted

@@ -1,6 +1,6 @@
 """Goes through a plan without a cell: whether every move lies within the limits, how long it will take."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -82,12 +82,17 @@ def check_plan(
     nests: tuple[Nest, ...],
     fixed_nests: tuple[FixedNest, ...],
     limits: tuple[JointRange, ...],
+    done: Collection[int] = (),
 ) -> None:
-    """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
+    """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned.
+
+    The arm does not go again to the configurations that are `done`: limits that were tightened since do
+    not end a session that keeps to them from now on.
+    """
     _check_numbers(plan)
     _check_stops(plan, robot, nests)
     _check_fixed_nests(fixed_nests)
-    for section, move in _moves(session_sections(plan, len(fixed_nests))):
+    for section, move in _moves(session_sections(plan, len(fixed_nests), done=done)):
         outside = joint_outside(move.target_rad, limits)
         if outside is not None:
             what = "The approach to" if move.approach else "The stop at"

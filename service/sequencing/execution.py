@@ -11,6 +11,7 @@ from service.sequencing.cell import SessionCell
 from service.sequencing.errors import ReadingRejectedError
 from service.sequencing.fixed_nests import FixedNests
 from service.sequencing.journal import SessionJournal
+from service.sequencing.limits import slowest
 from service.sequencing.steps import (
     CheckFaces,
     CheckReferences,
@@ -86,8 +87,8 @@ class Execution:
         await self._journal.noted(_introduce("tracker", await _connect(self._cell.tracker)))
         await self._journal.noted(_introduce("robot", await _connect(self._cell.robot_controller)))
         await self._cell.tracker.initialise()
-        limits = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
-        await self._cell.robot_controller.set_limits(limits)
+        planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
+        await self._cell.robot_controller.set_limits(slowest(planned, self._cell.speed_limits or planned))
 
     async def _read_joints(self, expected_rad: tuple[float, ...]) -> None:
         reading = await self._arm.read()

@@ -58,3 +58,8 @@ class SessionHistory:
     skipped: tuple[StopSkipped, ...] = ()
     registration: Registration | None = None  # the latest
     elapsed_s: float = 0.0  # as the last Progress said
+
+    @property
+    def done(self) -> frozenset[int]:
+        """Numbers of the configurations to which the arm does not go again."""
+        return frozenset([p.config for p in self.points] + [s.config for s in self.skipped])

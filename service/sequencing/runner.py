@@ -72,7 +72,7 @@ class SessionRunner:
     ) -> None:
         history = history or SessionHistory()
         limits = motion_limits(cell.robot, cell.joint_limits, plan)
-        check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
+        check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits, history.done)
         self._plan = plan
         self._limits = limits
         self._cell = cell
@@ -83,13 +83,13 @@ class SessionRunner:
         self._desk = Desk()
         self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, self._permission)
         self._execution = Execution(plan, cell, self._arm, journal, history.registration)
-        self._done = {point.config for point in history.points} | {s.config for s in history.skipped}
+        self._done = set(history.done)
         self._agenda = deque(
             session_sections(
                 plan,
                 len(cell.fixed_nests),
                 registered=history.registration is not None,
-                done=frozenset(self._done),
+                done=history.done,
             )
         )
         self._pace = Pace(
@@ -163,7 +163,8 @@ class SessionRunner:
             if has_ended(self._state) or self._wish is SessionState.ABORTING:
                 raise NotNowError(f"The session is {words(self._state)}; plan a new one for what is missing.")
             plan = extended_plan(self._plan, stops)
-            check_plan(plan, self._cell.robot, self._cell.nests, self._cell.fixed_nests, self._limits)
+            cell = self._cell
+            check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, self._limits, self._done)
             await keep()
             self._plan = plan
             self._agenda.extend(visits(plan, stops, len(self._cell.fixed_nests)))

@@ -22,6 +22,7 @@ from service.analysis.errors import (
 from service.domain.errors import TrueposeError
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import (
+    CellChangedError,
     DeviceInUseError,
     MissingDeviceError,
     NoBallbarError,
@@ -56,6 +57,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     WatchingTabletError: HTTPStatus.CONFLICT,
     DeviceInUseError: HTTPStatus.CONFLICT,
     MissingDeviceError: HTTPStatus.CONFLICT,
+    CellChangedError: HTTPStatus.CONFLICT,
     NoBallbarError: HTTPStatus.CONFLICT,
     RealCellError: HTTPStatus.CONFLICT,
     NothingMeasuredError: HTTPStatus.CONFLICT,

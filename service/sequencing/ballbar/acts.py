@@ -57,6 +57,7 @@ class ActOutcome:
     entry: int  # its number in the ledger
 
 
+LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it
 _ALWAYS: Final = frozenset({ActName.HAND_OVER, ActName.ABORT})
 _RUNNING: Final = frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS})
 _BY_STATE: Final = {

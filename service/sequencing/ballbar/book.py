@@ -1,15 +1,17 @@
 """The ledger as the runner has it: every line reaches the disk before anything follows from it."""
 
 import asyncio
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from drivers.api import Clock
 from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry, LengthTaken
+from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, LengthTaken
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import Act, ActOutcome
+from service.sequencing.ballbar.agenda import steps
 from service.sequencing.ballbar.ledger import Ledger
 from service.sequencing.ballbar.record import Record
 from service.sequencing.ballbar.situation import Situation, situation_of
@@ -52,6 +54,11 @@ class Book:
     def entries(self) -> tuple[LedgerEntry, ...]:
         """Every line so far."""
         return tuple(self._entries)
+
+    @property
+    def planned(self) -> Iterator[BallbarStep]:
+        """All steps as they were planned, before anything was skipped or aimed anew."""
+        return steps(self._plan, self._kit)
 
     @property
     def last_length(self) -> LengthTaken | None:

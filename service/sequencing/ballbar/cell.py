@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from drivers.api import Ballbar, Clock, RobotController
+from drivers.api import Ballbar, Clock, MotionLimits, RobotController
 from service.domain.robot import JointRange, Robot
 
 
@@ -14,4 +14,5 @@ class BallbarCell:
     robot_controller: RobotController
     clock: Clock
     robot: Robot
-    joint_limits: tuple[JointRange, ...] | None = None  # what the controller accepts
+    joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
+    speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says

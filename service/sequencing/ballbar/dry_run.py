@@ -55,14 +55,19 @@ def motion_limits(robot: Robot, joint_limits: tuple[JointRange, ...] | None) -> 
 
 def check_plan(plan: BallbarPlan, kit: BallbarKit, robot: Robot, limits: Sequence[JointRange]) -> None:
     """Raise PlanRefusedError, with one sentence, for the first thing that cannot be done as planned."""
+    check_structure(plan, kit)
+    for step in steps(plan, kit):
+        check_motion(step, robot, limits)
+
+
+def check_structure(plan: BallbarPlan, kit: BallbarKit) -> None:
+    """Raise PlanRefusedError for what no cell could do."""
     _check_numbers(plan, kit)
     _check_numbering(plan)
     for placement in plan.placements:
         _check_cups(placement, kit)
         for pose in placement.poses:
             check_pose(pose, kit)
-    for step in steps(plan, kit):
-        check_motion(step, robot, limits)
 
 
 def check_motion(step: BallbarStep, robot: Robot, limits: Sequence[JointRange]) -> None:

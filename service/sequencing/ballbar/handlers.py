@@ -74,7 +74,7 @@ class ActHandlers:
             raise NotNowError(f"The session is {words(now.state)}; '{act.name}' cannot be done now.")
 
     async def do(self, act: Act) -> ActOutcome:
-        """Do what an act asks for; raises NotNowError, ReasonMissingError."""
+        """Do what an act asks for; raises NotNowError, ReasonMissingError, PlanRefusedError."""
         outcome = await self._handlers[act.name](act)
         await self._floor.settle()
         return outcome
@@ -82,6 +82,7 @@ class ActHandlers:
     # the course of the session
 
     async def _start(self, act: Act) -> ActOutcome:
+        self._floor.motion.require_plan_within_limits()
         text = control.state_text(SessionState.RUNNING, f"{act.person.strip()} started the session.")
         number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=text)
         return ActOutcome("The session has begun.", number)
@@ -92,6 +93,7 @@ class ActHandlers:
     async def _go_on(self, act: Act, what: str) -> ActOutcome:
         if self._floor.motion.moving:
             raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
+        self._floor.motion.require_plan_within_limits()
         number = await self._floor.book.enter(SessionState.RUNNING, f"{act.person.strip()} {what}.", act)
         self._floor.motion.wish = None
         self._floor.motion.forget()
@@ -142,6 +144,7 @@ class ActHandlers:
         step_id = act.step_id or ""
         if now.step is None or now.step.kind is not StepKind.MOVE:
             return ActOutcome("Done.", await self._floor.book.append(EntryKind.CONFIRMED, step_id, act))
+        self._floor.motion.require_within_limits(now.step)
         await self._require_present_look(act)
         self._floor.motion.confirmed_s = await self._clock.now_s()
         number = await self._floor.book.append(EntryKind.CONFIRMED, step_id, act)

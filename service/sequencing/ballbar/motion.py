@@ -13,6 +13,7 @@ from service.domain.session import SessionState
 from service.sequencing.arm import Arm, Permission
 from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.ballbar.dry_run import check_motion
 from service.sequencing.ballbar.stand import Stand, joint_away
 from service.sequencing.errors import MotionForbiddenError
 
@@ -26,6 +27,8 @@ class Motion:
         self, plan: BallbarPlan, cell: BallbarCell, limits: tuple[JointRange, ...], book: Book, stand: Stand
     ) -> None:
         self._plan = plan
+        self._robot = cell.robot
+        self._limits = limits
         self._clock = cell.clock
         self._book = book
         self._stand = stand
@@ -46,6 +49,18 @@ class Motion:
         self._arm.forget()
         self._stand.forget()
         self.confirmed_s = None
+
+    def require_plan_within_limits(self) -> None:
+        """Raise PlanRefusedError for the first planned motion that is left and leaves what binds it now."""
+        now = self._book.situation
+        for step in self._book.planned:
+            outcome = now.outcomes.get(step.id)
+            if outcome is not None and outcome.kind == "open":
+                self.require_within_limits(step)
+
+    def require_within_limits(self, step: BallbarStep) -> None:
+        """Raise PlanRefusedError where the motion of a step leaves what binds it now."""
+        check_motion(step, self._robot, self._limits)
 
     async def perform(self, step: BallbarStep) -> ArrivalTaken:
         """Move along the way of a step and come to rest; raises MotionForbiddenError, the driver's errors."""

@@ -22,7 +22,7 @@ from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
-from service.sequencing.ballbar.dry_run import check_plan, check_pose, motion_limits
+from service.sequencing.ballbar.dry_run import check_plan, check_pose, check_structure, motion_limits
 from service.sequencing.ballbar.floor import Floor
 from service.sequencing.ballbar.foresight import Foresight
 from service.sequencing.ballbar.handlers import ActHandlers
@@ -53,7 +53,8 @@ class BallbarRunner:
     """One ballbar session on one cell; `run` is its task, all other methods may be called from other tasks.
 
     `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
-    Raises PlanRefusedError where the plan does not fit the cell.
+    Raises PlanRefusedError where the plan does not fit the cell; a session that has begun says so at the
+    next act that would have it go on.
     """
 
     def __init__(
@@ -70,14 +71,17 @@ class BallbarRunner:
         breath_s: float = _BREATH_S,
     ) -> None:
         self._limits = motion_limits(cell.robot, cell.joint_limits)
-        check_plan(plan, kit, cell.robot, self._limits)
+        if entries:  # limits that were tightened since bind its next act; it is not lost by them
+            check_structure(plan, kit)
+        else:
+            check_plan(plan, kit, cell.robot, self._limits)
         self._plan = plan
         self._kit = kit
         self._cell = cell
         self._foresight = foresight
         self._breath_s = breath_s
         self._book = Book(plan, kit, ledger, cell.clock, entries)
-        self._stand = Stand(cell.robot_controller, cell.clock, plan)
+        self._stand = Stand(cell, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
         self._motion = Motion(plan, cell, self._limits, self._book, self._stand)
         self._floor = Floor(kit, judges or Judges(), self._book, self._readings, self._stand, self._motion)

@@ -5,8 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from drivers.api import Clock, JointReading, MotionLimits, RobotController
+from drivers.api import JointReading, MotionLimits
 from service.domain.ballbar import ArrivalTaken, BallbarPlan
+from service.sequencing.ballbar.cell import BallbarCell
+from service.sequencing.limits import slowest
 
 _RECENT_S: Final = 2.0  # an older statement says nothing of now
 
@@ -14,9 +16,9 @@ _RECENT_S: Final = 2.0  # an older statement says nothing of now
 class Stand:
     """Asks the robot where it is, one question at a time."""
 
-    def __init__(self, controller: RobotController, clock: Clock, plan: BallbarPlan) -> None:
-        self._controller = controller
-        self._clock = clock
+    def __init__(self, cell: BallbarCell, plan: BallbarPlan) -> None:
+        self._controller = cell.robot_controller
+        self._speed_limits = cell.speed_limits
         self._plan = plan
         self._turn = asyncio.Lock()
         self._seen: tuple[JointReading, ...] = ()  # the last two
@@ -26,8 +28,8 @@ class Stand:
         if not self._controller.connected:
             await self._controller.connect()
             await self._controller.identify()
-        limits = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
-        await self._controller.set_limits(limits)
+        planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
+        await self._controller.set_limits(slowest(planned, self._speed_limits or planned))
 
     async def close(self) -> None:
         """Close the link; the next opening begins a new conversation."""

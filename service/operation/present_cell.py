@@ -1,0 +1,76 @@
+"""The cell as it is now, against what was stored with a session: what binds a motion is the tighter of both.
+
+A session keeps the cell it was planned in, because its readings belong to that. What the arm may do is
+another matter: whoever tightens a limit in the cell file means every motion from then on.
+"""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeAlias
+
+from drivers.api import MotionLimits
+from service.domain.cell import Cell, CellLimits
+from service.domain.errors import TrueposeError
+from service.domain.robot import JointRange
+from service.operation.errors import CellChangedError
+from service.sequencing.errors import PlanRefusedError
+from service.sequencing.limits import common_ranges, slowest
+
+ReadCell: TypeAlias = Callable[[], Cell]
+
+
+class PresentCell:
+    """The cell that the service was started with, and whether its file still says the same.
+
+    Without a cell only what was stored with a session binds its motions.
+    """
+
+    def __init__(self, cell: Cell | None = None, read_again: ReadCell | None = None) -> None:
+        self._cell = cell
+        self._read_again = read_again
+
+    async def require_unchanged(self) -> None:
+        """Raise CellChangedError where the cell file does not say what the service was started with."""
+        if self._read_again is None:
+            return
+        try:
+            found = await asyncio.to_thread(self._read_again)
+        except TrueposeError as error:
+            raise CellChangedError(
+                f"The cell file cannot be read any more ({error}). Nothing moves by the old one: put the "
+                "file right, then restart the service."
+            ) from error
+        if found != self._cell:
+            raise CellChangedError(
+                "The cell file has changed since the service was started. Nothing moves by the old one: "
+                "restart the service, so that the new one counts, then confirm again."
+            )
+
+    def bound(self, stored: Cell) -> Cell:
+        """Return a session's cell with the limits that bind its motions now; raises PlanRefusedError."""
+        present = self._cell
+        if present is None:
+            return stored
+        if present.robot.name != stored.robot.name:
+            raise PlanRefusedError(
+                f"The session was planned for the robot {stored.robot.name}; the cell has "
+                f"{present.robot.name} now. Plan a new session for it."
+            )
+        speed = slowest(speed_limits(stored.limits), speed_limits(present.limits))
+        limits = replace(
+            stored.limits,
+            joints=common_ranges(_joint_limits(stored), _joint_limits(present)),
+            tool_speed_mm_s=speed.tool_speed_mm_s,
+            orientation_speed_rad_s=speed.orientation_speed_rad_s,
+        )
+        return replace(stored, limits=limits)
+
+
+def speed_limits(limits: CellLimits) -> MotionLimits:
+    """Return the speeds above which nothing moves in a cell."""
+    return MotionLimits(limits.tool_speed_mm_s, limits.orientation_speed_rad_s)
+
+
+def _joint_limits(cell: Cell) -> tuple[JointRange, ...] | None:
+    return cell.limits.joints or cell.robot.joint_limits
