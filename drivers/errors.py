@@ -7,6 +7,8 @@ DriverError
 │   ├── ConnectionLostError      it was there and is gone
 │   └── NoReplyError             it is there and says nothing
 ├── RemoteProtocolError        the device said something the protocol does not know
+│   └── ImplausibleReadingError  it said something that no instrument of its kind can mean
+├── DriverFaultError           the driver itself failed, with an error that is none of these
 ├── DeviceRefusedError         the device understood and refused
 │   ├── NotInitialisedError      it must be initialised first
 │   ├── BusyError                it is doing something else
@@ -43,6 +45,14 @@ class NoReplyError(LinkError):
 
 class RemoteProtocolError(DriverError):
     """The device sent something that its protocol does not know."""
+
+
+class ImplausibleReadingError(RemoteProtocolError):
+    """The device sent a reading that no instrument of its kind can mean."""
+
+
+class DriverFaultError(DriverError):
+    """The driver failed with an error that is none of a driver; its link was closed."""
 
 
 class DeviceRefusedError(DriverError):

@@ -11,7 +11,8 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import get_args
 
 from drivers.api import AnyDevice, Clock, DeviceKind, DriverPlugin, Options
-from drivers.errors import ConfigurationError
+from drivers.errors import ConfigurationError, DriverError
+from drivers.guard import fault_of, guarded
 
 ENTRY_POINT_GROUP = "truepose.drivers"
 
@@ -39,7 +40,7 @@ class DriverRegistry:
         raise ConfigurationError(f"there is no driver {name!r}; installed drivers: {known}")
 
     def open(self, name: str, options: Options, clock: Clock | None = None) -> AnyDevice:
-        """Build a driver; connects nothing.
+        """Build a driver behind its guard; connects nothing.
 
         Without `clock` it stamps with the computer's monotonic time. Raises ConfigurationError for an
         unknown driver or option, or a value that does not fit.
@@ -52,9 +53,13 @@ class DriverRegistry:
                 f"driver {name} has no option {', '.join(unknown)}; its options: {known}"
             )
         try:
-            return plugin.open(options, clock)
+            return guarded(name, plugin.kind, plugin.open(options, clock))
         except ConfigurationError as error:
             raise ConfigurationError(f"driver {name}: {error}") from error
+        except DriverError:
+            raise
+        except Exception as error:
+            raise fault_of(name, "open", error) from error
 
 
 def load_registry(entries: Iterable[EntryPoint] | None = None) -> DriverRegistry:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from drivers.api import DriverPlugin
-from drivers.errors import ConfigurationError
+from drivers.errors import ConfigurationError, DriverFaultError
+from drivers.guard import GuardedTracker
 from drivers.leica_emscon.driver import PLUGIN as TRACKER
-from drivers.leica_emscon.driver import LaserTracker
 from drivers.registry import ENTRY_POINT_GROUP, load_registry
 
 PYPROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
@@ -59,7 +59,7 @@ def test_a_driver_is_opened_by_its_name_and_connects_nothing():
 
     tracker = registry.open("leica_emscon", {"host": "127.0.0.1", "reflector": "RRR"})
 
-    assert isinstance(tracker, LaserTracker)
+    assert isinstance(tracker, GuardedTracker)
     assert not tracker.connected
 
 
@@ -147,4 +147,14 @@ def test_a_third_party_driver_needs_nothing_but_the_api():
     )
     registry = load_registry([FakeEntryPoint("theirs", plugin)])
 
-    assert isinstance(registry.open("theirs", {"usb": "A1"}), Tracker)
+    assert isinstance(registry.open("theirs", {"usb": "A1"}), GuardedTracker)
+
+
+def test_a_driver_that_fails_while_it_is_opened_is_named():
+    def stumble(options, clock):
+        raise KeyError("usb")
+
+    registry = load_registry([named("theirs", open=stumble)])
+
+    with pytest.raises(DriverFaultError, match="driver theirs failed in open.*KeyError"):
+        registry.open("theirs", {})

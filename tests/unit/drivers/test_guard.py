@@ -1,0 +1,296 @@
+"""The guard between any driver and the service: what passes, what becomes a sentence, what is no reading."""
+
+import asyncio
+import math
+import struct
+from dataclasses import replace
+
+import pytest
+
+from drivers.api import (
+    BallbarReading,
+    Clock,
+    DeviceIdentity,
+    Environment,
+    JointReading,
+    MotionLimits,
+    TrackerReading,
+)
+from drivers.errors import (
+    BeamBrokenError,
+    ConnectionLostError,
+    DriverFaultError,
+    ImplausibleReadingError,
+    RemoteProtocolError,
+)
+from drivers.guard import guarded
+
+POINT = TrackerReading((3000.0, 1.0, 2.0), (0.01, 0.01, 0.01), 0.02, 50, 1.0, 1, 10.0)
+JOINTS = JointReading((0.1, -0.2, 0.3, 0.0, 1.0, -1.0), 1e-4, 10.0)
+LENGTH = BallbarReading(0.1234, "good", 1e-4, 10.0, 21.0, 7)
+AIR = Environment(20.0, 1013.0, 50.0)
+FOREIGN = [
+    ValueError("The device has no langid"),
+    OSError(5, "Input/output error"),
+    struct.error("unpack requires a buffer"),
+    KeyError("serial"),
+    UnicodeDecodeError("ascii", b"\xff", 0, 1, "ordinal not in range"),
+    RecursionError("maximum recursion depth exceeded"),
+    TimeoutError(),
+    AssertionError(),
+]
+
+
+class Instrument:
+    """A device of any kind; what it is asked for comes from `says`, or is raised."""
+
+    can_stop_motion = False
+
+    def __init__(self, *says: object) -> None:
+        self.says = list(says)
+        self.connected = True
+
+    async def _answer(self, *asked: object, **more: object):
+        said = self.says.pop(0) if len(self.says) > 1 else self.says[0]
+        if isinstance(said, BaseException):
+            raise said
+        return said
+
+    connect = identify = initialise = find_reflector = measure_point = change_face = environment = _answer
+    set_limits = move_joints = read_joints = read = do = now_s = sleep = _answer
+
+    async def close(self) -> None:
+        self.connected = False
+
+
+CALLS = {
+    "tracker": [
+        ("connect", (), {}),
+        ("identify", (), {}),
+        ("initialise", (), {}),
+        ("find_reflector", ((1.0, 0.0, 0.0),), {"search_radius_mm": 5.0}),
+        ("measure_point", (), {"duration_s": 1.0}),
+        ("change_face", (), {}),
+        ("environment", (), {}),
+    ],
+    "robot": [("set_limits", (MotionLimits(),), {}), ("move_joints", ((0.0,),), {}), ("read_joints", (), {})],
+    "ballbar": [("read", (), {})],
+    "hands": [("do", ("detach", {}), {})],
+    "clock": [("now_s", (), {}), ("sleep", (1.0,), {})],
+}
+EVERY_CALL = [(kind, *call) for kind, calls in CALLS.items() for call in calls]
+
+
+@pytest.mark.parametrize("error", FOREIGN, ids=lambda error: type(error).__name__)
+@pytest.mark.parametrize(("kind", "name", "given", "named"), EVERY_CALL)
+async def test_an_error_that_is_none_of_a_driver_becomes_a_sentence_and_closes_the_link(
+    kind, name, given, named, error
+):
+    instrument = Instrument(error)
+    device = guarded("acme", kind, instrument)
+
+    with pytest.raises(
+        DriverFaultError, match=f"driver acme failed in {name} .*{type(error).__name__}.*check"
+    ):
+        await getattr(device, name)(*given, **named)
+
+    assert kind == "clock" or not device.connected
+
+
+async def test_what_a_driver_says_itself_passes_and_leaves_the_link():
+    device = guarded("acme", "tracker", Instrument(BeamBrokenError("beam broken")))
+
+    with pytest.raises(BeamBrokenError):
+        await device.measure_point(duration_s=1.0)
+
+    assert device.connected
+
+
+@pytest.mark.parametrize("error", [asyncio.CancelledError(), KeyboardInterrupt()])
+async def test_what_ends_a_task_passes(error):
+    instrument = Instrument(error)
+
+    with pytest.raises(type(error)):
+        await guarded("acme", "ballbar", instrument).read()
+
+
+async def test_closing_never_raises_and_a_state_that_cannot_be_told_is_not_connected():
+    class Stubborn(Instrument):
+        @property
+        def connected(self):
+            raise ValueError("no")
+
+        @connected.setter
+        def connected(self, value):
+            pass
+
+        async def close(self):
+            raise OSError("no")
+
+    device = guarded("acme", "robot", Stubborn(None))
+
+    await device.close()
+
+    assert not device.connected
+
+
+POINTS_THAT_ARE_NONE = [
+    {"point_mm": (math.nan, 0.0, 0.0)},
+    {"point_mm": (math.inf, 0.0, 0.0)},
+    {"point_mm": (1e12, 0.0, 0.0)},
+    {"point_mm": (150_000.0, 150_000.0, 0.0)},
+    {"standard_deviation_mm": (-0.01, 0.01, 0.01)},
+    {"standard_deviation_mm": (math.inf, 0.01, 0.01)},
+    {"rms_mm": -1.0},
+    {"rms_mm": math.inf},
+    {"samples": -1},
+    {"samples": 0},
+    {"duration_s": -1.0},
+    {"face": 3},
+    {"time_s": math.nan},
+    {"covariance_mm2": ((math.nan, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))},
+    {"covariance_mm2": ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))},
+    {"covariance_mm2": ((1.0, 2.0, 0.0), (2.0, 1.0, 0.0), (0.0, 0.0, 1.0))},
+    {"covariance_mm2": ((1.0, 0.5, 0.0), (0.1, 1.0, 0.0), (0.0, 0.0, 1.0))},
+]
+
+
+@pytest.mark.parametrize("changes", POINTS_THAT_ARE_NONE, ids=str)
+async def test_a_point_that_no_tracker_means_is_no_reading(changes):
+    device = guarded("acme", "tracker", Instrument(replace(POINT, **changes)))
+
+    with pytest.raises(ImplausibleReadingError, match="driver acme.*check"):
+        await device.measure_point(duration_s=1.0)
+
+    assert not device.connected
+
+
+async def test_a_point_that_a_tracker_means_passes():
+    known = replace(POINT, covariance_mm2=((1e-4, 1e-5, 0.0), (1e-5, 4e-4, 0.0), (0.0, 0.0, 4e-4)))
+    silent = replace(POINT, standard_deviation_mm=(math.nan,) * 3, rms_mm=math.nan)
+    device = guarded("acme", "tracker", Instrument(known, silent))
+
+    assert await device.measure_point(duration_s=1.0) is known
+    assert await device.measure_point(duration_s=1.0) is silent
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"joints_rad": ()},
+        {"joints_rad": (math.nan,) * 6},
+        {"joints_rad": (100.0, 0.0, 0.0, 0.0, 0.0, 0.0)},
+        {"joints_rad": (0.0,) * 5},
+        {"joints_rad": (0.0,) * 7},
+        {"resolution_rad": -1.0},
+        {"time_s": 9.0},
+    ],
+    ids=str,
+)
+async def test_joints_that_no_arm_has_are_no_reading(changes):
+    device = guarded("acme", "robot", Instrument(JOINTS, replace(JOINTS, **changes)))
+    await device.read_joints()
+
+    with pytest.raises(ImplausibleReadingError):
+        await device.read_joints()
+
+    assert not device.connected
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"deviation_mm": math.nan},
+        {"deviation_mm": -math.inf},
+        {"deviation_mm": 1000.1},
+        {"signal": "perhaps"},
+        {"resolution_mm": 0.0},
+        {"temperature_c": 1e6},
+        {"time_s": 9.0},
+    ],
+    ids=str,
+)
+async def test_a_length_that_no_gauge_shows_is_no_reading(changes):
+    device = guarded("acme", "ballbar", Instrument(LENGTH, replace(LENGTH, **changes)))
+    await device.read()
+
+    with pytest.raises(ImplausibleReadingError):
+        await device.read()
+
+    assert not device.connected
+
+
+async def test_without_a_signal_a_value_is_not_asked_for():
+    nothing = replace(LENGTH, deviation_mm=math.nan, signal="none", temperature_c=None)
+
+    assert await guarded("acme", "ballbar", Instrument(nothing)).read() is nothing
+
+
+async def test_a_new_connection_may_begin_at_another_time():
+    device = guarded("acme", "ballbar", Instrument(LENGTH, None, replace(LENGTH, time_s=0.0)))
+    await device.read()
+
+    await device.connect()
+
+    assert (await device.read()).time_s == 0.0
+
+
+@pytest.mark.parametrize("temperature_c", [-273.15, math.inf, 1e9])
+async def test_air_that_nobody_could_stand_in_is_no_reading(temperature_c):
+    device = guarded("acme", "tracker", Instrument(replace(AIR, temperature_c=temperature_c)))
+
+    with pytest.raises(ImplausibleReadingError, match="temperature"):
+        await device.environment()
+
+
+async def test_a_thing_that_is_no_reading_at_all_is_a_fault_of_the_driver():
+    with pytest.raises(DriverFaultError, match="AttributeError"):
+        await guarded("acme", "ballbar", Instrument(0.1234)).read()
+
+
+async def test_an_identity_is_made_of_characters_that_can_be_seen_and_kept():
+    said = DeviceIdentity("Acme\x00", "bar\ud800", " ", "1" * 5000)
+
+    identity = await guarded("acme", "ballbar", Instrument(said)).identify()
+
+    assert (identity.manufacturer, identity.model, identity.serial) == ("Acme?", "bar?", "unknown")
+    assert len(identity.firmware) == 200
+
+
+async def test_a_clock_that_goes_back_is_told_once():
+    clock = guarded("acme", "clock", Instrument(5.0, 4.0, 4.5))
+    assert isinstance(clock, Clock)
+    assert await clock.now_s() == 5.0
+
+    with pytest.raises(ImplausibleReadingError, match=r"4\.0 s after 5\.0 s"):
+        await clock.now_s()
+
+    assert await clock.now_s() == 4.5
+
+
+async def test_answers_of_a_clock_that_overtake_each_other_are_no_fault():
+    class Slow(Instrument):
+        async def now_s(self) -> float:
+            self.says[0] += 1.0
+            mine = self.says[0]
+            await asyncio.sleep(0.01 if mine == 1.0 else 0.0)  # the first answer comes last
+            return mine
+
+    clock = guarded("acme", "clock", Slow(0.0))
+
+    assert await asyncio.gather(clock.now_s(), clock.now_s()) == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("now_s", [math.nan, math.inf])
+async def test_a_time_that_is_none_is_refused(now_s):
+    with pytest.raises(ImplausibleReadingError):
+        await guarded("acme", "clock", Instrument(now_s)).now_s()
+
+
+def test_a_reading_that_is_none_is_nonsense_of_the_device():
+    assert issubclass(ImplausibleReadingError, RemoteProtocolError)
+
+
+async def test_a_lost_link_stays_a_lost_link():
+    with pytest.raises(ConnectionLostError):
+        await guarded("acme", "robot", Instrument(ConnectionLostError("gone"))).read_joints()
