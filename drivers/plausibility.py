@@ -27,10 +27,9 @@ def require_point(reading: TrackerReading) -> None:
         distance_mm <= _FARTHEST_POINT_MM,
         f"a point {distance_mm / 1000.0:.3g} m away, farther than any tracker measures",
     )
+    spreads_mm = (*reading.standard_deviation_mm, reading.rms_mm)  # NaN where the instrument states none
     _require(
-        not any(
-            value < 0.0 or math.isinf(value) for value in (*reading.standard_deviation_mm, reading.rms_mm)
-        ),
+        not any(value < 0.0 or math.isinf(value) for value in spreads_mm),
         f"standard deviations of {reading.standard_deviation_mm} mm and a scatter of {reading.rms_mm} mm",
     )
     _require(reading.samples >= 1, f"a mean of {reading.samples} samples")

@@ -40,8 +40,8 @@ class TcpLink:
                 f"nobody answers at {self.address} within {self._connect_timeout_s:g} s:"
                 " check power, cable and address"
             ) from error
-        except OSError as error:
-            reason = error.strerror or str(error)
+        except (OSError, UnicodeError) as error:  # UnicodeError: no name of a host
+            reason = getattr(error, "strerror", None) or str(error)
             raise ConnectFailedError(
                 f"no connection to {self.address} ({reason}): check power, cable and address"
             ) from error

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Protocol, TypeVar
 
+import usb.control
 import usb.core
 import usb.util
 
@@ -237,7 +238,12 @@ def _is_interrupt_in(endpoint: Any) -> bool:
 
 
 def _texts(device: Any) -> tuple[str, str, str]:
-    return device.manufacturer or "", device.product or "", device.serial_number or ""
+    try:
+        return device.manufacturer or "", device.product or "", device.serial_number or ""
+    except (ValueError, IndexError):
+        # No language, which pyusb says of a pulled cable too, or no text: the device's status tells.
+        usb.control.get_status(device)
+        return "", "", ""
 
 
 def _read_packet(endpoint: Any, timeout_ms: int) -> bytes | None:

@@ -19,10 +19,9 @@ from typing import Final
 from drivers.errors import (
     ConfigurationError,
     DeviceRefusedError,
-    LinkError,
+    DriverError,
     MeasurementFailedError,
     NotInitialisedError,
-    RemoteProtocolError,
 )
 from service.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
 from service.sequencing.arm import Arm, Permission
@@ -280,12 +279,16 @@ class SessionRunner:
         self._execution.begin_section()
         try:
             await self._do_steps(section)
-        except (LinkError, RemoteProtocolError, NotInitialisedError, MotionForbiddenError) as error:
+        except (NotInitialisedError, MotionForbiddenError) as error:
             await self._on_interruption(section, error)
         except (MeasurementFailedError, DeviceRefusedError, ReadingRejectedError) as error:
             await self._on_failed_measurement(section, str(error))
         except AttentionNeededError as error:
             await self._on_attention_needed(section, str(error))
+        except ConfigurationError:
+            raise
+        except DriverError as error:  # the link, nonsense on it, or a driver that failed
+            await self._on_interruption(section, error)
 
     async def _do_steps(self, section: Section) -> None:
         await self._tick()

@@ -89,9 +89,8 @@ async def test_an_error_that_is_none_of_a_driver_becomes_a_sentence_and_closes_t
     instrument = Instrument(error)
     device = guarded("acme", kind, instrument)
 
-    with pytest.raises(
-        DriverFaultError, match=f"driver acme failed in {name} .*{type(error).__name__}.*check"
-    ):
+    sentence = rf"driver acme failed in {name} .*{type(error).__name__}.*check"
+    with pytest.raises(DriverFaultError, match=sentence):
         await getattr(device, name)(*given, **named)
 
     assert kind == "clock" or not device.connected
@@ -159,7 +158,7 @@ POINTS_THAT_ARE_NONE = [
 async def test_a_point_that_no_tracker_means_is_no_reading(changes):
     device = guarded("acme", "tracker", Instrument(replace(POINT, **changes)))
 
-    with pytest.raises(ImplausibleReadingError, match="driver acme.*check"):
+    with pytest.raises(ImplausibleReadingError, match=r"driver acme.*check"):
         await device.measure_point(duration_s=1.0)
 
     assert not device.connected

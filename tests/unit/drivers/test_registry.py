@@ -156,5 +156,5 @@ def test_a_driver_that_fails_while_it_is_opened_is_named():
 
     registry = load_registry([named("theirs", open=stumble)])
 
-    with pytest.raises(DriverFaultError, match="driver theirs failed in open.*KeyError"):
+    with pytest.raises(DriverFaultError, match=r"driver theirs failed in open.*KeyError"):
         registry.open("theirs", {})

@@ -141,6 +141,12 @@ async def test_a_refused_connection_names_address_and_remedy():
             await link.open()
 
 
+@pytest.mark.parametrize("host", ["robot..cell", "a" * 70, "\udcff"])
+async def test_a_name_that_is_none_of_a_host_is_told_like_one_that_nobody_has(host):
+    with pytest.raises(ConnectFailedError, match="check power, cable and address"):
+        await TcpLink(host, 5000).open()
+
+
 async def test_a_host_that_accepts_nothing_runs_into_the_time_out():
     with socket.socket() as full:
         full.bind(("127.0.0.1", 0))

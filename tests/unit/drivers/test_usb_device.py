@@ -32,6 +32,7 @@ class FakeGadget:
         endpoints = (endpoint or UsbEndpoint(0x81, 3, 8, 1),)
         self.configuration = Configuration(1, (Interface(0, 3, 0, 0, endpoints, report_descriptor_bytes=3),))
         self.plugged = True
+        self.mute = False  # tells none of its texts
         self.packets: asyncio.Queue[bytes] = asyncio.Queue()
         self.heard: list[tuple[Setup, bytes]] = []
         self.attached = 0
@@ -46,6 +47,8 @@ class FakeGadget:
             if setup.request == 99:
                 raise StallError
             return b"\x2a"
+        if self.mute and setup.value >> 8 == 3:
+            raise StallError
         return self._standard.answer(setup)
 
     async def ready(self) -> None:
@@ -143,6 +146,25 @@ async def test_a_pulled_cable_is_a_lost_connection_until_it_is_back():
         await device.open()
 
         assert await device.texts() == STRINGS
+
+
+async def test_a_cable_that_is_pulled_before_the_texts_are_asked_for_is_a_lost_connection():
+    async with served(UsbipServer(FakeGadget()).serve) as port:
+        device = UsbDevice(RemoteUsb("127.0.0.1", port, "1-1"))
+        await device.open()
+
+    with pytest.raises(ConnectionLostError, match="check its cable"):  # pyusb itself says: no langid
+        await device.texts()
+
+    assert not device.is_open
+
+
+async def test_a_device_without_texts_has_empty_ones():
+    gadget = FakeGadget()
+    gadget.mute = True
+    async with opened(gadget) as device:
+        assert await device.texts() == ("", "", "")
+        assert device.is_open
 
 
 async def test_a_device_that_somebody_has_is_told():

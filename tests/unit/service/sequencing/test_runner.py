@@ -10,6 +10,9 @@ import pytest
 from drivers.errors import (
     BeamBrokenError,
     ConnectionLostError,
+    DriverError,
+    DriverFaultError,
+    ImplausibleReadingError,
     NoReplyError,
     ReflectorNotFoundError,
     TargetRefusedError,
@@ -292,6 +295,37 @@ async def test_a_lost_robot_waits_for_a_person_and_goes_on_where_it_was(fault):
     assert str(fault) in operator.questions[1]
     assert operator.questions[1].endswith(CELL_CLEAR)
     assert [point.config for point in cell.journal.points] == [1, 2, 3, 4, 5]
+    assert cell.tracker.initialised == 2
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        DriverFaultError("driver acme failed in measure_point (ValueError: The device has no langid)"),
+        ImplausibleReadingError("device of driver acme: it states a point 1e+09 m away"),
+        DriverError("a word of a driver of somebody else's"),
+    ],
+    ids=lambda fault: type(fault).__name__,
+)
+async def test_a_driver_that_fails_has_the_session_wait_with_its_sentence(fault):
+    cell = FakeCell()
+    measure = cell.tracker.measure_point
+    failed = []
+
+    async def fail_once(*, duration_s):
+        if len(cell.journal.points) == 2 and not failed:
+            failed.append(True)
+            raise fault
+        return await measure(duration_s=duration_s)
+
+    cell.tracker.measure_point = fail_once
+    operator = PatientOperator()
+
+    ended = await run_session(cell, make_plan(4), operator)
+
+    assert ended is SessionState.FINISHED
+    assert str(fault) in operator.questions[1]
+    assert [point.config for point in cell.journal.points] == [1, 2, 3, 4]
     assert cell.tracker.initialised == 2
 
 
