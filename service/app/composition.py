@@ -160,6 +160,7 @@ def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) ->
             kind=drivers.plugin(entry.driver).kind,
             protocol=drivers.plugin(entry.driver).protocol,
             device=drivers.open(entry.driver, entry.options, clock),
+            expected_serial=cell.expected_serial(drivers.plugin(entry.driver).kind, entry),
         )
         for entry in cell.devices
         if entry not in clock_entries

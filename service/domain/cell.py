@@ -97,3 +97,13 @@ class Cell:
     devices: tuple[DeviceEntry, ...] = ()
     simulated: SimulatedCell | None = None
     ballbar: BallbarKit | None = None  # None: the cell has none
+
+    def expected_serial(self, kind: str, entry: DeviceEntry) -> str:
+        """Return which serial number a device must answer with, empty where the cell names none.
+
+        The number of the device's own entry comes first: a controller's or a cable's number may be another
+        one than that of the robot or of the ballbar behind it.
+        """
+        if kind == "ballbar" and self.ballbar is not None:
+            return entry.serial_number or self.ballbar.instrument.serial_number
+        return entry.serial_number or (self.robot_serial_number if kind == "robot" else "")

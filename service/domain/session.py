@@ -79,6 +79,7 @@ class PointTaken:
     repeat_of: int | None = None
     # Of the reading, world frame; None where the instrument states a standard uncertainty only.
     covariance_mm2: tuple[Vector, Vector, Vector] | None = None
+    instrument_serial: str = ""  # as the tracker says it; empty where it does not
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +93,7 @@ class FixedNestTaken:
     position_tracker_mm: Vector
     position_world_mm: Vector | None  # None until the registration is known
     standard_uncertainty_mm: float
+    instrument_serial: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,7 @@ class Registration:
     two_face_mm: float | None  # half the difference between the faces
     scale: float | None = None  # certified over measured lengths; None: scale not verified
     scale_standard_uncertainty: float | None = None
+    instrument_serial: str = ""  # of the tracker that it is the place of
 
 
 @dataclass(frozen=True, slots=True)

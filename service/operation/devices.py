@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Final, cast
 
 from drivers.api import (
     AnyDevice,
@@ -18,7 +18,12 @@ from drivers.api import (
 )
 from drivers.errors import DriverError
 from service.domain.cell import DeviceEntry
+from service.domain.identities import IdentityOf
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+from service.sequencing.acquaintances import Expected
+from service.sequencing.identities import same_number, told
+
+_ASKED: Final[tuple[IdentityOf, ...]] = ("tracker", "robot", "ballbar")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +34,7 @@ class MountedDevice:
     kind: DeviceKind
     protocol: str
     device: AnyDevice
+    expected_serial: str = ""  # as the cell file says; empty: whoever answers
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +46,17 @@ class DeviceStatus:
     identity: DeviceIdentity | None  # as it last said itself
     fault: str | None  # of the last attempt to connect
     session_id: int | None  # which session holds it
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether another device answered than the cell file names."""
+        answered, expected = self.answered_serial, self.mounted.expected_serial
+        return bool(answered and expected) and not same_number(answered, expected)
+
+    @property
+    def answered_serial(self) -> str:
+        """Return the serial number that it told, empty where it told none."""
+        return "" if self.identity is None else told(self.identity.serial)
 
 
 class Rack:
@@ -91,6 +108,16 @@ class Rack:
         async with self._turns[name]:
             await device.close()
         return self.status(name)
+
+    def expected(self) -> Expected:
+        """Return which devices must answer, for a session that asks them itself."""
+        by_kind = {mounted.kind: mounted.expected_serial for mounted in reversed(self._mounted.values())}
+        return Expected({kind: by_kind.get(kind, "") for kind in _ASKED}, self._hear)
+
+    def _hear(self, kind: IdentityOf, identity: DeviceIdentity) -> None:
+        """Remember what a device said of itself in a session."""
+        name = next(name for name, mounted in self._mounted.items() if mounted.kind == kind)
+        self._identities[name] = identity
 
     def lend(self, session_id: int) -> None:
         """Give all devices to a session; raises DeviceInUseError where another has them."""

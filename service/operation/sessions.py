@@ -101,10 +101,11 @@ class SessionDesk:
             await self._refuse_beside_another(session_id)
             return await self._launch(record)
 
-    async def confirm(self, session_id: int, person: str) -> str:
+    async def confirm(self, session_id: int, person: str, accepted_serial: str = "") -> str:
         """Confirm what the session asks; takes up a session that a restart interrupted.
 
-        Raises NotFoundError, NotNowError, PersonMissingError, PlanRefusedError, CellChangedError.
+        `accepted_serial` is that of a tracker that the session questions. Raises NotFoundError, NotNowError,
+        PersonMissingError, PlanRefusedError, CellChangedError.
         """
         await self._present.require_unchanged()
         async with self._turn:
@@ -112,7 +113,7 @@ class SessionDesk:
             orphaned = self._running(session_id) is None
             if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
                 await self._launch(record)
-        return await self._require(record).confirm(person)
+        return await self._require(record).confirm(person, accepted_serial)
 
     async def pause(self, session_id: int, person: str | None) -> str:
         """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError."""
@@ -257,6 +258,7 @@ class SessionDesk:
             speed_limits=speed_limits(cell.limits),
             certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
+            expected=self._rack.expected(),
         )
 
     async def _history(self, record: SessionRecord) -> SessionHistory:
@@ -266,6 +268,7 @@ class SessionDesk:
             points=tuple(await self._readings.points(record.id)),
             skipped=tuple(await self._sessions.skipped(record.id)),
             registration=await self._sessions.registration(record.id),
+            identities=tuple(await self._sessions.identities(record.id)),
             elapsed_s=0.0 if progress is None else progress.elapsed_s,
         )
 

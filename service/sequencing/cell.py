@@ -1,11 +1,12 @@
 """What a session knows of the cell it runs in: its devices and where things nominally are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from drivers.api import Clock, MotionLimits, PointTracker, RobotController
 from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from service.domain.session import Vector
+from service.sequencing.acquaintances import Expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,3 +31,4 @@ class SessionCell:
     speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
     certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
     attachment: int = 1  # how often the tool has been mounted
+    expected: Expected = field(default_factory=Expected)  # which devices must answer

@@ -7,11 +7,14 @@ SequencingError
 ├── ReasonMissingError      a skip needs its reason
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
+│   └── ForeignRobotError   another robot answers than the one that is expected
 ├── ReadingRejectedError    an instrument answered, and the answer cannot be right
+├── ForeignInstrumentError  another instrument answers; a person accepts it, or puts the right one back
 └── AttentionNeededError    a person has to look at something before the session goes on
 """
 
 from service.domain.errors import TrueposeError
+from service.domain.identities import IdentityTaken
 
 
 class SequencingError(TrueposeError):
@@ -40,6 +43,18 @@ class PlanRefusedError(SequencingError):
 
 class MotionForbiddenError(SequencingError):
     """An interlock forbids a motion."""
+
+
+class ForeignRobotError(MotionForbiddenError):
+    """Another robot answers than the one that is expected."""
+
+
+class ForeignInstrumentError(SequencingError):
+    """Another instrument answers; a person accepts it, or puts the right one back."""
+
+    def __init__(self, found: IdentityTaken, sentence: str) -> None:
+        super().__init__(sentence)
+        self.found = found
 
 
 class ReadingRejectedError(SequencingError):

@@ -5,7 +5,9 @@ from typing import assert_never
 import numpy as np
 
 from drivers.api import DeviceIdentity, JointReading, MotionLimits, PointTracker, RobotController
+from service.domain.identities import IdentityOf
 from service.domain.session import Registration, SessionPlan
+from service.sequencing.acquaintances import Acquaintances
 from service.sequencing.arm import Arm
 from service.sequencing.cell import SessionCell
 from service.sequencing.errors import ReadingRejectedError
@@ -40,13 +42,17 @@ class Execution:
         arm: Arm,
         journal: SessionJournal,
         registration: Registration | None,
+        acquaintances: Acquaintances,
     ) -> None:
-        tracker = WatchfulTracker(cell.tracker)
+        tracker = WatchfulTracker(cell.tracker, acquaintances)
+        self._acquaintances = acquaintances
         self._plan = plan
         self._cell = cell
         self._arm = arm
         self._journal = journal
         self.fixed_nests = FixedNests(plan, cell, tracker, journal, registration)
+        if registration is not None and not acquaintances.vouch_for(registration):
+            self.fixed_nests.distrust()
         self._tool_nests = ToolNests(plan, cell, tracker, self.fixed_nests, journal)
         self._joints: JointReading | None = None
 
@@ -71,7 +77,7 @@ class Execution:
             case CheckReferences():
                 self.fixed_nests.check_references()
             case Move(target_rad):
-                await self._arm.move(target_rad)
+                await self._move(target_rad)
             case Settle(duration_s):
                 await self._cell.clock.sleep(duration_s)
             case ReadJoints(expected_rad):
@@ -84,11 +90,25 @@ class Execution:
                 assert_never(step)
 
     async def _open(self) -> None:
-        await self._journal.noted(_introduce("tracker", await _connect(self._cell.tracker)))
-        await self._journal.noted(_introduce("robot", await _connect(self._cell.robot_controller)))
+        await self._journal.noted(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
+        await self._journal.noted(_introduce("robot", await self._meet_robot()))
         await self._cell.tracker.initialise()
         planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
         await self._cell.robot_controller.set_limits(slowest(planned, self._cell.speed_limits or planned))
+
+    async def _move(self, target_rad: tuple[float, ...]) -> None:
+        robot = self._cell.robot_controller
+        if robot.connected:  # a link that is down is for a person; the interlocks say so
+            await self._acquaintances.meet("robot", robot)
+        await self._arm.move(target_rad)
+
+    async def _meet_robot(self) -> DeviceIdentity:
+        return await self._meet("robot", self._cell.robot_controller)
+
+    async def _meet(self, what: IdentityOf, device: PointTracker | RobotController) -> DeviceIdentity:
+        if not device.connected:
+            await device.connect()
+        return await self._acquaintances.meet(what, device)
 
     async def _read_joints(self, expected_rad: tuple[float, ...]) -> None:
         reading = await self._arm.read()
@@ -108,12 +128,6 @@ class Execution:
         if self._joints is None:
             raise ReadingRejectedError("The joints have not been read at this stop.")
         await self._tool_nests.measure(step.stop, self._joints, self._arm.direction)
-
-
-async def _connect(device: PointTracker | RobotController) -> DeviceIdentity:
-    if not device.connected:
-        await device.connect()
-    return await device.identify()
 
 
 def _introduce(what: str, identity: DeviceIdentity) -> str:

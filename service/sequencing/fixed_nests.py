@@ -1,5 +1,6 @@
 """The fixed nests: finding them, placing the tracker in the world with them, watching them."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -120,6 +121,7 @@ class FixedNests:
             position_tracker_mm=reading.point_mm,
             position_world_mm=world,
             standard_uncertainty_mm=standard_uncertainty_mm(reading),
+            instrument_serial=self._tracker.serial,
         )
 
     def check_faces(self) -> None:
@@ -145,6 +147,7 @@ class FixedNests:
             two_face_mm=self._two_face_mm,
             lengths=self._cell.certified_lengths,
         )
+        registration = replace(registration, instrument_serial=self._tracker.serial)
         limit_mm = _SHARE_LEFT_IN_RESIDUALS * self._plan.reference_limit_mm
         if registration.rms_mm > limit_mm:
             raise AttentionNeededError(

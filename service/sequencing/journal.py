@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+from service.domain.identities import IdentityTaken
 from service.domain.session import (
     FixedNestTaken,
     PointTaken,
@@ -40,6 +41,10 @@ class SessionJournal(Protocol):
         """Keep the tracker's place in the world; a later one supersedes the earlier from then on."""
         ...
 
+    async def identified(self, taken: IdentityTaken) -> None:
+        """Keep which device answered, or that a person accepted it."""
+        ...
+
     async def progressed(self, progress: Progress) -> None:
         """Tell how far the session is."""
         ...
@@ -57,6 +62,7 @@ class SessionHistory:
     points: tuple[PointTaken, ...] = ()
     skipped: tuple[StopSkipped, ...] = ()
     registration: Registration | None = None  # the latest
+    identities: tuple[IdentityTaken, ...] = ()  # oldest first
     elapsed_s: float = 0.0  # as the last Progress said
 
     @property

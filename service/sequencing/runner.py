@@ -6,6 +6,8 @@
 - A lost link, a robot that is not where it was left and a program that was restarted are the same thing
   to a session: nothing moves before a person confirms; then the devices are opened anew, the fixed nests
   are looked at, and the section that was interrupted begins again.
+- Another tracker than the expected one measures nothing before a person has accepted it by its serial
+  number; then it is placed in the world anew. Another robot is refused.
 - Configurations may be added to the plan until the session has ended. They are measured after the others,
   once a person has confirmed that the cell is clear for them: whoever added them need not stand beside it.
 - A pause or the end that somebody asks for takes effect between two steps, hence at the end of a motion.
@@ -24,12 +26,14 @@ from drivers.errors import (
     NotInitialisedError,
 )
 from service.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
+from service.sequencing.acquaintances import Acquaintances
 from service.sequencing.arm import Arm, Permission
 from service.sequencing.cell import SessionCell
 from service.sequencing.desk import CELL_CLEAR, Desk, require_person
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import (
     AttentionNeededError,
+    ForeignInstrumentError,
     MotionForbiddenError,
     NotNowError,
     ReadingRejectedError,
@@ -81,13 +85,14 @@ class SessionRunner:
         self._wish: SessionState | None = None  # PAUSING or ABORTING, from the moment it is asked for
         self._desk = Desk()
         self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, self._permission)
-        self._execution = Execution(plan, cell, self._arm, journal, history.registration)
+        self._acquaintances = Acquaintances(cell.expected, journal, history.identities)
+        self._execution = Execution(plan, cell, self._arm, journal, history.registration, self._acquaintances)
         self._done = set(history.done)
         self._agenda = deque(
             session_sections(
                 plan,
                 len(cell.fixed_nests),
-                registered=history.registration is not None,
+                registered=self._execution.fixed_nests.registered,
                 done=history.done,
             )
         )
@@ -147,9 +152,14 @@ class SessionRunner:
         await self._go_on(SessionState.PAUSED, "resume", person)
         return "The session goes on; what was under way begins again."
 
-    async def confirm(self, person: str) -> str:
-        """Confirm what `question` asks. Raises NotNowError, PersonMissingError."""
+    async def confirm(self, person: str, accepted_serial: str = "") -> str:
+        """Confirm what `question` asks; a tracker that it questions is accepted by its serial number only.
+
+        Raises NotNowError, PersonMissingError.
+        """
+        self._acquaintances.require_questioned(accepted_serial)
         await self._go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
+        self._acquaintances.permit(accepted_serial, require_person(person))
         return "Confirmed; the session goes on."
 
     async def add_stops(self, stops: tuple[PlannedStop, ...], keep: Callable[[], Awaitable[None]]) -> None:
@@ -189,7 +199,8 @@ class SessionRunner:
     async def _session(self) -> None:
         if has_ended(self._state):
             return
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, CELL_CLEAR)
+        asked = f"{self._acquaintances.question or ''} {CELL_CLEAR}"  # also of before a restart
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, asked.lstrip())
         while not await self._finished():
             while self._agenda:
                 await self._carry_out(self._agenda.popleft())
@@ -285,6 +296,8 @@ class SessionRunner:
             await self._on_failed_measurement(section, str(error))
         except AttentionNeededError as error:
             await self._on_attention_needed(section, str(error))
+        except ForeignInstrumentError as error:
+            await self._on_foreign_tracker(section, str(error))
         except ConfigurationError:
             raise
         except DriverError as error:  # the link, nonsense on it, or a driver that failed
@@ -349,6 +362,15 @@ class SessionRunner:
             self._agenda.appendleft(references(len(self._cell.fixed_nests)))
         if section != opening():
             self._agenda.appendleft(opening())
+
+    async def _on_foreign_tracker(self, section: Section, question: str) -> None:
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{question} {CELL_CLEAR}")
+        if section != opening():
+            self._agenda.appendleft(section)
+        if self._execution.fixed_nests.registered:  # also of one that was put back: it was moved
+            self._execution.fixed_nests.distrust()
+            self._agenda.appendleft(registration(self._plan, len(self._cell.fixed_nests)))
+        self._agenda.appendleft(opening())
 
     async def _on_failed_measurement(self, section: Section, reason: str) -> None:
         stop = section.stop

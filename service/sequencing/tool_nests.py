@@ -98,4 +98,5 @@ class ToolNests:
             samples=reading.samples,
             repeat_of=stop.repeat_of,
             covariance_mm2=world_covariance_mm2(reading, self._fixed_nests.registration),
+            instrument_serial=self._tracker.serial,
         )

@@ -9,16 +9,20 @@ from drivers.api import PointTracker, TrackerReading
 from drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
 from service.domain.arrays import FloatArray
 from service.domain.session import Registration, Vector
+from service.sequencing.acquaintances import Acquaintances
 from service.sequencing.errors import ReadingRejectedError
+from service.sequencing.identities import told
 
 _SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps weights finite
 
 
 class WatchfulTracker:
-    """Measures on the face that is asked for, and refuses readings that are no numbers."""
+    """Measures on the face that is asked for, and refuses readings that are no numbers, or another's."""
 
-    def __init__(self, tracker: PointTracker) -> None:
+    def __init__(self, tracker: PointTracker, acquaintances: Acquaintances) -> None:
         self._tracker = tracker
+        self._acquaintances = acquaintances
+        self.serial = ""  # of the one that took the last reading
 
     async def find(self, place_mm: FloatArray, radius_mm: float) -> None:
         """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
@@ -35,6 +39,8 @@ class WatchfulTracker:
             raise ReadingRejectedError(
                 f"The tracker stays on face {reading.face}; face {face} was asked for."
             )
+        # asked after the reading: one that was exchanged meanwhile behind the same address is seen
+        self.serial = told((await self._acquaintances.meet("tracker", self._tracker)).serial)
         return reading
 
     async def _measure(self, duration_s: float) -> TrackerReading:

@@ -19,6 +19,7 @@ from service.app.simulation import running_simulation
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Campaign, PointReadings
 from service.domain.cell import Cell, SimulatedCell
+from service.domain.identities import IdentityTaken
 from service.domain.robot import Nest, WorldRegistration
 from service.domain.session import (
     FixedNestTaken,
@@ -81,6 +82,9 @@ class _MemoryJournal:
 
     async def progressed(self, progress: Progress) -> None:
         """Forget it."""
+
+    async def identified(self, taken: IdentityTaken) -> None:
+        """Forget it: nobody exchanges the devices of this cell."""
 
     async def noted(self, text: str) -> None:
         """Forget it."""

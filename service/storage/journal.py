@@ -1,5 +1,6 @@
 """The journal of one session, on disk; what `service.sequencing.journal.SessionJournal` asks for."""
 
+from service.domain.identities import IdentityTaken
 from service.domain.session import (
     FixedNestTaken,
     PointTaken,
@@ -39,6 +40,10 @@ class StoredJournal:
     async def registered(self, registration: Registration) -> None:
         """Keep the tracker's place in the world."""
         await self._sessions.register(self._session_id, registration)
+
+    async def identified(self, taken: IdentityTaken) -> None:
+        """Keep which device answered."""
+        await self._sessions.identify(self._session_id, taken)
 
     async def progressed(self, progress: Progress) -> None:
         """Keep how far the session is."""

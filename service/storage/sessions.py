@@ -6,6 +6,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Integer, Row, Select, case, cast, exists, func, select
 
 from service.domain.ballbar import BallbarPlan
+from service.domain.identities import IdentityTaken
 from service.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
 from service.storage.added_stops import stops_added_to
 from service.storage.database import Database
@@ -28,6 +29,7 @@ from service.storage.tables import (
 )
 
 PROGRESS = "session.progress"
+IDENTITY = "session.identity"
 
 
 def add_session(
@@ -169,6 +171,18 @@ class SessionRepository:
         query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id.desc())
         document = await self._database.read(lambda c: c.scalar(query.limit(1)))
         return None if document is None else from_document(Registration, document)
+
+    async def identify(self, session_id: int, taken: IdentityTaken) -> None:
+        """Keep which device answered, or who accepted it."""
+        document = to_document(taken)
+        await self._database.write(lambda c: add_event(c, IDENTITY, document, session_id=session_id))
+
+    async def identities(self, session_id: int) -> list[IdentityTaken]:
+        """Return which devices answered and who accepted them, oldest first."""
+        told = (events.c.session_id == session_id) & (events.c.kind == IDENTITY)
+        query = select(events.c.document).where(told).order_by(events.c.id)
+        documents = await self._database.read(lambda c: c.scalars(query).all())
+        return [from_document(IdentityTaken, document) for document in documents]
 
     async def note(self, session_id: int, text: str) -> None:
         """Keep a sentence."""

@@ -13,9 +13,11 @@ from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
 from service.web.problems import problems
 from service.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
+from service.web.schemas.identities import identity_reply
 from service.web.schemas.jobs import JobReply, job_reply
 from service.web.schemas.sessions import (
     ActionReply,
+    ConfirmRequest,
     GivenStops,
     PersonRequest,
     PlanReply,
@@ -93,6 +95,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
         states=[state_reply(change) for change in await here.sessions.states(id)],
         skipped_stops=[_skipped(stop) for stop in await here.sessions.skipped(id)],
         registration=None if registration is None else _registration(registration),
+        identities=[identity_reply(taken) for taken in await here.sessions.identities(id)],
         notes=await here.sessions.notes(id),
     )
 
@@ -137,9 +140,14 @@ async def start_session(here: Here, id: Id) -> ActionReply:
 
 
 @router.post("/{id}/confirm", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
-async def confirm_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
-    """Confirm, as a named person who looked at the cell, what the session asks; then it moves."""
-    return await _decided(here, id, await here.session_desk.confirm(id, by.person))
+async def confirm_session(here: Here, id: Id, by: ConfirmRequest) -> ActionReply:
+    """Confirm, as a named person who looked at the cell, what the session asks; then it moves.
+
+    Another tracker than the expected one is accepted only by its serial number; confirmed without it, the
+    session asks the tracker again who it is.
+    """
+    sentence = await here.session_desk.confirm(id, by.person, by.accept_serial_number or "")
+    return await _decided(here, id, sentence)
 
 
 @router.post("/{id}/pause", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)

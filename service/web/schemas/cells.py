@@ -70,7 +70,10 @@ class DeviceReply(Reply):
     model: str | None = Field(examples=["AT401"])
     firmware: str | None = Field(examples=["2.0"])
     serial_number: str | None = Field(description="As the device said, else as the cell file says.")
-    certificate: str = Field(description="As the cell file says.")
+    expected_serial_number: str | None = Field(description="As the cell file says; null: it names none.")
+    answered_serial_number: str | None = Field(description="As the device last said; null: it did not.")
+    foreign: bool = Field(description="Another device answered than the cell file names.")
+    certificate: str = Field(description="As the cell file says; empty where another device answered.")
 
 
 class JointReply(Reply):
@@ -148,7 +151,10 @@ def device_reply(status: DeviceStatus) -> DeviceReply:
         model=None if identity is None else identity.model,
         firmware=None if identity is None else identity.firmware,
         serial_number=(entry.serial_number or None) if identity is None else identity.serial,
-        certificate=entry.certificate,
+        expected_serial_number=status.mounted.expected_serial or None,
+        answered_serial_number=status.answered_serial or None,
+        foreign=status.is_foreign,
+        certificate="" if status.is_foreign else entry.certificate,
     )
 
 

@@ -21,6 +21,7 @@ from service.web.schemas.base import (
     degrees,
     example,
 )
+from service.web.schemas.identities import IdentityReply
 
 AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller's range
 
@@ -80,6 +81,17 @@ class PersonRequest(Request):
     person: PersonName
 
 
+class ConfirmRequest(PersonRequest):
+    """Who looked at the cell, and which instrument they accept where the session questions one."""
+
+    accept_serial_number: str | None = Field(
+        None,
+        max_length=200,
+        description="Of the tracker that the session questions; without it none is accepted.",
+        examples=["391234"],
+    )
+
+
 class RequestOfPerson(Request):
     """Who asks, as far as that is to be kept."""
 
@@ -121,6 +133,7 @@ class SessionDetailReply(SessionReply):
     states: list["StateReply"] = Field(description="Every state it was in, oldest first.")
     skipped_stops: list["SkippedStopReply"]
     registration: "RegistrationReply | None" = Field(description="The tracker's place in the world.")
+    identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
     notes: list[str]
 
 

@@ -60,7 +60,8 @@ class FakeClock:
 class FakeLink:
     """A link that opens unless it is told to be dead."""
 
-    def __init__(self, model):
+    def __init__(self, model, serial="42"):
+        self.serial = serial
         self.connected = False
         self.dead = False
         self._model = model
@@ -74,7 +75,7 @@ class FakeLink:
         self.connected = False
 
     async def identify(self):
-        return DeviceIdentity("ACME", self._model, "42", "1.0")
+        return DeviceIdentity("ACME", self._model, self.serial, "1.0")
 
 
 class FakeTracker(FakeLink):
@@ -114,7 +115,7 @@ class FakeRobot(FakeLink):
     can_stop_motion = False
 
     def __init__(self, clock):
-        super().__init__("R1")
+        super().__init__("R1", "120-1")
         self._clock = clock
         self._joints_rad = (0.0,) * 6
         self.gate = asyncio.Event()

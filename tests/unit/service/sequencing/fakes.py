@@ -8,6 +8,7 @@ import numpy as np
 from drivers.api import DeviceIdentity, Environment, JointReading, MotionLimits, TrackerReading, Vector
 from drivers.errors import ConnectionLostError, DriverError, ReflectorNotFoundError
 from service.domain.arrays import FloatArray
+from service.domain.identities import IdentityTaken
 from service.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
 from service.domain.session import (
     FixedNestTaken,
@@ -65,6 +66,7 @@ class FakeRobot:
     def __init__(self, clock: FakeClock) -> None:
         self._clock = clock
         self.joints = (0.0,) * 6
+        self.serial = "120-1"
         self.connected = False
         self.moves: list[tuple[float, ...]] = []
         self.faults: dict[int, DriverError] = {}  # number of the motion, from 0
@@ -81,7 +83,7 @@ class FakeRobot:
         self.connected = False
 
     async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("ABB", "IRB 120", "120-1", "6.08")
+        return DeviceIdentity("ABB", "IRB 120", self.serial, "6.08")
 
     async def set_limits(self, limits: MotionLimits) -> None:
         self.limits = limits
@@ -118,6 +120,7 @@ class FakeTracker:
         self.at = np.array(TRACKER_AT)
         self.arm_error_mm = np.array([1.5, -2.0, 1.0])  # what calibration is there to find
         self.fixed_nests = np.array([nest.centre_mm for nest in FIXED_NESTS])
+        self.serial = "390001"
         self.connected = False
         self.initialised = 0
         self.face = 1
@@ -138,7 +141,7 @@ class FakeTracker:
         self.connected = False
 
     async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("Leica", "AT401", "390001", "3.8")
+        return DeviceIdentity("Leica", "AT401", self.serial, "3.8")
 
     async def initialise(self) -> None:
         self.initialised += 1
@@ -175,6 +178,10 @@ class FakeTracker:
             raise ReflectorNotFoundError("locked on nothing")
         return self._reading(self.in_tracker(self._reflectors())[self._locked])
 
+    @property
+    def on_the_arm(self) -> bool:
+        return self._locked is not None and self._locked >= len(self.fixed_nests)
+
     def _reading(self, place: FloatArray) -> TrackerReading:
         place = place + self._noise_mm * self._rng.standard_normal(3)
         place = place + np.array([0.0, 0.0, self.two_face_mm if self.face == 1 else -self.two_face_mm])
@@ -200,6 +207,7 @@ class ListJournal:
         self.registrations: list[Registration] = []
         self.progress: list[Progress] = []
         self.notes: list[str] = []
+        self.identities: list[IdentityTaken] = []
         self.full_disk_at: int | None = None  # number of the reading that cannot be kept
 
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
@@ -220,6 +228,9 @@ class ListJournal:
 
     async def registered(self, registration: Registration) -> None:
         self.registrations.append(registration)
+
+    async def identified(self, taken: IdentityTaken) -> None:
+        self.identities.append(taken)
 
     async def progressed(self, progress: Progress) -> None:
         self.progress.append(progress)
