@@ -6,6 +6,7 @@ moment the fault is given, so 1 is the next one; times are cell time.
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -13,6 +14,9 @@ from typing import TypeAlias
 
 from simulators.errors import ScenarioError
 from simulators.physics.arm import Vector
+
+_WITH_SERIAL = ("tracker", "robot", "ballbar")
+_LONGEST_SERIAL = 12  # the ballbar's own report has room for so many
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +85,23 @@ class BallbarTooFast:
 
 
 @dataclass(frozen=True, slots=True)
+class IdentityChanged:
+    """From now on another `device` ("tracker", "robot", "ballbar") answers: with this serial number."""
+
+    device: str
+    serial: str  # empty: it tells none, where its protocol knows a word for that
+    from_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.device not in _WITH_SERIAL:
+            raise ScenarioError(f'key "device" must be one of {", ".join(_WITH_SERIAL)}, not {self.device!r}')
+        if self.device == "tracker" and not re.fullmatch(r"[0-9]{1,9}", self.serial):  # emScon: 32 bits
+            raise ScenarioError(f'key "serial" of a tracker must be up to nine digits, not {self.serial!r}')
+        if not (self.serial.isascii() and len(self.serial) <= _LONGEST_SERIAL):
+            raise ScenarioError(f'key "serial" must be at most {_LONGEST_SERIAL} plain characters')
+
+
+@dataclass(frozen=True, slots=True)
 class RobotRefuses:
     """The controller stops its program at move number `move`, as it does for a target out of range."""
 
@@ -108,6 +129,7 @@ Fault: TypeAlias = (
     | SmrMissing
     | FixedNestMoved
     | BallbarTooFast
+    | IdentityChanged
     | RobotRefuses
     | RobotHangs
 )
@@ -122,6 +144,7 @@ KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "smr_missing": SmrMissing,
     "fixed_nest_moved": FixedNestMoved,
     "ballbar_too_fast": BallbarTooFast,
+    "identity_changed": IdentityChanged,
     "robot_refuses": RobotRefuses,
     "robot_hangs": RobotHangs,
 })
@@ -170,6 +193,15 @@ class Faults:
             for fault in self._faults
             if isinstance(fault, BallbarTooFast)
         )
+
+    def serial(self, device: str, own: str, time_s: float) -> str:
+        """Return with which serial number a device answers; `own` where nobody has exchanged it."""
+        changes = [
+            fault.serial
+            for fault in self._faults
+            if isinstance(fault, IdentityChanged) and fault.device == device and fault.from_s <= time_s
+        ]
+        return changes[-1] if changes else own
 
     def smr_missing(self, nest: int, time_s: float) -> bool:
         """Whether tool nest `nest` (1-based) is empty."""

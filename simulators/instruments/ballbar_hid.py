@@ -36,7 +36,6 @@ from simulators.instruments.usb_gadget import StallError, StandardRequests
 # Numbers that pid.codes sets aside for tests; a maker of a real bar has numbers of his own.
 VENDOR, PRODUCT = 0x1209, 0x0001
 SERIAL = "SIM-0001"
-_STRINGS = ("truepose", "Simulated ballbar", SERIAL)
 _NOMINAL_MM = 100.0  # without extension bars
 _POWER_ON = Rate(100, running=True)
 _FASTEST_HZ = 1000  # a full-speed device has one interrupt packet a millisecond
@@ -55,7 +54,7 @@ class HidBallbarGadget:
         endpoint = Endpoint(0x81, INTERRUPT, packet_bytes=32, interval=1)
         interface = Interface(0, HID_CLASS, 0, 0, (endpoint,), report_descriptor_bytes=len(report))
         self.configuration = Configuration(1, (interface,))
-        self._standard = StandardRequests(self.device, self.configuration, _STRINGS, report)
+        self._standard = StandardRequests(self.device, self.configuration, self._strings, report)
         self.attach()
 
     @property
@@ -65,7 +64,7 @@ class HidBallbarGadget:
 
     def attach(self) -> None:
         """Begin anew: it sends by itself, as after it was plugged in."""
-        self._standard.reset()
+        self._standard.reset(self._strings)
         self._set_rate(_POWER_ON)
 
     def control(self, setup: Setup, data: bytes) -> bytes:
@@ -93,6 +92,10 @@ class HidBallbarGadget:
         return self._reading()
 
     @property
+    def _strings(self) -> tuple[str, str, str]:
+        return "truepose", "Simulated ballbar", self._bar.serial(SERIAL)
+
+    @property
     def _period_s(self) -> float:
         return 1.0 / self._rate.rate_hz
 
@@ -109,7 +112,7 @@ class HidBallbarGadget:
             case (ReportType.INPUT, number) if number == INPUT_ID:
                 return self._reading()
             case (ReportType.FEATURE, number) if number == BAR_ID:
-                return encode_bar(BarIdentity(_NOMINAL_MM, SERIAL))
+                return encode_bar(BarIdentity(_NOMINAL_MM, self._bar.serial(SERIAL)))
             case (ReportType.FEATURE, number) if number == RATE_ID:
                 return encode_rate(self._rate)
         raise StallError

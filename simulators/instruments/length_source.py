@@ -82,6 +82,10 @@ class Electronics:
         """Present cell time [s]."""
         return self._clock.now_s
 
+    def serial(self, own: str) -> str:
+        """Return the serial number that it tells; `own` where nobody has exchanged it."""
+        return self._faults.serial("ballbar", own, self._clock.now_s)
+
     def show(self) -> Shown:
         """Read the transducer now."""
         sample = self._bar.sample(self._clock.now_s)

@@ -137,7 +137,8 @@ class MotionProgram:
             case Code.BUFFER_LENGTH:
                 return str(len(self._buffer))
             case Code.CONTROLLER_INFO:
-                return f"SIM-{self._cell.seed}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
+                serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
+                return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
         return ""
 
     def _set(self, code: int, values: FloatArray) -> None:

@@ -73,17 +73,13 @@ class StandardRequests:
         self, device: Device, configuration: Configuration, strings: tuple[str, ...], report_descriptor: bytes
     ) -> None:
         self._configuration = configuration
-        self._chosen = 0
         (interface,) = configuration.interfaces
-        self._device_descriptors: Mapping[tuple[int, int], bytes] = {
+        self._device_descriptors: dict[tuple[int, int], bytes] = {
             (DescriptorType.DEVICE, 0): encode_device(device),
             (DescriptorType.CONFIGURATION, 0): encode_configuration(configuration),
             (DescriptorType.STRING, 0): encode_languages(),
-            **{
-                (DescriptorType.STRING, number): encode_string(text)
-                for number, text in enumerate(strings, start=1)
-            },
         }
+        self.reset(strings)
         self._interface_descriptors: Mapping[tuple[int, int], bytes] = {
             (DescriptorType.HID, 0): encode_hid(interface),
             (DescriptorType.REPORT, 0): report_descriptor,
@@ -113,9 +109,13 @@ class StandardRequests:
             raise StallError
         return answer(setup)[: setup.length]
 
-    def reset(self) -> None:
-        """Forget the chosen configuration."""
+    def reset(self, strings: tuple[str, ...]) -> None:
+        """Forget the chosen configuration; another device may be plugged in by now, with its own texts."""
         self._chosen = 0
+        texts = enumerate(strings, start=1)
+        self._device_descriptors |= {
+            (DescriptorType.STRING, number): encode_string(text) for number, text in texts
+        }
 
     def _choose(self, setup: Setup) -> bytes:
         if setup.value not in (0, self._configuration.value):

@@ -40,7 +40,7 @@ from drivers.usb.protocol.descriptors import (
 from simulators.instruments.length_source import Electronics
 from simulators.instruments.usb_gadget import StallError, StandardRequests
 
-_STRINGS = ("Mitutoyo", "USB-ITN", "70012345")
+_SERIAL = "70012345"  # of the cable; it knows nothing of the gauge behind it
 _INFO = "USB-ITN V1.00"
 _BOOT_INTERFACE, _KEYBOARD = 1, 1
 _DECIMALS = 4
@@ -75,7 +75,7 @@ class UsbItnGadget:
             report_descriptor_bytes=len(_KEYBOARD_REPORT),
         )
         self.configuration = Configuration(1, (interface,))
-        self._standard = StandardRequests(self.device, self.configuration, _STRINGS, _KEYBOARD_REPORT)
+        self._standard = StandardRequests(self.device, self.configuration, self._strings, _KEYBOARD_REPORT)
 
     @property
     def plugged(self) -> bool:
@@ -84,7 +84,7 @@ class UsbItnGadget:
 
     def attach(self) -> None:
         """Begin anew, as a keyboard."""
-        self._standard.reset()
+        self._standard.reset(self._strings)
         self._serial_mode = False
         self._protocol = _REPORT_PROTOCOL
         self._outbox.clear()
@@ -101,6 +101,10 @@ class UsbItnGadget:
             case (int(kind), int(request)) if kind in (CLASS_TO_INTERFACE, CLASS_FROM_INTERFACE):
                 return self._keyboard(request, setup)
         return self._standard.answer(setup)
+
+    @property
+    def _strings(self) -> tuple[str, str, str]:
+        return "Mitutoyo", "USB-ITN", self._bar.serial(_SERIAL)
 
     async def ready(self) -> None:
         """Return when there is something to send; a keyboard on which nobody types has nothing."""

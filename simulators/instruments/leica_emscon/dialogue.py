@@ -25,6 +25,7 @@ from simulators.instruments.leica_emscon.identity import (
     compensation,
     description,
     reflectors,
+    serial_number,
 )
 from simulators.instruments.leica_emscon.parameters import (
     COMPENSATION,
@@ -104,7 +105,7 @@ class Dialogue:
         handler = self._handlers.get(request.command)
         if handler is not None:
             return handler(request)
-        described = description(request.command, self._cell.seed)
+        described = description(request.command, serial_number(self._cell))
         if described is not None:
             return iter([Answer(request.command, values=self._in_user_units(described))])
         return iter([Answer(request.command, ResultStatus.NOT_IMPLEMENTED)])

@@ -20,6 +20,7 @@ from drivers.leica_emscon.protocol.equipment import (
     WLANType,
 )
 from drivers.leica_emscon.protocol.exchanges import EXCHANGES
+from simulators.cell import Cell
 
 _Members: TypeAlias = Mapping[str, int | float | str]
 
@@ -42,9 +43,10 @@ REFLECTOR_IDS = range(1, len(_REFLECTORS) + 1)
 COMPENSATION_IDS = range(1, 2)
 
 
-def serial_number(seed: int) -> int:
-    """Return the serial number of the tracker in the cell of that seed."""
-    return _FIRST_SERIAL + seed % _SEEDS
+def serial_number(cell: Cell) -> int:
+    """Return the serial number of the tracker that stands in a cell now."""
+    own = _FIRST_SERIAL + cell.seed % _SEEDS
+    return int(cell.faults.serial("tracker", str(own), cell.clock.now_s))
 
 
 def reflectors() -> list[Record]:
@@ -73,9 +75,8 @@ def compensation(command: Command) -> Record:
     )
 
 
-def description(command: int, seed: int) -> Record | None:
+def description(command: int, serial: int) -> Record | None:
     """Return the answer to an information command, None when it is none; lengths in mm, angles in rad."""
-    serial = serial_number(seed)
     members = {**_descriptions_of_head(serial), **_descriptions_of_sensors(serial)}.get(command)
     return None if members is None else _members(Command(command), **members)
 

@@ -62,7 +62,7 @@ class StatusReports:
                 build_number=build,
                 weather_monitor_status=self._settings.kept(SETTINGS)["weather_monitor_status"],
                 flags_value=0,  # always, on an AT40x
-                tracker_serial_number=serial_number(self._cell.seed),
+                tracker_serial_number=serial_number(self._cell),
             ),
         )
 

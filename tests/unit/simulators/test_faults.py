@@ -1,7 +1,11 @@
+import pytest
+
+from simulators.errors import ScenarioError
 from simulators.faults import (
     BeamBroken,
     Faults,
     FixedNestMoved,
+    IdentityChanged,
     RobotHangs,
     RobotRefuses,
     SmrMissing,
@@ -60,3 +64,20 @@ def test_knocks_of_a_fixed_nest_add_up():
     assert faults.fixed_nest_shift_mm(1, 15.0) == (0.1, 0.0, 0.0)
     assert faults.fixed_nest_shift_mm(1, 25.0) == (0.1, 0.2, 0.0)
     assert faults.fixed_nest_shift_mm(2, 25.0) == (0.0, 0.0, 0.0)
+
+
+def test_another_device_answers_from_its_moment_on_and_the_last_one_counts():
+    faults = Faults()
+    faults.add(IdentityChanged("ballbar", "B-9", from_s=10.0))
+    faults.add(IdentityChanged("ballbar", "B-7", from_s=20.0))
+
+    assert [faults.serial("ballbar", "B-1", time_s) for time_s in (0.0, 10.0, 25.0)] == ["B-1", "B-9", "B-7"]
+    assert faults.serial("tracker", "390001", 25.0) == "390001"
+
+
+@pytest.mark.parametrize(
+    ("device", "serial"), [("lamp", "1"), ("tracker", "A-1"), ("robot", "é"), ("robot", "x" * 13)]
+)
+def test_an_identity_that_no_protocol_could_tell_is_refused(device, serial):
+    with pytest.raises(ScenarioError, match="must be"):
+        IdentityChanged(device, serial)
