@@ -97,6 +97,7 @@ class Cell:
     devices: tuple[DeviceEntry, ...] = ()
     simulated: SimulatedCell | None = None
     ballbar: BallbarKit | None = None  # None: the cell has none
+    people: tuple[str, ...] = ()  # who may confirm that the cell is clear; empty: whoever gives a name
 
     def expected_serial(self, kind: str, entry: DeviceEntry) -> str:
         """Return which serial number a device must answer with, empty where the cell names none.

@@ -17,6 +17,7 @@ from service.exchange.cell_sections import (
     read_fixed_nests,
     read_lengths,
     read_limits,
+    read_people,
     read_seen,
     read_simulated,
     read_tracker_position,
@@ -30,6 +31,7 @@ from service.exchange.shipped_robots import RobotWithTool, load_robot_with_tool,
 _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
     "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect", "ballbar",
+    "people",
 })  # fmt: skip
 _TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
@@ -126,6 +128,7 @@ def _read(root: Node, folder: Path) -> Cell:
         devices=read_devices(root.optional("device")),
         simulated=read_simulated(root),
         ballbar=read_ballbar(root.optional("ballbar")),
+        people=read_people(root.optional("people")),
     )
     if cell.devices and cell.simulated is not None:
         root.key("simulated").fail("a cell is either simulated or has devices of its own; remove one")

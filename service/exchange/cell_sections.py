@@ -15,6 +15,7 @@ from service.domain.cell import (
     SimulatedCell,
     Vector,
 )
+from service.domain.people import announced_as, fault_of_name, tidy_name
 from service.domain.robot import FixedNest, JointRange, Robot
 from service.exchange.document import Node
 from service.exchange.robot_document import read_ranges
@@ -174,6 +175,22 @@ def _degrees(limits: JointRange) -> str:
 def _positive(node: Node, name: str) -> float | None:
     entry = node.optional(name)
     return None if entry is None else entry.number(above=0.0)
+
+
+def read_people(node: Node | None) -> tuple[str, ...]:
+    """Read who may confirm; names that can be read, each once."""
+    people: list[str] = []
+    for entry in () if node is None else node.items():
+        name = tidy_name(entry.text())
+        fault = fault_of_name(name)
+        if fault is not None:
+            entry.fail(f"this name {fault}; a name is what a person can read")
+        if announced_as(name, people) is not None:
+            entry.fail(f"{name} is announced twice; keep one")
+        people.append(name)
+    if node is not None and not people:
+        node.fail("nobody is announced, so nobody could confirm; name people, or leave the key out")
+    return tuple(people)
 
 
 def read_conditions(node: Node | None) -> Conditions:

@@ -8,7 +8,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
 from service.analysis.ballbar_assembly import assemble_ballbar_campaign
@@ -16,6 +16,7 @@ from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
 from service.domain.campaign import Campaign
 from service.domain.errors import TrueposeError
+from service.domain.people import readable_name
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
@@ -27,7 +28,7 @@ from service.operation.requests_under_way import RequestsUnderWay
 from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
-from service.sequencing.ballbar.acts import LETS_MOVE, Act, ActName
+from service.sequencing.ballbar.acts import HALTS, LETS_MOVE, Act, ActName
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_plan, motion_limits
 from service.sequencing.ballbar.foresight import Foresight
@@ -150,9 +151,9 @@ class BallbarDesk:
     async def act(self, session_id: int, act: Act, key: RequestKey) -> ActAnswer:
         """Do what a person asks, at most once for each key; the same key gets the same answer.
 
-        Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, ReasonMissingError,
-        WatchingTabletError, DeviceInUseError, MissingDeviceError, PlanRefusedError, CellChangedError; after
-        an error nothing was kept and the key is free.
+        Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, PersonUnknownError,
+        ReasonMissingError, WatchingTabletError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
+        CellChangedError; after an error nothing was kept and the key is free.
         """
         await self._require(session_id)
         return await self._acts.shared((session_id, key.key), key, lambda: self._decide(session_id, act, key))
@@ -226,8 +227,7 @@ class BallbarDesk:
         return answer
 
     async def _do(self, session_id: int, act: Act) -> ActAnswer:
-        if act.name in LETS_MOVE:
-            await self._present.require_unchanged()
+        act = await self._judged(act)
         async with self._turn:
             under_way = self._of(session_id)
             if under_way is None:
@@ -242,6 +242,18 @@ class BallbarDesk:
             await self._give_back_unstarted(under_way)
             raise
         return ActAnswer(done.sentence, done.entry)
+
+    async def _judged(self, act: Act) -> Act:
+        """Return the act under the name that is kept; raises what keeps it from being done.
+
+        Anybody may halt the arm, whatever they are called.
+        """
+        if act.name in HALTS:
+            return replace(act, person=readable_name(act.person) or "")
+        person = self._present.require_person(act.person)
+        if act.name in LETS_MOVE:
+            await self._present.require_unchanged()
+        return replace(act, person=person)
 
     async def _require_startable(self, record: SessionRecord, act: Act) -> None:
         """Raise NotNowError, DeviceInUseError where nobody runs a session and this act cannot change that."""

@@ -14,6 +14,7 @@ from service.domain.cell import Cell, CellLimits
 from service.domain.errors import TrueposeError
 from service.domain.robot import JointRange
 from service.operation.errors import CellChangedError
+from service.sequencing.desk import require_announced
 from service.sequencing.errors import PlanRefusedError
 from service.sequencing.limits import common_ranges, slowest
 
@@ -46,6 +47,13 @@ class PresentCell:
                 "The cell file has changed since the service was started. Nothing moves by the old one: "
                 "restart the service, so that the new one counts, then confirm again."
             )
+
+    def require_person(self, person: str) -> str:
+        """Return the name of somebody who may have the arm move.
+
+        Raises PersonMissingError, PersonUnknownError.
+        """
+        return require_announced(person, () if self._cell is None else self._cell.people)
 
     def bound(self, stored: Cell) -> Cell:
         """Return a session's cell with the limits that bind its motions now; raises PlanRefusedError."""

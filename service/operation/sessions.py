@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Final
 
 from service.domain.cell import Cell
+from service.domain.people import readable_name
 from service.domain.session import SessionPlan, SessionState
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.planning.added_stops import Addition, WantedStop, addition
 from service.sequencing.cell import SessionCell
-from service.sequencing.desk import require_person
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import NotNowError
 from service.sequencing.journal import SessionHistory
@@ -105,39 +105,48 @@ class SessionDesk:
         """Confirm what the session asks; takes up a session that a restart interrupted.
 
         `accepted_serial` is that of a tracker that the session questions. Raises NotFoundError, NotNowError,
-        PersonMissingError, PlanRefusedError, CellChangedError.
+        PersonMissingError, PersonUnknownError, PlanRefusedError, CellChangedError.
         """
+        name = self._present.require_person(person)
         await self._present.require_unchanged()
         async with self._turn:
             record = await self._get(session_id)
             orphaned = self._running(session_id) is None
             if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
                 await self._launch(record)
-        return await self._require(record).confirm(person, accepted_serial)
+        return await self._require(record).confirm(name, accepted_serial)
 
     async def pause(self, session_id: int, person: str | None) -> str:
-        """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError."""
-        return await self._require(await self._get(session_id)).request_pause(person)
+        """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError.
+
+        Anybody may, whatever they are called.
+        """
+        return await self._require(await self._get(session_id)).request_pause(readable_name(person))
 
     async def resume(self, session_id: int, person: str) -> str:
         """Continue a paused session.
 
-        Raises NotFoundError, NotNowError, PersonMissingError, CellChangedError.
+        Raises NotFoundError, NotNowError, PersonMissingError, PersonUnknownError, CellChangedError.
         """
+        name = self._present.require_person(person)
         await self._present.require_unchanged()
-        return await self._require(await self._get(session_id)).resume(person)
+        return await self._require(await self._get(session_id)).resume(name)
 
     async def abort(self, session_id: int, person: str | None) -> str:
-        """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError."""
+        """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError.
+
+        Anybody may, whatever they are called.
+        """
+        name = readable_name(person)
         async with self._turn:
             record = await self._get(session_id)
             runner = self._running(session_id)
             if runner is None and not has_ended(record.state):
                 # Planned, or left by an earlier service: nobody runs it, so nothing is in motion.
                 reason = "The end was asked for."
-                await self._sessions.change_state(session_id, SessionState.ABORTED, reason, person)
+                await self._sessions.change_state(session_id, SessionState.ABORTED, reason, name)
                 return "The session has ended; nothing was in motion."
-        return await self._require(record).request_abort(person)
+        return await self._require(record).request_abort(name)
 
     async def add_stops(
         self, session_id: int, wanted: WantedStops, person: str, key: RequestKey | None = None
@@ -146,9 +155,10 @@ class SessionDesk:
 
         Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
         named is run again once the session has finished. Raises NotFoundError, NotNowError,
-        PersonMissingError, WorkSpaceError, PlanRefusedError, CellChangedError, KeyReusedError.
+        PersonMissingError, PersonUnknownError, WorkSpaceError, PlanRefusedError, CellChangedError,
+        KeyReusedError.
         """
-        name = require_person(person)
+        name = self._present.require_person(person)
         async with self._turn:  # two additions at once must not take the same numbers
             await self._get(session_id)
             earlier = None if key is None else await self._additions.answered(key)

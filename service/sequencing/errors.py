@@ -4,6 +4,8 @@ SequencingError
 ├── NotNowError             the session is in a state in which this cannot be asked
 ├── WatchingTabletError     another tablet acts; the one that asked only watches
 ├── PersonMissingError      a confirmation needs the name of a person
+│   └── PersonUnreadableError   what was given as a name cannot be read
+├── PersonUnknownError      the cell announces people, and this is none of them
 ├── ReasonMissingError      a skip needs its reason
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
@@ -31,6 +33,14 @@ class WatchingTabletError(SequencingError):
 
 class PersonMissingError(SequencingError):
     """A confirmation needs the name of a person."""
+
+
+class PersonUnreadableError(PersonMissingError):
+    """What was given as a name cannot be read."""
+
+
+class PersonUnknownError(SequencingError):
+    """The cell announces people, and this is none of them."""
 
 
 class ReasonMissingError(SequencingError):

@@ -12,14 +12,15 @@ from typing import Annotated, Final
 
 from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
+from pydantic import AfterValidator
 
+from service.domain.people import NAME_PATTERN, tidy_name
 from service.sequencing.ballbar.live import LiveSample
 from service.web.ballbar_replies import ballbar_session_reply
 from service.web.context import Context, Here
 from service.web.events import Seconds
 from service.web.parameters import Id
 from service.web.problems import problems
-from service.web.schemas.base import VISIBLE
 
 router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
 _HEARTBEAT_S: Final = 1.0  # a page tells a person within two seconds that the link is gone
@@ -40,10 +41,11 @@ TabletName = Annotated[
     Query(
         min_length=1,
         max_length=100,
-        pattern=VISIBLE,
+        pattern=NAME_PATTERN,
         description="Who follows; as long as the stream is open this tablet watches.",
         examples=["tablet-1"],
     ),
+    AfterValidator(tidy_name),
 ]
 
 

@@ -17,5 +17,6 @@ async def get_health(here: Here) -> Health:
         fault=fault,
         version=here.version,
         simulated=here.simulated,
+        people="announced" if here.cell.people else "anybody",
         schema=here.database.schema,
     )

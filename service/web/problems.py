@@ -20,6 +20,7 @@ from service.analysis.errors import (
     SessionsDifferError,
 )
 from service.domain.errors import TrueposeError
+from service.domain.people import NAME_PATTERN
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import (
     CellChangedError,
@@ -33,6 +34,8 @@ from service.planning.errors import WorkSpaceError
 from service.sequencing.errors import (
     NotNowError,
     PersonMissingError,
+    PersonUnknownError,
+    PersonUnreadableError,
     PlanRefusedError,
     WatchingTabletError,
 )
@@ -41,6 +44,7 @@ from service.web.schemas.base import KEY, VISIBLE
 
 _IN_WORDS: Final = {  # of patterns
     VISIBLE: "Nobody could see it; give it at least one visible character",
+    NAME_PATTERN: "A name has a letter or a digit, and only characters that can be seen",
     KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
 }
 MEDIA_TYPE: Final = "application/problem+json"
@@ -67,6 +71,8 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     WorkSpaceError: HTTPStatus.CONFLICT,
     PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
     DeviceRefusedError: HTTPStatus.CONFLICT,
+    PersonUnreadableError: HTTPStatus.CONFLICT,  # what a schema cannot say; the rest of it is refused there
+    PersonUnknownError: HTTPStatus.CONFLICT,
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
     InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
     StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,

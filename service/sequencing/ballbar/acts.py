@@ -58,6 +58,7 @@ class ActOutcome:
 
 
 LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it
+HALTS: Final = frozenset({ActName.PAUSE, ActName.STOP, ActName.ABORT})  # for everybody
 _ALWAYS: Final = frozenset({ActName.HAND_OVER, ActName.ABORT})
 _RUNNING: Final = frozenset({ActName.PAUSE, ActName.STOP, *_ALWAYS})
 _BY_STATE: Final = {

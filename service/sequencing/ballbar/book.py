@@ -8,6 +8,7 @@ from typing import Any
 from drivers.api import Clock
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, LengthTaken
+from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import Act, ActOutcome
@@ -79,7 +80,7 @@ class Book:
         time_s = await self._clock.now_s()
         entry = LedgerEntry(step_id, kind, time_s, **fields)
         if act is not None:
-            entry = replace(entry, person=act.person.strip(), tablet=act.tablet, key=act.key)
+            entry = replace(entry, person=tidy_name(act.person) or None, tablet=act.tablet, key=act.key)
         elif acting is not None:
             entry = replace(entry, person=acting.person, tablet=acting.tablet)
         number = await self._ledger.append(entry)

@@ -9,9 +9,10 @@ from typing import Final, TypeAlias
 
 from drivers.api import Clock
 from service.domain.ballbar import EntryKind, StepKind, Suspicion
+from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
-from service.sequencing.ballbar.acts import Act, ActName, ActOutcome, Answer
+from service.sequencing.ballbar.acts import HALTS, Act, ActName, ActOutcome, Answer
 from service.sequencing.ballbar.assignments import legs_to_read_again
 from service.sequencing.ballbar.floor import Floor
 from service.sequencing.desk import require_person
@@ -62,7 +63,8 @@ class ActHandlers:
 
     def require(self, act: Act) -> None:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where the act is not allowed now."""
-        require_person(act.person)
+        if act.name not in HALTS:
+            require_person(act.person)
         now = self._floor.now
         if now.acting is not None and act.tablet != now.acting.tablet and act.name not in FROM_ANY_TABLET:
             raise WatchingTabletError(f"{now.acting.person} acts on another tablet; take over there first.")
@@ -83,7 +85,7 @@ class ActHandlers:
 
     async def _start(self, act: Act) -> ActOutcome:
         self._floor.motion.require_plan_within_limits()
-        text = control.state_text(SessionState.RUNNING, f"{act.person.strip()} started the session.")
+        text = control.state_text(SessionState.RUNNING, f"{tidy_name(act.person)} started the session.")
         number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=text)
         return ActOutcome("The session has begun.", number)
 
@@ -94,7 +96,7 @@ class ActHandlers:
         if self._floor.motion.moving:
             raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
         self._floor.motion.require_plan_within_limits()
-        number = await self._floor.book.enter(SessionState.RUNNING, f"{act.person.strip()} {what}.", act)
+        number = await self._floor.book.enter(SessionState.RUNNING, f"{tidy_name(act.person)} {what}.", act)
         self._floor.motion.wish = None
         self._floor.motion.forget()
         return ActOutcome("The session goes on at the step where it was.", number)
@@ -132,7 +134,7 @@ class ActHandlers:
 
     async def _hand_over(self, act: Act) -> ActOutcome:
         number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=control.HAND_OVER)
-        return ActOutcome(f"{act.person.strip()} acts on this tablet from now on.", number)
+        return ActOutcome(f"{tidy_name(act.person)} acts on this tablet from now on.", number)
 
     # the present step
 

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from service.domain.ballbar import (
     BallbarPlan,
@@ -13,6 +13,7 @@ from service.domain.ballbar import (
     PlannedSetup,
     Vector,
 )
+from service.domain.people import NAME_PATTERN, tidy_name
 from service.domain.robot import FramePlacement
 from service.operation.ballbar_plans import BallbarWish
 from service.sequencing.ballbar.acts import Act, ActName, Answer
@@ -106,7 +107,9 @@ class ActRequest(Request):
         None, max_length=200, description="The step that the person saw.", examples=["tool/initialise"]
     )
     person: PersonName
-    tablet: str = Field(min_length=1, max_length=100, pattern=VISIBLE, examples=["tablet-1"])
+    tablet: Annotated[str, AfterValidator(tidy_name)] = Field(
+        min_length=1, max_length=100, pattern=NAME_PATTERN, examples=["tablet-1"]
+    )
     reason: str = Field("", max_length=2000, description="Of a skip, a pause, a stop.")
     answer: Annotated[Answer | None, Field(strict=False)] = Field(None, description="To a suspicion.")
     seen_time_s: float | None = Field(

@@ -3,7 +3,9 @@
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from service.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
 
 # A character that no reader of the schema takes for a space: what counts as one differs between them.
 VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
@@ -20,11 +22,12 @@ PersonName = Annotated[
     str,
     Field(
         min_length=1,
-        max_length=200,
-        pattern=VISIBLE,
+        max_length=LONGEST_NAME,
+        pattern=NAME_PATTERN,
         description="Who looked at the cell.",
         examples=["Ada Byron"],
     ),
+    AfterValidator(tidy_name),
 ]
 
 

@@ -19,6 +19,9 @@ class Health(Reply):
     fault: str | None = Field(description="One sentence; null where all is well.")
     version: str = Field(description="Of the program.", examples=["0.1.0"])
     simulated: bool = Field(description="True: no robot and no instrument take part.")
+    people: Literal["announced", "anybody"] = Field(
+        description="Who may have the arm move: people of the cell file, or whoever gives a name."
+    )
     schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
 
 
@@ -54,6 +57,10 @@ class CellReply(Reply):
     fixed_nests: list[NestReply] = Field(description="In the world frame.")
     load: str = Field(description="What the robot carries, as the cell file says.", examples=["2.7 kg"])
     warm_up: str = Field(description="As the cell file says.", examples=["30 min"])
+    people: list[str] = Field(
+        description="Who may confirm, as the cell file announces them; empty: whoever gives a name.",
+        examples=[["Ada Byron", "Grace Hopper"]],
+    )
 
 
 class DeviceReply(Reply):
@@ -125,6 +132,7 @@ def cell_reply(cell: Cell, endpoints: tuple[Endpoint, ...]) -> CellReply:
         ],
         load=cell.conditions.load,
         warm_up=cell.conditions.warm_up,
+        people=list(cell.people),
     )
 
 

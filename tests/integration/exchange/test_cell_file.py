@@ -143,6 +143,20 @@ REFUSED = {
         "limits.calibration_deg[1]",
         "keep within that",
     ),
+    "people that nobody could read": (
+        'robot = "abb-irb-120"',
+        'robot = "abb-irb-120"\npeople = ["Ada", "\u200b"]',
+        BadValueError,
+        "people[1]",
+        "U+200B",
+    ),
+    "people without anybody": (
+        'robot = "abb-irb-120"',
+        'robot = "abb-irb-120"\npeople = []',
+        BadValueError,
+        "people",
+        "nobody could confirm",
+    ),
     "limits of five joints": (
         "[-165, 165], ",
         "",
