@@ -48,11 +48,10 @@ def diagnose_command(
 
 
 def _check_known(names: tuple[str, ...] | None) -> None:
-    """Refuse a misspelt effect before a large campaign is read; raises UnknownEffectError."""
-    from service.effects.registry import effect_named
+    """Refuse a misspelt or doubled effect before a large campaign is read; raises TrueposeError."""
+    from service.effects.registry import chosen_effects
 
-    for name in names or ():
-        effect_named(name)
+    chosen_effects(names or ())
 
 
 def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagnosis":

@@ -1,6 +1,8 @@
 """The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
 
-from service.domain.errors import UnknownEffectError
+from collections.abc import Sequence
+
+from service.domain.errors import ConfigurationError, UnknownEffectError
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
 from service.effects.ballbar_zero import BallbarZero
@@ -67,6 +69,14 @@ _EFFECTS: tuple[Effect, ...] = (
 )
 EFFECTS = {effect.name: effect for effect in _EFFECTS}
 CAUSES = {cause.name: cause for cause in _CAUSES}
+
+
+def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names that somebody asks for; raises UnknownEffectError, ConfigurationError."""
+    for place, name in enumerate(names):
+        if effect_named(name).name in names[:place]:
+            raise ConfigurationError(f"Effect {name!r} is named twice: name it once.")
+    return tuple(names)
 
 
 def effect_named(name: str) -> Effect:

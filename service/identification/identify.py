@@ -17,6 +17,7 @@ from service.domain.results import (
     PureError,
     Status,
 )
+from service.effects.registry import chosen_effects
 from service.identification import verdict
 from service.identification.considered import considered
 from service.identification.cross_validation import held_out_residuals
@@ -71,7 +72,7 @@ def identify(
         The request cannot be understood.
     """
     tell = progress or _silent
-    chosen = tuple(effects) if effects is not None else automatic_effects(campaign)
+    chosen = automatic_effects(campaign) if effects is None else chosen_effects(effects)
     tell(0.05, "placing the nominal robot")
     too_few = verdict.too_few_data(campaign, chosen)
     if too_few:

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response, status
 
 from service.analysis.comparison import compare_over_time
-from service.effects.registry import effect_named
+from service.effects.registry import chosen_effects
 from service.storage.records import RequestKey
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
@@ -85,7 +85,7 @@ async def get_diagnosis(here: Here, id: Id) -> DiagnosisReply:
 
 def _named(effects: list[str] | None) -> tuple[str, ...] | None:
     """Return the effects to start from; raises UnknownEffectError."""
-    return None if effects is None else tuple(effect_named(name).name for name in effects)
+    return None if effects is None else chosen_effects(effects)
 
 
 async def _queued(here: Context, number: int, response: Response) -> JobReply:

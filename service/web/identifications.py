@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Response, status
 
-from service.effects.registry import effect_named
+from service.effects.registry import chosen_effects
 from service.web.context import Here
 from service.web.parameters import Id, OptionalKey, PageQuery
 from service.web.problems import problems
@@ -17,7 +17,7 @@ async def identify(
     here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey
 ) -> JobReply:
     """Identify a campaign in a worker process; the job's result is the identification."""
-    effects = None if wanted.effects is None else tuple(effect_named(name).name for name in wanted.effects)
+    effects = None if wanted.effects is None else chosen_effects(wanted.effects)
     number = await here.job_desk.identify(wanted.campaign_id, effects, key)
     response.headers["Location"] = f"/api/v1/jobs/{number}"
     return job_reply(await here.jobs.get(number))

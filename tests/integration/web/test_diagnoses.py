@@ -143,6 +143,7 @@ async def test_a_robot_without_diagnoses_is_said(client, diagnosed, query):
     ("request_", "words"),
     [
         ({"effects": ["magic"]}, "'magic'; known are base, tool"),
+        ({"effects": ["geometry", "geometry"]}, "'geometry' is named twice"),
         ({"measured_on": "3 March"}, "measured_on"),
         ({"measured_on": 20260303}, "measured_on"),
         ({"effects": []}, "effects"),

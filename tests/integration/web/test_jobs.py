@@ -234,6 +234,16 @@ async def test_what_is_not_there_cannot_be_identified(client):
     assert refused.json()["detail"] == "There is no campaign 7."
 
 
+async def test_an_effect_that_is_named_twice_is_refused_at_once(client, campaign_id):
+    refused = await client.post(
+        "/api/v1/identifications", json={"campaign_id": campaign_id, "effects": ["base", "geometry", "base"]}
+    )
+
+    assert refused.status_code == 422
+    assert refused.json()["detail"] == "Effect 'base' is named twice: name it once."
+    assert (await client.get("/api/v1/jobs")).json() == []
+
+
 async def test_an_unknown_effect_is_refused_with_the_known_ones(client, campaign_id):
     refused = await client.post(
         "/api/v1/identifications", json={"campaign_id": campaign_id, "effects": ["magic"]}
