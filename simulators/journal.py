@@ -18,6 +18,7 @@ import numpy as np
 from simulators.cell import Cell
 from simulators.errors import JournalError, SimulatorError
 from simulators.hands import Detail
+from simulators.input_file import read_file
 from simulators.physics.effects import PlantedChange
 from simulators.physics.rigid import FloatArray
 from simulators.robot import JointMotion, SpeedLimits
@@ -50,7 +51,7 @@ class Journal:
     def _read(self) -> list[dict[str, Any]]:
         if not self._path.exists():
             return []
-        lines = list(_documents(self._path.read_bytes()))
+        lines = list(_documents(read_file(self._path)))
         return lines[1:] if lines[:1] == [self._heading] else []
 
 

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from simulators.errors import ModelError, ScenarioError
+from simulators.input_file import read_text
 from simulators.physics.arm import Vector
 from simulators.physics.identified import IdentifiedModel
 from simulators.physics.rigid import FloatArray, placed
@@ -76,7 +77,7 @@ class _Parameter:
 def load_model(path: Path) -> IdentifiedModel:
     """Read a model file; raises ModelError with file and key."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_text(path))
     except OSError as error:
         raise ModelError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:  # no JSON, no UTF-8, or nested without end

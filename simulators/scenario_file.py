@@ -15,6 +15,7 @@ from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults import KINDS, Fault
 from simulators.fixture import HandsSetup
+from simulators.input_file import read_text
 from simulators.physics.arm import Arm
 from simulators.physics.effects import PlantedChange, plant_effect
 from simulators.physics.plant import PlantSizes
@@ -163,11 +164,13 @@ def _merged(path: Path, children: tuple[Path, ...]) -> dict[str, Any]:
 
 def _parse(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path.name} is no TOML: {error}") from error
+        return tomllib.loads(read_text(path))
     except (OSError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path.name} cannot be read: {error}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{path.name} is no TOML: nested too deep") from error
+    except ValueError as error:  # also of a number of thousands of digits
+        raise ScenarioError(f"{path.name} is no TOML: {error}") from error
 
 
 def _check_keys(document: Mapping[str, object], where: str) -> None:

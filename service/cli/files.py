@@ -52,7 +52,8 @@ def read_measured(path: Path) -> "Campaign":
     """Read a campaign folder or the zip of one; heavy imports wait until then."""
     from service.exchange.campaign_folder import read_campaign
     from service.exchange.campaign_zip import read_campaign_zip
+    from service.exchange.input_file import read_bytes
 
-    if path.is_file() and path.suffix == ".zip":
-        return read_campaign_zip(path.read_bytes(), path.name)
+    if path.suffix.lower() == ".zip" and not path.is_dir():
+        return read_campaign_zip(read_bytes(path), path.name)
     return read_campaign(path)

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Final
 from xml.parsers import expat
 
-from service.exchange.errors import MissingFileError, UnreadableFileError
+from service.exchange.errors import UnreadableFileError
+from service.exchange.input_file import read_bytes
 
 _LARGEST_BYTES: Final = 64 << 20  # a test of 1000 readings a second for ten minutes is 20 MB of text
 _TEXTS: Final[Mapping[str, str]] = {
@@ -70,11 +71,7 @@ class BallbarResult:
 
 def read_ballbar_result(path: Path) -> BallbarResult:
     """Read a result file; raises MissingFileError or UnreadableFileError."""
-    if not path.is_file():
-        raise MissingFileError("is not there", file=str(path))
-    if path.stat().st_size > _LARGEST_BYTES:
-        raise UnreadableFileError(f"has more than {_LARGEST_BYTES >> 20} MB: {_NOT_XML}", file=str(path))
-    return ballbar_result_from_bytes(path.read_bytes(), path.name)
+    return ballbar_result_from_bytes(read_bytes(path, most=_LARGEST_BYTES), path.name)
 
 
 def ballbar_result_from_bytes(data: bytes, name: str) -> BallbarResult:

@@ -41,6 +41,7 @@ ROLES = (
     "cups",
 )
 _READING_ROLES = ("calibration", "validation", "legs", "validation_legs")
+_KINDS = ("tracker", "ballbar")
 _KEYS = frozenset({
     "format", "kind", "robot", "dhm_nominal", "base_in_world_nominal", "tool_nests_mm", "tool_nest_u_mm",
     "masses", "gravity_m_s2_world", "gear_ratio", "typical_compliance_rad_per_Nmm", "robot_repeatability_mm",
@@ -63,6 +64,7 @@ class Description:
 def read_description(root: Node) -> Description:
     """Read `campaign.json`; raises an InputFileError that names key and line."""
     _check_format(root)
+    _check_kind(root.optional("kind"))
     robot = _read_robot(root)
     tracker = root.optional("tracker_position_world_mm")
     repeatability_included = root.optional("u_includes_repeatability")
@@ -95,6 +97,12 @@ def _check_format(root: Node) -> None:
         )
     if number < FORMAT:
         version.fail(f"format {number} does not exist; it must be {FORMAT}")
+
+
+def _check_kind(kind: Node | None) -> None:
+    """Refuse a kind that there is not; what is measured, the tables say."""
+    if kind is not None and kind.text() not in _KINDS:
+        kind.fail(f"{kind.text()!r} is no kind of campaign; it must be one of {', '.join(_KINDS)}")
 
 
 def _read_robot(root: Node) -> Robot:

@@ -11,6 +11,7 @@ from service.domain.campaign import Campaign, PointReadings
 from service.exchange.campaign_description import Description, description_document, read_description
 from service.exchange.document import json_document
 from service.exchange.errors import MissingFileError, UnreadableFileError
+from service.exchange.input_file import GREATEST_BYTES, read_bytes
 from service.exchange.json_text import render_json
 from service.exchange.leg_table import read_cup_table, read_fixture_table, read_leg_table, read_setup_table
 from service.exchange.point_table import read_point_table, read_reference_table
@@ -24,6 +25,7 @@ from service.exchange.table_text import (
 )
 
 DESCRIPTION = "campaign.json"
+GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
 Load = Callable[[str], bytes]
 
 
@@ -35,9 +37,12 @@ def read_campaign(folder: Path) -> Campaign:
     InputFileError
         Its subclass says the fault; its text names file, line and column or key in one sentence.
     """
-    if not folder.is_dir():
+    if not folder.exists():
         raise MissingFileError("there is no such campaign folder", file=str(folder))
-    return campaign_from(lambda name: read_bytes(folder / name))
+    if not folder.is_dir():
+        raise UnreadableFileError("this is no campaign folder, nor a zip of one", file=str(folder))
+    most = {DESCRIPTION: GREATEST_DESCRIPTION_BYTES}
+    return campaign_from(lambda name: read_bytes(folder / name, most=most.get(name, GREATEST_BYTES)))
 
 
 def write_campaign(campaign: Campaign, folder: Path) -> None:
@@ -49,16 +54,6 @@ def write_campaign(campaign: Campaign, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in campaign_files(campaign).items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
-
-
-def read_bytes(path: Path) -> bytes:
-    """Return the content of a file; raises MissingFileError or UnreadableFileError."""
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise MissingFileError("there is no such file", file=path.name) from error
-    except OSError as error:
-        raise UnreadableFileError(f"the file cannot be read ({error.strerror})", file=path.name) from error
 
 
 def campaign_from(load: Load) -> Campaign:

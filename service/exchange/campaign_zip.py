@@ -1,7 +1,8 @@
 """A campaign folder as one zip file; nothing is ever unpacked to disk.
 
-Limits: a campaign of 100,000 poses of seven joints with torques is about 40 MB of text, so 128 MB for a
-file and 512 MB for all are generous, and an archive that expands beyond them was not made by measuring.
+Limits: 200,000 rows of seven joints with everything that the format knows are 100 MB of text, so 128 MB for a
+file and 256 MB for all are generous, and an archive that expands beyond them was not made by measuring. What
+the archive says of itself is judged before anything is inflated, and what it inflates to once more.
 """
 
 import io
@@ -9,25 +10,32 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import PurePosixPath
-from typing import BinaryIO
 
 from service.domain.campaign import Campaign
-from service.exchange.campaign_folder import DESCRIPTION, campaign_files, campaign_from
+from service.exchange.campaign_folder import (
+    DESCRIPTION,
+    GREATEST_DESCRIPTION_BYTES,
+    campaign_files,
+    campaign_from,
+)
 from service.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
+from service.exchange.input_file import GREATEST_BYTES
 
-_FILE_LIMIT_BYTES = 128 * 2**20
-_TOTAL_LIMIT_BYTES = 512 * 2**20
+_TOTAL_LIMIT_BYTES = 256 * 2**20
 _MEMBER_LIMIT = 1000
+_ENTRY = b"PK\x01\x02"  # begins a member in the directory at the archive's end
+_GREATEST_RATIO = 200  # text of readings shrinks to a fifth, the same row over and over to a hundredth
+_SMALL_BYTES = 2**20  # whatever the ratio
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign gives the same bytes
 _READ_WITH_RIGHTS = 0o644 << 16
 
 
-def read_campaign_zip(archive: bytes | BinaryIO, name: str = "campaign.zip") -> Campaign:
+def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
     """Read a campaign from a zip of its folder; the folder itself may be in the zip or not.
 
     Parameters
     ----------
-    archive : bytes or seekable binary file
+    archive : bytes
     name : str
         What the user calls the archive, for error messages.
 
@@ -38,9 +46,10 @@ def read_campaign_zip(archive: bytes | BinaryIO, name: str = "campaign.zip") -> 
     InputFileError
         As `read_campaign`.
     """
-    stream = io.BytesIO(archive) if isinstance(archive, bytes) else archive
+    if archive.count(_ENTRY) > 2 * _MEMBER_LIMIT:  # each takes a thousand bytes once the directory is read
+        raise UnsafeArchiveError(f"it has more than the {_MEMBER_LIMIT} members allowed", file=name)
     try:
-        with zipfile.ZipFile(stream) as opened:
+        with zipfile.ZipFile(io.BytesIO(archive)) as opened:
             return _read(opened, name)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
         raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
@@ -90,6 +99,10 @@ def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfil
             raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
         if entry.filename in members:
             raise UnsafeArchiveError(f"member {entry.filename!r} is there twice", file=name)
+        if entry.file_size > max(_SMALL_BYTES, _GREATEST_RATIO * entry.compress_size):
+            raise UnsafeArchiveError(
+                f"member {entry.filename!r} expands more than {_GREATEST_RATIO}-fold", file=name
+            )
         if not entry.is_dir():
             members[entry.filename] = entry
     return members
@@ -125,10 +138,9 @@ def _top_folder(members: Mapping[str, zipfile.ZipInfo], name: str) -> PurePosixP
 
 def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> bytes:
     """Return the content of a member, whatever size its header claims."""
+    limit = GREATEST_DESCRIPTION_BYTES if member.filename.endswith(DESCRIPTION) else GREATEST_BYTES
     with archive.open(member) as stream:
-        content = stream.read(_FILE_LIMIT_BYTES + 1)
-    if len(content) > _FILE_LIMIT_BYTES:
-        raise UnsafeArchiveError(
-            f"member {member.filename!r} exceeds {_FILE_LIMIT_BYTES // 2**20} MB", file=name
-        )
+        content = stream.read(limit + 1)
+    if len(content) > limit:
+        raise UnsafeArchiveError(f"member {member.filename!r} exceeds {limit // 2**20} MB", file=name)
     return content

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from service.domain.cell import Cell, SimulatedCell
 from service.domain.robot import FramePlacement, LinkMass, Nest, Robot
-from service.exchange.campaign_folder import read_bytes
 from service.exchange.cell_sections import (
     optional_text,
     read_artefact,
@@ -25,6 +24,7 @@ from service.exchange.cell_sections import (
 )
 from service.exchange.document import Node, toml_document
 from service.exchange.errors import MissingEntryError, UnknownRobotError
+from service.exchange.input_file import read_bytes
 from service.exchange.robot_document import read_nest, read_placement
 from service.exchange.shipped_robots import RobotWithTool, load_robot_with_tool, read_robot_file
 

@@ -4,7 +4,7 @@ import math
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Final, NoReturn
 
 from service.exchange.errors import (
     BadValueError,
@@ -14,8 +14,10 @@ from service.exchange.errors import (
     WrongUnitError,
 )
 from service.exchange.json_text import KeyPath, line_of, parse_json
-from service.exchange.plausible import is_plausible
+from service.exchange.plausible import limits_of
 from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
+
+_LONGEST_TEXT: Final = 4000  # two pages: the longest note that anybody writes
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,11 @@ class Node:
         """The path in words: `dhm_nominal[2].a_mm`."""
         steps = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in self.path)
         return steps.removeprefix(".")
+
+    @property
+    def _last_word(self) -> str:
+        """The last key on the way here: the numbers of a list are what its key says."""
+        return next((step for step in reversed(self.path) if isinstance(step, str)), "")
 
     @property
     def is_null(self) -> bool:
@@ -101,8 +108,9 @@ class Node:
             number = math.inf
         if not math.isfinite(number):
             self.fail("the number is not finite")
-        if not is_plausible(number):
-            self.fail(f"{number:g} is too large for any quantity")
+        limits = limits_of(self._last_word)
+        if not limits.accepts(number):
+            self.fail(limits.fault(number, f"{number:g}"))
         if number <= above:
             self.fail(f"{number:g} must be greater than {above:g}")
         if not least <= number <= greatest:
@@ -122,6 +130,8 @@ class Node:
             self.fail(f"{_shown(self.value)} is not text")
         if not self.value.strip():
             self.fail("the text is empty")
+        if len(self.value) > _LONGEST_TEXT:
+            self.fail(f"the text has more than {_LONGEST_TEXT} characters")
         return self.value
 
     def truth(self) -> bool:
@@ -152,7 +162,9 @@ def toml_document(file: str, data: bytes) -> Node:
         value = tomllib.loads(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except RecursionError as error:
+        raise UnreadableFileError("this is not TOML: nested too deep", file=file) from error
+    except ValueError as error:  # also of a number of thousands of digits
         raise UnreadableFileError(f"this is not TOML: {error}", file=file) from error
     return Node(file, value, (), lambda path: None)
 

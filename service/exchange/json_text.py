@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
@@ -10,6 +11,8 @@ from service.exchange.errors import UnreadableFileError
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 KeyPath: TypeAlias = tuple[str | int, ...]
+# `\ud83d` alone is half a character: JSON lets it pass, and no screen or database can take it.
+_HALF_A_CHARACTER = re.compile(r"\\u[dD][89a-fA-F]")
 _BLANK = re.compile(r"[ \t\r\n]*")
 
 
@@ -26,13 +29,20 @@ def parse_json(file: str, data: bytes) -> tuple[object, str]:
     except UnicodeDecodeError as error:
         raise UnreadableFileError("the text is not UTF-8; save the file as UTF-8", file=file) from error
     try:
-        return json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant), text
+        value = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
+        if _HALF_A_CHARACTER.search(text):
+            json.dumps(value, ensure_ascii=False).encode()
+        return value, text
     except json.JSONDecodeError as error:
         what = "the text ends too early" if error.pos >= len(text.rstrip()) else error.msg
         raise UnreadableFileError(
             f"this is not a complete JSON document ({what})", file=file, line=error.lineno
         ) from error
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise UnreadableFileError(
+            "this is not a usable JSON document (nested too deep)", file=file
+        ) from error
+    except ValueError as error:
         raise UnreadableFileError(f"this is not a usable JSON document ({error})", file=file) from error
 
 
@@ -89,8 +99,8 @@ def _is_vector(value: Json) -> bool:
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     entries = dict(pairs)
     if len(entries) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
+        counts = Counter(name for name, _ in pairs)
+        twice = next(name for name, count in counts.items() if count > 1)
         raise ValueError(f"key {twice} appears twice in one object")
     return entries
 

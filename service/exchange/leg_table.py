@@ -38,7 +38,7 @@ def read_leg_table(
     columns, groups = leg_columns(n_joints, nests), [torque_names(n_joints)]
     table = read_table(file, data, columns, together=groups)
     legs = LegReadings(
-        stops=read_stops_of(table, n_joints),
+        stops=read_stops_of(table, n_joints, numbered_by=("placement",)),
         placement=table.whole("placement"),
         base_point=table.whole("base_point"),
         nest=table.whole("tool_point"),

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from service.domain.results import Model
-from service.exchange.campaign_folder import read_bytes
 from service.exchange.document import json_document
+from service.exchange.input_file import read_bytes
 from service.exchange.json_text import render_json
 from service.exchange.model_document import model_document, read_model_document
 

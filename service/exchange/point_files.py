@@ -6,10 +6,10 @@ from pathlib import Path
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import LegReadings, PointReadings, Stops
-from service.exchange.campaign_folder import read_bytes
+from service.exchange.input_file import read_bytes
 from service.exchange.leg_table import leg_columns, read_leg_table
 from service.exchange.point_table import ignored_columns, point_columns, read_point_table
-from service.exchange.stop_columns import read_stops_of, stop_columns, torque_names
+from service.exchange.stop_columns import stop_columns, stops_to_visit, torque_names
 from service.exchange.table import WHOLE, Column, column_names, one_of, read_table
 from service.exchange.table_text import prediction_text
 
@@ -60,7 +60,7 @@ def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) ->
         passed_over={column.name for column in measured},
     )
     return PointsToPredict(
-        stops=read_stops_of(table, n_joints),
+        stops=stops_to_visit(table, n_joints),
         nest=table.optional_whole("nest"),
         ignored=_sentences(file, ignored_columns(table)),
     )

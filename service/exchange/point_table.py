@@ -8,7 +8,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.campaign import FixedNestReadings, PointReadings, Stops
 from service.exchange.errors import MissingEntryError
-from service.exchange.stop_columns import read_stops_of, stop_columns, torque_names
+from service.exchange.stop_columns import SAME_JOINTS_DEG, read_stops_of, stop_columns, torque_names
 from service.exchange.table import POSITIVE, WHOLE, Column, Table, at_least, one_of, read_table
 
 POSITION = ("x_mm", "y_mm", "z_mm")
@@ -21,9 +21,10 @@ UPPER_TRIANGLE = np.triu_indices(3)  # row by row, the order of COVARIANCE
 _QUATERNION_TOLERANCE = 2e-3
 # A quaternion of full precision is left as it is, so that writing and reading it again changes nothing.
 _ROUNDING = 1e-14
-# Controllers report 0.01 deg, and an arm may stop as far off its target; two configurations of a plan lie
-# tens of degrees apart.
-_SAME_JOINTS_DEG = 0.5
+
+# The squares of what `u_mm` may be.
+_GREATEST_COVARIANCE_MM2 = 1e6
+_LEAST_VARIANCE_MM2 = 1e-18
 
 Vector = tuple[float, float, float]
 
@@ -107,7 +108,7 @@ def _doubtful_repeats(stops: Stops) -> tuple[str, ...]:
     row_of = dict(zip(stops.config[first].tolist(), first.tolist(), strict=True))
     earlier = np.array([row_of.get(config, row) for row, config in enumerate(stops.repeat_of.tolist())])
     away_deg = np.degrees(np.abs(stops.joints_rad - stops.joints_rad[earlier]).max(axis=1))
-    wrong = np.flatnonzero(away_deg > _SAME_JOINTS_DEG)
+    wrong = np.flatnonzero(away_deg > SAME_JOINTS_DEG)
     if len(wrong) == 0:
         return ()
     row = int(wrong[0])
@@ -139,7 +140,13 @@ def _full_covariance(table: Table) -> FloatArray:
     entries = table.block(COVARIANCE)
     covariance[:, rows, columns] = entries
     covariance[:, columns, rows] = entries
-    definite = np.linalg.eigvalsh(covariance)[:, 0] > 0.0
+    table.require(
+        np.abs(entries).max(axis=1) <= _GREATEST_COVARIANCE_MM2,
+        COVARIANCE[0],
+        f"{COVARIANCE[0]} to {COVARIANCE[-1]} make the reading worthless: they are in mm2, and "
+        f"{_GREATEST_COVARIANCE_MM2:,.0f} mm2 is the most; correct them, or remove the row",
+    )
+    definite = np.linalg.eigvalsh(covariance)[:, 0] > _LEAST_VARIANCE_MM2
     table.require(
         definite, COVARIANCE[0], f"{COVARIANCE[0]} to {COVARIANCE[-1]} are not a positive definite matrix"
     )

@@ -6,9 +6,9 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from service.domain.robot import Nest, Robot
-from service.exchange.campaign_folder import read_bytes
 from service.exchange.document import toml_document
 from service.exchange.errors import UnknownRobotError
+from service.exchange.input_file import read_bytes
 from service.exchange.robot_document import read_joints, read_nest, read_robot
 
 _SUFFIX = ".toml"

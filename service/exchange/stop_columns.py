@@ -1,6 +1,7 @@
 """Columns that say where the arm stood: configuration, joints and what was known of the stop."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from service.exchange.table import WHOLE, Column, Table, at_least, between
 
 _N_MM_PER_N_M = 1000.0
 NO_REPEAT = -1
+# Controllers report 0.01 deg, and an arm may stop as far off its target; two configurations of a plan lie
+# tens of degrees apart.
+SAME_JOINTS_DEG = 0.5
 
 
 def joint_names(n_joints: int) -> list[str]:
@@ -45,8 +49,17 @@ def stop_columns(n_joints: int) -> list[Column]:
     ]
 
 
-def read_stops_of(table: Table, n_joints: int) -> Stops:
-    """Return the stops of a table read with `stop_columns`."""
+def read_stops_of(table: Table, n_joints: int, *, numbered_by: Sequence[str] = ()) -> Stops:
+    """Return the stops of a measured table read with `stop_columns`; a number is one place of the arm.
+
+    Raises BadValueError where it is two. `numbered_by` names the columns that number their stops apart.
+    """
+    _require_one_place_each(table, ("config", *numbered_by), joint_names(n_joints))
+    return stops_to_visit(table, n_joints)
+
+
+def stops_to_visit(table: Table, n_joints: int) -> Stops:
+    """Return the stops of a table whose numbers are nothing but names of its rows."""
     return Stops(
         config=table.whole("config"),
         joints_rad=np.radians(table.block(joint_names(n_joints))),
@@ -57,6 +70,22 @@ def read_stops_of(table: Table, n_joints: int) -> Stops:
         torque_n_mm=_torques(table, n_joints),
         group=table.optional_whole("group"),
         repeat_of=table.optional_whole("repeat_of"),
+    )
+
+
+def _require_one_place_each(table: Table, number: Sequence[str], joints: Sequence[str]) -> None:
+    """Refuse two places of the arm under one number: their readings would share what one stop shares."""
+    _, first, which = np.unique(table.block(number), axis=0, return_index=True, return_inverse=True)
+    earlier = first[which.reshape(-1)]
+    joints_deg = table.block(joints)
+    away_deg = np.abs(joints_deg - joints_deg[earlier])
+    row = int(np.argmax(away_deg.max(axis=1) > SAME_JOINTS_DEG))
+    joint = int(np.argmax(away_deg[row]))
+    table.require(
+        away_deg.max(axis=1) <= SAME_JOINTS_DEG,
+        number[0],
+        f"configuration {table.whole(number[0])[row]} stands on line {table.lines[earlier[row]]} with other "
+        f"joints ({joints[joint]} differs by {away_deg[row, joint]:.4g}); number each place of the arm once",
     )
 
 

@@ -1,20 +1,20 @@
 """Strict reading of a CSV table into columns of numbers, with the place of the first bad cell.
 
-Well-formed columns take a fast path (one regular expression and one conversion for the whole column);
-cells are looked at one by one only in a column that has a blank or a bad one.
+Rows come some thousand at a time. Well-formed columns take a fast path (one regular expression and one
+conversion for all of these rows); cells are looked at one by one only where one is blank or bad.
 """
 
-import csv
-import io
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
-from service.exchange.plausible import GREATEST_NUMBER, is_plausible
+from service.exchange.plausible import limits_of
+from service.exchange.table_rows import Numbered, numbered_rows, parts, read_header
 from service.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -22,6 +22,7 @@ _ONE_NUMBER = re.compile(_NUMBER)
 _ALL_NUMBERS = re.compile(rf"(?:{_NUMBER}\n)++")
 _NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
 _LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
+Converted: TypeAlias = tuple[IntArray, dict[str, FloatArray]]  # lines and columns of some rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,73 +136,22 @@ def read_table(
     UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
         With file, line and column of the first fault.
     """
-    header, lines, rows = _split(file, data)
+    numbered = numbered_rows(file, data)
+    header = read_header(file, numbered)
     _check_header(file, header, columns, together)
-    by_name = dict(zip(header, zip(*rows, strict=True), strict=True))
-    wanted = [column for column in columns if column.name in by_name]
+    wanted = [column for column in columns if column.name in header]
     known = {column.name for column in columns} | set(passed_over)
-    table_lines = np.array(lines, np.int64)
-    values = _convert(file, table_lines, wanted, by_name)
-    return Table(file, table_lines, values, tuple(name for name in header if name and name not in known))
+    lines, values = _joined(
+        wanted, [_convert(file, wanted, header, part) for part in parts(file, header, numbered)]
+    )
+    if not lines.size:
+        raise UnreadableFileError("the file has a header and no rows", file=file)
+    return Table(file, lines, values, tuple(name for name in header if name and name not in known))
 
 
 def column_names(file: str, data: bytes) -> tuple[str, ...]:
     """Return the names in the header line of a CSV table."""
-    return tuple(_split(file, data)[0])
-
-
-def _split(file: str, data: bytes) -> tuple[list[str], list[int], list[list[str]]]:
-    """Return header, line numbers and rows; every row as long as the header."""
-    numbered = _rows(file, _text(file, data))
-    first = next(numbered, None)
-    if first is None:
-        raise UnreadableFileError("the file is empty; a header line and rows are required", file=file)
-    header = [name.strip() for name in first[1]]
-    _check_separator(file, first[0], header)
-    lines, rows = [], []
-    for line, row in numbered:
-        if len(row) != len(header):
-            raise UnreadableFileError(
-                f"{len(row)} cells stand where the header has {len(header)} columns", file=file, line=line
-            )
-        lines.append(line)
-        rows.append(row)
-    if not rows:
-        raise UnreadableFileError("the file has a header and no rows", file=file)
-    return header, lines, rows
-
-
-def _text(file: str, data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise UnreadableFileError(
-            "the text is not UTF-8; save the file as UTF-8", file=file, line=line
-        ) from error
-
-
-def _rows(file: str, text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of every line that is not blank."""
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    line = 1
-    try:
-        for row in reader:
-            if any(cell.strip() for cell in row):
-                yield line, row
-            line = reader.line_num + 1
-    except csv.Error as error:
-        raise UnreadableFileError(f"the line is not CSV ({error})", file=file, line=line) from error
-
-
-def _check_separator(file: str, line: int, header: list[str]) -> None:
-    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
-        if len(header) == 1 and mark in header[0]:
-            raise UnreadableFileError(
-                f"the columns are separated by {word}; commas are required, with . as decimal point",
-                file=file,
-                line=line,
-            )
+    return tuple(read_header(file, numbered_rows(file, data)))
 
 
 def _check_header(
@@ -235,25 +185,36 @@ def _check_absent(file: str, column: Column, present: set[str]) -> None:
 
 
 def _convert(
-    file: str, lines: IntArray, columns: Sequence[Column], cells: Mapping[str, Sequence[str]]
-) -> dict[str, FloatArray]:
+    file: str, columns: Sequence[Column], header: Sequence[str], rows: Sequence[Numbered]
+) -> Converted:
     """Convert every column; raise for the bad cell that a reader of the file meets first."""
+    cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
     values: dict[str, FloatArray] = {}
     faults: list[tuple[int, int, str]] = []
-    order = list(cells)
     for column in columns:
         values[column.name], fault = _numbers(column, cells[column.name])
         if fault is not None:
-            faults.append((fault[0], order.index(column.name), fault[1]))
+            faults.append((fault[0], header.index(column.name), fault[1]))
     if faults:
         row, position, sentence = min(faults)
-        raise BadValueError(sentence, file=file, line=int(lines[row]), column=order[position])
-    return values
+        raise BadValueError(sentence, file=file, line=rows[row][0], column=header[position])
+    return np.array([line for line, _ in rows], np.int64), values
+
+
+def _joined(columns: Sequence[Column], parts: Sequence[Converted]) -> Converted:
+    """Return what was converted part by part as whole columns."""
+    lines = np.concatenate([np.zeros(0, np.int64), *(lines for lines, _ in parts)])
+    nothing = np.zeros(0)
+    values = {
+        column.name: np.concatenate([nothing, *(values[column.name] for _, values in parts)])
+        for column in columns
+    }
+    return lines, values
 
 
 def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[int, str] | None]:
     """Return the numbers of a column, and row and sentence of its first fault if it has one."""
-    sound = None if column.words else _all_numbers(cells)
+    sound = None if column.words else _all_numbers(column, cells)
     if sound is None:
         values, given, fault = _one_by_one(column, [cell.strip() for cell in cells])
     else:
@@ -264,7 +225,7 @@ def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[in
     return values, fault
 
 
-def _all_numbers(cells: Sequence[str]) -> FloatArray | None:
+def _all_numbers(column: Column, cells: Sequence[str]) -> FloatArray | None:
     """Return the numbers of a column in which every cell is a sound one, else None."""
     if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
         return None
@@ -272,7 +233,9 @@ def _all_numbers(cells: Sequence[str]) -> FloatArray | None:
         values = np.fromiter(map(float, cells), float, len(cells))
     except ValueError:  # a quoted cell of several lines
         return None
-    return values if bool(np.all(np.abs(values) <= GREATEST_NUMBER)) else None
+    limits, size = limits_of(column.name), np.abs(values)
+    sound = (size == 0.0) | ((size >= limits.least) & (size <= limits.greatest))
+    return values if bool(sound.all()) else None
 
 
 def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:
@@ -301,7 +264,10 @@ def _fault(column: Column, cell: str) -> str | None:
     if cell.lower() in _NOT_FINITE or (_ONE_NUMBER.fullmatch(cell) and not np.isfinite(float(cell))):
         return f"{_shown(cell)} is not a finite number"
     if _ONE_NUMBER.fullmatch(cell):
-        return None if is_plausible(float(cell)) else f"{_shown(cell)} is too large for any quantity"
+        limits = limits_of(column.name)
+        if limits.accepts(float(cell)):
+            return None
+        return f"{limits.fault(float(cell), _shown(cell))}, or remove the row"
     hint = "; the decimal point is ." if _ONE_NUMBER.fullmatch(cell.replace(",", ".")) else ""
     return f"{_shown(cell)} is not a number{hint}"
 

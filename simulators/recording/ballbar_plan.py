@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from simulators.cell import Cell
 from simulators.errors import ScenarioError
+from simulators.input_file import read_text
 from simulators.physics.arm import Vector
 from simulators.scenario_table import read_table
 
@@ -60,7 +61,7 @@ _NOT_NEEDED = frozenset({"frame"})
 def read_plan(path: Path) -> BallbarPlan:
     """Read a plan file; raises ScenarioError with file, place and key."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_text(path))
     except (ValueError, RecursionError) as error:
         raise ScenarioError(f"{path.name} is no JSON: {error}") from error
     except OSError as error:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from simulators.errors import ReplayError
+from simulators.input_file import read_text
 from simulators.physics.arm import Vector
 from simulators.physics.rigid import FloatArray
 from simulators.scenario_table import convert
@@ -22,7 +23,7 @@ def read_description(folder: Path) -> dict[str, Any]:
     """Read campaign.json of a folder; raises ReplayError."""
     path = folder / _NAME
     try:
-        document = json.loads(path.read_text(encoding="utf-8-sig"))
+        document = json.loads(read_text(path))
     except OSError as error:
         raise ReplayError(f"{path} cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:

@@ -1,6 +1,7 @@
 """A table of a measured campaign: kept as it was written, read as numbers where they are needed."""
 
 import csv
+import io
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from simulators.errors import ReplayError
+from simulators.input_file import read_text
 from simulators.physics.rigid import FloatArray
 
 
@@ -78,8 +80,7 @@ class MeasuredTable:
 def read_table(path: Path) -> MeasuredTable:
     """Read a table; raises ReplayError with file and line."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if row]
+        rows = [row for row in csv.reader(io.StringIO(read_text(path), newline="")) if row]
     except OSError as error:
         raise ReplayError(f"{path} cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:

@@ -527,3 +527,26 @@ def test_a_simulated_cell_ends_with_the_command_that_started_it():
 
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection((first["host"], first["port"]), timeout=5)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("identify", "it.zip"),
+        ("diagnose", "folder"),
+        ("predict", "it.zip", "it.zip", "--out", "out.csv"),
+        ("validate", "it.zip", "it.zip"),
+        ("inspect", "it.zip"),
+        ("serve", "--cell", "it.zip", "--port", "0"),
+    ],
+)
+def test_a_pipe_is_no_file_and_nobody_waits_for_it(tmp_path, arguments):
+    os.mkfifo(tmp_path / "it.zip")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "campaign.json").symlink_to(tmp_path / "it.zip")
+
+    refused = truepose(*arguments, cwd=tmp_path)
+
+    assert refused.returncode == 2
+    assert refused.stderr.endswith(": this is a pipe, not a file; name a file.\n")
+    assert refused.stderr.count("\n") == 1

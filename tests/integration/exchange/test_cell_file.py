@@ -311,7 +311,7 @@ def test_a_cell_file_that_is_not_there_is_named(tmp_path):
 
 
 def test_a_folder_is_no_cell_file(tmp_path):
-    with pytest.raises(InputFileError, match="cannot be read"):
+    with pytest.raises(InputFileError, match="this is a folder, not a file"):
         read_cell(tmp_path)
 
 

@@ -67,7 +67,7 @@ def whole(least, greatest):
 stops = st.builds(
     make_stops,
     n=st.just(N),
-    config=whole(0, 2**40),
+    config=arrays(np.int64, N, elements=st.integers(0, 2**40), unique=True),
     joints_rad=arrays(float, (N, 3), elements=angles),
     direction=st.none() | arrays(np.int64, (N, 3), elements=st.integers(-1, 1)),
     time_s=st.none() | column(known_or_not),

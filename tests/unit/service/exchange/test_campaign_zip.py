@@ -11,9 +11,9 @@ from service.exchange.errors import MissingFileError, UnreadableFileError, Unsaf
 from tests.builders import make_ballbar_campaign, make_campaign
 
 
-def archive(members):
+def archive(members, method=zipfile.ZIP_DEFLATED):
     stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as opened:
+    with zipfile.ZipFile(stream, "w", method) as opened:
         for name, content in members:
             opened.writestr(name, content)
     return stream.getvalue()
@@ -37,9 +37,7 @@ def test_equal_campaigns_give_equal_bytes():
 
 @pytest.mark.parametrize("prefix", ["", "irb120/", "exports/2024/irb120/"])
 def test_the_folder_may_be_in_the_zip(prefix):
-    campaign = read_campaign_zip(
-        io.BytesIO(archive([*members(prefix), ("__MACOSX/" + prefix + "campaign.json", "x")]))
-    )
+    campaign = read_campaign_zip(archive([*members(prefix), ("__MACOSX/" + prefix + "campaign.json", "x")]))
 
     assert len(campaign.calibration) == 3
 
@@ -59,17 +57,49 @@ def test_a_member_that_is_there_twice_is_refused():
 
 
 def test_an_archive_that_claims_to_be_huge_is_refused_unread():
-    data = archive([*members(), *((f"{k}.bin", b"\0" * 2**26) for k in range(9))])  # 576 MB in 0.6 MB
+    data = archive([*members(), *((f"{k}.bin", b"\0" * 2**26) for k in range(5))])  # 320 MB in 0.3 MB
 
-    with pytest.raises(UnsafeArchiveError, match="exceeds 512 MB"):
+    with pytest.raises(UnsafeArchiveError, match="exceeds 256 MB"):
         read_campaign_zip(data)
 
 
-def test_a_table_that_expands_beyond_reason_is_refused():
+def test_a_table_of_a_size_that_no_campaign_has_is_refused():
     bomb = [(name, text if name == "campaign.json" else b"1" * (2**27 + 1)) for name, text in members()]
 
     with pytest.raises(UnsafeArchiveError, match=r"'calibration.csv' exceeds 128 MB"):
+        read_campaign_zip(archive(bomb, zipfile.ZIP_STORED))
+
+
+def test_a_table_that_expands_beyond_reason_is_refused_before_it_is_inflated():
+    bomb = [(name, text if name == "campaign.json" else b"1" * 2**24) for name, text in members()]
+
+    with pytest.raises(UnsafeArchiveError, match=r"'calibration.csv' expands more than 200-fold"):
         read_campaign_zip(archive(bomb))
+
+
+def test_a_member_that_hides_its_size_is_cut_off():
+    big = b"1" * 2**27 + b"1"
+    honest = archive([("campaign.json", members()[0][1]), ("calibration.csv", big)], zipfile.ZIP_STORED)
+    size = len(big).to_bytes(4, "little")
+    lying = honest.replace(size, (1000).to_bytes(4, "little"))
+    assert lying != honest
+
+    with pytest.raises(UnreadableFileError):
+        read_campaign_zip(lying)
+
+
+def test_a_directory_of_a_million_members_is_refused_unread():
+    entry = b"PK\x01\x02" + bytes(42)
+
+    with pytest.raises(UnsafeArchiveError, match="more than the 1000 members"):
+        read_campaign_zip(entry * 1_000_000)
+
+
+def test_a_description_of_a_size_that_nobody_writes_is_refused():
+    padded = members()[0][1].encode() + b" " * 2**23
+
+    with pytest.raises(UnsafeArchiveError, match=r"'campaign.json' exceeds 4 MB"):
+        read_campaign_zip(archive([("campaign.json", padded), *members()[1:]], zipfile.ZIP_STORED))
 
 
 def test_too_many_members_are_refused():

@@ -186,7 +186,7 @@ def test_a_missing_key_is_named(key):
         ({"covariance": [[1.0, 0.5], [0.4, 1.0]]}, "covariance", "must be symmetric"),
         ({"covariance": [[1.0, 2.0], [2.0, 1.0]]}, "covariance", "correlations beyond 1"),
         ({"covariance": [[-1.0, 0.0], [0.0, 1.0]]}, "covariance", "negative variances"),
-        ({"repeatability_mm": 1e200}, "repeatability_mm", "too large for any quantity"),
+        ({"repeatability_mm": 1e200}, "repeatability_mm", "no length that anybody could have read"),
         ({"torques_measured": 1}, "torques_measured", "neither true nor false"),
         ({"identified_from": {"rows": [1]}}, "identified_from.rows", "text or a number"),
         ({"tool_nests": [{"nest": 0, "centre_mm": [0, 0, 0]}]}, "tool_nests[0].nest", "must lie between 1"),

@@ -130,7 +130,7 @@ REFUSED = {
         BadValueError,
         3,
         "y_mm",
-        "is too large for any quantity",
+        "is no length that anybody could have read: 1,000,000 mm is the most; correct it, or remove",
     ),
     "a cell of two lines": (
         second_row('2,5,"15\n5",25,1,110,210,310,0.02'),

@@ -1,0 +1,43 @@
+"""A simulated cell waits for no pipe and reads no device, whichever file it is given."""
+
+import os
+
+import pytest
+
+from simulators.errors import ModelError, ReplayError, ScenarioError
+from simulators.input_file import read_file, read_text
+from simulators.model_file import load_model
+from simulators.recording.ballbar_plan import read_plan
+from simulators.recording.measured_table import read_table
+from simulators.scenario_file import load_scenario
+
+
+@pytest.mark.parametrize(
+    ("read", "error"), [(load_model, ModelError), (read_plan, ScenarioError), (read_table, ReplayError)]
+)
+def test_a_pipe_is_refused_at_once(tmp_path, read, error):
+    os.mkfifo(tmp_path / "it")
+
+    with pytest.raises(error, match="it is no file but a folder, a pipe or a device"):
+        read(tmp_path / "it")
+
+
+def test_a_device_has_no_content(tmp_path):
+    (tmp_path / "it").symlink_to("/dev/zero")
+
+    with pytest.raises(OSError, match="no file but a folder, a pipe or a device"):
+        read_file(tmp_path / "it")
+
+
+def test_a_byte_order_mark_is_no_text(tmp_path):
+    (tmp_path / "it").write_bytes(b"\xef\xbb\xbfrobot")
+
+    assert read_text(tmp_path / "it") == "robot"
+
+
+@pytest.mark.parametrize("text", ["robot = " + "9" * 5000, "robot = " + "[" * 100_000])
+def test_toml_that_python_gives_up_on_is_refused_in_one_sentence(tmp_path, text):
+    (tmp_path / "it.toml").write_text(text)
+
+    with pytest.raises(ScenarioError, match=r"it.toml is no TOML"):
+        load_scenario(str(tmp_path / "it.toml"))
