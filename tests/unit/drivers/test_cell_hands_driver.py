@@ -11,8 +11,8 @@ from drivers.transports.memory import MemoryEnd, MemoryLink
 async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():
     async def serve(end: MemoryEnd) -> None:
         while await end.receive():
-            await end.send(encode(Done()))
-            await end.send(encode(Done()))
+            end.write(encode(Done()))
+            end.write(encode(Done()))
 
     hands = CellHands(MemoryLink(serve))
     await hands.connect()

@@ -110,8 +110,8 @@ async def test_an_answer_too_many_is_not_the_answer_to_the_next_question():
             reader.receive_data(data)
             while (line := reader.next_line()) is not None:
                 answer = await answer_twice(line)
-                await end.send(answer)
-                await end.send(answer)
+                end.write(answer)
+                end.write(answer)
 
     clock = clock_on(serve)
 
