@@ -1,9 +1,10 @@
-"""Errors of the numerics.
+"""Errors of the numerics, and the one that every keeper of records shares.
 
 TrueposeError
 ├── ConfigurationError        an argument does not fit the robot or the campaign
 ├── UnderdeterminedError      fewer observations than parameters
-└── UnknownEffectError        no effect of that name is registered
+├── UnknownEffectError        no effect of that name is registered
+└── RecordRefusedError        what was to be kept could not be; nothing of it was
 """
 
 
@@ -21,3 +22,7 @@ class UnderdeterminedError(TrueposeError):
 
 class UnknownEffectError(TrueposeError):
     """No effect of that name is registered."""
+
+
+class RecordRefusedError(TrueposeError):
+    """What was to be kept could not be, and nothing of it was; it may be kept later."""

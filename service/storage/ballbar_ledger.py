@@ -35,6 +35,10 @@ class BallbarLedger:
         document = to_document(entry)  # outside the transaction: a pre-calibration is long
         return await self._database.write(lambda c: _append(c, session_id, entry, document, entered))
 
+    async def writable(self) -> None:
+        """Return once entries are taken again, after one was refused."""
+        await self._database.writable()
+
     async def page(self, session_id: int, page: Page = _ALL) -> list[LedgerRecord]:
         """Return the entries of a session, oldest first."""
         table = ballbar_entries

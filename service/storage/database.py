@@ -1,28 +1,47 @@
 """The open database: one writer, many readers, commits that are on disk.
 
-Every write runs on one thread over one connection, in a transaction of its own; `write` returns
-after the commit, which `synchronous=FULL` puts on the disk. Readers see the last commit (WAL) and
-cannot write. SQLite's calls block, so both sides live on threads, off the event loop.
+Every write runs on one thread over one connection; what is asked for while a commit is under way shares the
+next transaction, each in a savepoint of its own. `write` returns after the commit, which `synchronous=FULL`
+puts on the disk. Readers see the last commit (WAL) and cannot write. SQLite's calls block, so both sides live
+on threads, off the event loop. Where a write is refused, further ones are refused at once until a trial has
+shown that writing works again.
 """
 
 import asyncio
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any, TypeVar
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias, TypeVar
 
-from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import DatabaseError, OperationalError
-from sqlalchemy.pool import NullPool, QueuePool
+from sqlalchemy import Connection
+from sqlalchemy.exc import DatabaseError
 
 from service.storage.address import database_file
-from service.storage.errors import ForeignDatabaseError, StorageUnavailableError
+from service.storage.condition import Condition
+from service.storage.engine import reading_engine, writing_engine
+from service.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
 from service.storage.lock import ServiceLock
+from service.storage.place import Place
+from service.storage.refusals import translated
 from service.storage.schema import bring_up_to_date
 
 T = TypeVar("T")
-_READERS = 4  # as many queries at a time as a handful of browsers asks for
-_BUSY_TIMEOUT_MS = 5000  # a checkpoint or an outside backup may hold the file this long
+_End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it failed
+_LOG: Final = logging.getLogger(__name__)
+_READERS: Final = 4  # as many queries at a time as a handful of browsers asks for
+_MOST_TOGETHER: Final = 256  # writes that share a transaction
+_TRIAL_S: Final = 0.25  # between two trials whether writing works again
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """A write that waits for its turn."""
+
+    work: Callable[[Connection], Any]
+    done: "Future[Any]" = field(default_factory=Future)
 
 
 class Database:
@@ -30,8 +49,12 @@ class Database:
 
     def __init__(self, url: str) -> None:
         self.file = database_file(url)
+        self.condition = Condition()
         self._lock = ServiceLock(self.file)
         self._commit = asyncio.Event()
+        self._wanted: deque[_Wanted] = deque()
+        self._trial: asyncio.Task[None] | None = None
+        self._reading = threading.BoundedSemaphore(_READERS)  # all of them taken: nobody reads
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="storage-writer")
         self._readers = ThreadPoolExecutor(_READERS, thread_name_prefix="storage-reader")
         try:
@@ -41,25 +64,44 @@ class Database:
             raise
 
     def _open(self) -> str:
-        self._write_engine = _engine(self.file, read_only=False)
-        self._read_engine = _engine(self.file, read_only=True)
-        try:
-            self._connection = self._write_engine.connect()
-        except DatabaseError as error:
-            raise _translated(self.file, error) from error
+        self._connect()
         try:
             with self._connection.begin():
-                return bring_up_to_date(self._connection, str(self.file))
+                schema = bring_up_to_date(self._connection, str(self.file))
+        except DatabaseError as error:
+            self._connection.close()
+            raise translated(self.file, error) from error
         except BaseException:
             self._connection.close()
             raise
+        self._place = Place(self.file)
+        return schema
+
+    def _connect(self) -> None:
+        self._write_engine = writing_engine(self.file)
+        self._read_engine = reading_engine(self.file)
+        try:
+            self._connection = self._write_engine.connect()
+        except DatabaseError as error:
+            raise translated(self.file, error) from error
 
     async def write(self, work: Callable[[Connection], T]) -> T:
-        """Run `work` in a transaction and return its result once that is committed."""
-        committed = asyncio.get_running_loop().run_in_executor(self._writer, self._write, work)
-        committed.add_done_callback(self._announce)
-        # Shielded: a caller that is cancelled meanwhile does not take the announcement with it.
-        return await asyncio.shield(committed)
+        """Run `work` in a transaction and return its result once that is committed.
+
+        Raises what `work` raises, and StorageUnavailableError; nothing of it was kept then.
+        """
+        if self.condition.trouble is not None:
+            raise StorageUnavailableError(self.condition.trouble)
+        try:
+            return await self._write_in_turn(work)
+        except StorageUnavailableError as error:
+            self._try_again_after(error)
+            raise
+
+    async def writable(self) -> None:
+        """Return once writing works; at once where nothing was refused."""
+        while self._trial is not None:
+            await asyncio.wait({self._trial})
 
     async def read(self, work: Callable[[Connection], T]) -> T:
         """Run `work` on the last committed state; it cannot write."""
@@ -75,26 +117,123 @@ class Database:
         self._commit.set()
         self._commit = asyncio.Event()
 
+    async def _write_in_turn(self, work: Callable[[Connection], T]) -> T:
+        wanted = _Wanted(work)
+        self._wanted.append(wanted)
+        self._writer.submit(self._write_wanted)
+        committed: asyncio.Future[T] = asyncio.wrap_future(wanted.done)
+        committed.add_done_callback(self._announce)
+        # Shielded: a caller that is cancelled meanwhile does not take the announcement with it.
+        return await asyncio.shield(committed)
+
     def _announce(self, write: "asyncio.Future[Any]") -> None:
         if not write.cancelled() and write.exception() is None:
             self.wake()
 
+    def _try_again_after(self, error: StorageUnavailableError) -> None:
+        self.condition.trouble = str(error)
+        if self._trial is None:
+            _LOG.warning("records are refused: %s", error)
+            self._trial = asyncio.create_task(self._try_until_writable(), name="storage trial")
+
+    async def _try_until_writable(self) -> None:
+        try:
+            while self.condition.trouble is not None:
+                await asyncio.sleep(_TRIAL_S)
+                try:
+                    await self._write_in_turn(_write_a_little)
+                except StorageUnavailableError as error:
+                    self.condition.trouble = str(error)
+                else:
+                    self.condition.trouble = None
+                    _LOG.warning("records are taken again")
+        finally:
+            self._trial = None
+
+    # on the writer's thread
+
+    def _write_wanted(self) -> None:
+        """Run what waits in one transaction; who came later shares the next one."""
+        together = [self._wanted.popleft() for _ in range(min(len(self._wanted), _MOST_TOGETHER))]
+        if not together:
+            return
+        if len(together) == 1:
+            _tell(together, self._alone(together[0]))
+            return
+        try:
+            _tell(together, *self._write(lambda connection: [_beside(w, connection) for w in together]))
+        except _NotTogetherError:
+            for wanted in together:
+                _tell([wanted], self._alone(wanted))
+        except Exception as error:
+            _tell(together, *((None, error) for _ in together))
+
+    def _alone(self, wanted: _Wanted) -> _End:
+        try:
+            return self._write(wanted.work), None
+        except Exception as error:
+            return None, error
+
     def _write(self, work: Callable[[Connection], T]) -> T:
         try:
+            if self._connection.closed:  # it could not be opened anew when it had to be
+                self._connect()
+            self._look_after_file()
             with self._connection.begin():
                 return work(self._connection)
-        except OperationalError as error:
-            raise _translated(self.file, error) from error
+        except DatabaseError as error:
+            raise self._noted(error) from error
+
+    def _look_after_file(self) -> None:
+        """See that the database lies at its place with its log, and bring it back where it was removed."""
+        if self._place.removed:
+            lock = self._place.restore(self._raw)
+            self._reconnect()
+            self._lock.move_to(lock)
+            _LOG.warning("the database %s was removed while it was open; it was written anew", self.file)
+        elif self._place.log_removed:
+            self._raw.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._reconnect()
+            _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
+
+    @property
+    def _raw(self) -> Any:
+        """The library's own connection, for what is done outside transactions."""
+        return self._connection.connection.dbapi_connection
+
+    def _reconnect(self) -> None:
+        """Open everything anew, while nobody reads."""
+        for _ in range(_READERS):
+            self._reading.acquire()
+        try:
+            self._read_engine.dispose()
+            self._connection.close()
+            self._write_engine.dispose()
+            self._place = Place(self.file)
+            self._connect()
+        finally:
+            for _ in range(_READERS):
+                self._reading.release()
+
+    # on any thread
 
     def _read(self, work: Callable[[Connection], T]) -> T:
         try:
-            with self._read_engine.begin() as connection:
+            with self._reading, self._read_engine.begin() as connection:
                 return work(connection)
-        except OperationalError as error:
-            raise _translated(self.file, error) from error
+        except DatabaseError as error:
+            raise self._noted(error) from error
+
+    def _noted(self, error: DatabaseError) -> StorageError:
+        found = translated(self.file, error)
+        if isinstance(found, DamagedDatabaseError):
+            self.condition.note_damage("pages", str(found))
+        return found
 
     def close(self) -> None:
         """Finish what was begun, close the file and let another service have it."""
+        if self._trial is not None:
+            self._trial.cancel()
         self._readers.submit(self._read_engine.dispose).result()
         self._writer.submit(self._connection.close).result()
         self._writer.submit(self._write_engine.dispose).result()
@@ -106,43 +245,31 @@ class Database:
         self._lock.release()
 
 
-def _engine(file: Path, *, read_only: bool) -> Engine:
-    # The writer keeps one connection; check_same_thread is off because the pool closes from any thread.
-    engine = create_engine(
-        f"sqlite:///{file}",
-        poolclass=QueuePool if read_only else NullPool,
-        connect_args={"check_same_thread": False},
-    )
-    event.listen(engine, "connect", _set_up_reader if read_only else _set_up_writer)
-    event.listen(engine, "begin", _begin_reading if read_only else _begin_writing)
-    return engine
+class _NotTogetherError(Exception):
+    """One of several writes has spoilt the transaction that they share."""
 
 
-def _set_up_writer(connection: Any, _record: object) -> None:
-    connection.isolation_level = None  # the driver must not begin transactions on its own
-    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
-        connection.execute(f"PRAGMA {pragma}")
-    connection.execute(f"PRAGMA busy_timeout={_BUSY_TIMEOUT_MS}")
+def _beside(wanted: _Wanted, connection: Connection) -> _End:
+    """Return what a write gives that shares its transaction; what it did is undone where it fails."""
+    try:
+        with connection.begin_nested():
+            return wanted.work(connection), None
+    except DatabaseError as error:
+        # The library may have ended the whole transaction by itself; alone, each has its own answer.
+        raise _NotTogetherError from error
+    except Exception as error:
+        return None, error
 
 
-def _set_up_reader(connection: Any, record: object) -> None:
-    connection.isolation_level = None
-    connection.execute(f"PRAGMA busy_timeout={_BUSY_TIMEOUT_MS}")
-    connection.execute("PRAGMA query_only=ON")
+def _tell(together: Sequence[_Wanted], *ends: _End) -> None:
+    for wanted, (result, failure) in zip(together, ends, strict=True):
+        if failure is None:
+            wanted.done.set_result(result)
+        else:
+            wanted.done.set_exception(failure)
 
 
-def _begin_writing(connection: Connection) -> None:
-    # IMMEDIATE: the write lock is taken now, not in the middle of a transaction that has read already.
-    connection.exec_driver_sql("BEGIN IMMEDIATE")
-
-
-def _begin_reading(connection: Connection) -> None:
-    connection.exec_driver_sql("BEGIN")
-
-
-def _translated(file: Path, error: DatabaseError) -> StorageUnavailableError | ForeignDatabaseError:
-    if "not a database" in str(error.orig):
-        return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")
-    return StorageUnavailableError(
-        f"The database {file} refused ({error.orig}); check the disk's space and permissions."
-    )
+def _write_a_little(connection: Connection) -> None:
+    """Write a few bytes that nobody reads: the header's field for the application's use."""
+    count = int(connection.exec_driver_sql("PRAGMA user_version").scalar() or 0)
+    connection.exec_driver_sql(f"PRAGMA user_version = {(count + 1) % 2**31}")

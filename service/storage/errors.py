@@ -5,13 +5,14 @@ StorageError
 ├── DatabaseInUseError       another service holds the same database
 ├── NewerSchemaError         the database was written by a newer version
 ├── ForeignDatabaseError     the file is no database, or another program's
-├── StorageUnavailableError  the disk refused (full, read-only, gone)
+├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
+│   └── DamagedDatabaseError   what is on disk is not what was written
 ├── NotFoundError            no record of that number
 └── ConflictError            the record does not allow that now
     └── KeyReusedError         an Idempotency-Key came back with another request
 """
 
-from service.domain.errors import TrueposeError
+from service.domain.errors import RecordRefusedError, TrueposeError
 
 
 class StorageError(TrueposeError):
@@ -34,8 +35,12 @@ class ForeignDatabaseError(StorageError):
     """The file is no SQLite database, or it belongs to another program."""
 
 
-class StorageUnavailableError(StorageError):
+class StorageUnavailableError(StorageError, RecordRefusedError):
     """The disk refused to read or write; nothing of that request was kept."""
+
+
+class DamagedDatabaseError(StorageUnavailableError):
+    """What is on disk is not what was written; nothing of it is used."""
 
 
 class NotFoundError(StorageError):

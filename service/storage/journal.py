@@ -21,6 +21,10 @@ class StoredJournal:
         self._sessions = sessions
         self._readings = readings
 
+    async def writable(self) -> None:
+        """Return once records are taken again, after one was refused."""
+        await self._sessions.writable()
+
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
         """Keep a change of state."""
         await self._sessions.change_state(self._session_id, state, reason, person)

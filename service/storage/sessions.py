@@ -71,6 +71,10 @@ class SessionRepository:
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
         )
 
+    async def writable(self) -> None:
+        """Return once records are taken again, after one was refused."""
+        await self._database.writable()
+
     async def answered(self, key: RequestKey) -> int | None:
         """Return the session that a request with this key made before; raises KeyReusedError."""
         return await self._database.read(lambda c: answered(c, key, "session"))

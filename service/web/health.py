@@ -2,6 +2,8 @@
 
 from fastapi import APIRouter
 
+from service.storage.library import FAULTY as SQLITE_FAULTY
+from service.storage.library import VERSION as SQLITE_VERSION
 from service.web.context import Here
 from service.web.schemas.cells import Health
 
@@ -10,8 +12,13 @@ router = APIRouter(tags=["health"])
 
 @router.get("/health", response_model_by_alias=True)
 async def get_health(here: Here) -> Health:
-    """Say that the service works, its version, its database's schema, and whether all is simulated."""
-    fault = here.fault()
+    """Say that the service works, its version, its database's schema, and whether all is simulated.
+
+    The status is 200 also where the disk refuses: the readings that wait for it are in this process, and
+    whoever watches must not end it.
+    """
+    storage = here.database.condition
+    fault = " ".join(told for told in (here.fault(), storage.fault) if told) or None
     return Health(
         status="ok" if fault is None else "degraded",
         fault=fault,
@@ -19,4 +26,7 @@ async def get_health(here: Here) -> Health:
         simulated=here.simulated,
         people="announced" if here.cell.people else "anybody",
         schema=here.database.schema,
+        writable=storage.trouble is None,
+        sqlite=SQLITE_VERSION,
+        sqlite_mended=not SQLITE_FAULTY,
     )

@@ -19,7 +19,7 @@ from service.analysis.errors import (
     RoleError,
     SessionsDifferError,
 )
-from service.domain.errors import TrueposeError
+from service.domain.errors import RecordRefusedError, TrueposeError
 from service.domain.people import NAME_PATTERN
 from service.exchange.errors import InputFileError, UnknownRobotError
 from service.operation.errors import (
@@ -76,6 +76,7 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
     InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
     StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
+    RecordRefusedError: HTTPStatus.SERVICE_UNAVAILABLE,
     DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
     TrueposeError: HTTPStatus.UNPROCESSABLE_ENTITY,
 }

@@ -22,6 +22,11 @@ class Health(Reply):
     people: Literal["announced", "anybody"] = Field(
         description="Who may have the arm move: people of the cell file, or whoever gives a name."
     )
+    writable: bool = Field(description="False: the disk refuses records; sessions wait for it.")
+    sqlite: str = Field(description="Version of the database library.", examples=["3.53.4"])
+    sqlite_mended: bool = Field(
+        description="False: the library has the fault of the WAL reset; one writer keeps it from striking."
+    )
     schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
 
 

@@ -1,11 +1,9 @@
 """The ledger of a ballbar session: appended once, on disk when its number is known."""
 
-import sqlite3
 from dataclasses import replace
 
 import pytest
 from sqlalchemy import text
-from sqlalchemy.exc import IntegrityError
 
 from service.domain.ballbar import (
     EntryKind,
@@ -16,8 +14,9 @@ from service.domain.ballbar import (
 )
 from service.domain.session import SessionState
 from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.errors import KeyReusedError
+from service.storage.errors import ConflictError, KeyReusedError
 from service.storage.events import EventRepository
+from service.storage.library import LIBRARY
 from service.storage.records import ActAnswer, Page, RequestKey
 from service.storage.sessions import SessionRepository
 from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
@@ -115,7 +114,7 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
 
     # Another connection sees committed transactions only; FULL makes each commit wait for the disk.
-    with sqlite3.connect(database.file) as other:
+    with LIBRARY.connect(database.file) as other:
         seen = other.execute("SELECT id FROM ballbar_entries").fetchall()
     other.close()
     settings = await database.write(
@@ -131,7 +130,7 @@ async def test_nothing_that_happened_is_changed(ledger, session_id, database, ta
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))
     await ledger.keep_answer(session_id, RequestKey("k", "f"), ActAnswer("stored", number))
 
-    with pytest.raises(IntegrityError, match="never changed"):
+    with pytest.raises(ConflictError, match="never changed"):
         await database.write(lambda c: c.execute(text(change.format(table))))
 
 

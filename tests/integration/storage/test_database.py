@@ -1,6 +1,5 @@
 """The database keeps what it acknowledged, has one owner, and knows its schema."""
 
-import sqlite3
 import subprocess
 import sys
 import textwrap
@@ -19,6 +18,7 @@ from service.storage.errors import (
     NewerSchemaError,
     StorageUnavailableError,
 )
+from service.storage.library import LIBRARY
 from service.storage.schema import migration_config, newest_revision
 from service.storage.tables import metadata
 
@@ -49,7 +49,7 @@ def test_a_killed_service_has_kept_every_reading_that_it_acknowledged(database_u
         acknowledged += [int(line) for line in writer.stdout if line.endswith("\n")]
 
     database = Database(database_url)  # the lock went with the process
-    with sqlite3.connect(database.file) as connection:
+    with LIBRARY.connect(database.file) as connection:
         kept = [number for (number,) in connection.execute("SELECT id FROM readings ORDER BY id")]
     connection.close()
     database.close()
@@ -106,7 +106,7 @@ def test_a_database_let_go_can_be_opened_again(database_url):
 def test_a_newer_schema_is_refused_with_a_sentence(database_url):
     opened = Database(database_url)
     opened.close()
-    with sqlite3.connect(opened.file) as connection:
+    with LIBRARY.connect(opened.file) as connection:
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
     connection.close()
 
@@ -125,14 +125,14 @@ def test_a_file_that_is_no_database_is_refused(tmp_path):
 
 
 def test_another_programs_database_is_refused_and_untouched(tmp_path):
-    with sqlite3.connect(tmp_path / "other.db") as connection:
+    with LIBRARY.connect(tmp_path / "other.db") as connection:
         connection.execute("CREATE TABLE invoices (id INTEGER)")
     connection.close()
 
     with pytest.raises(ForeignDatabaseError, match="another program's tables"):
         Database(f"sqlite:///{tmp_path}/other.db")
 
-    with sqlite3.connect(tmp_path / "other.db") as connection:
+    with LIBRARY.connect(tmp_path / "other.db") as connection:
         tables = connection.execute("SELECT name FROM sqlite_master").fetchall()
     connection.close()
     assert tables == [("invoices",)]
@@ -180,7 +180,7 @@ def test_the_tables_are_what_the_migrations_make(tmp_path):
 
 
 def test_every_table_is_append_only(database):
-    with sqlite3.connect(database.file) as connection:
+    with LIBRARY.connect(database.file) as connection:
         triggers = {
             name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type='trigger'")
         }

@@ -1,12 +1,11 @@
 """Models get a second origin without losing a row, a number or a reference, up and down again."""
 
-import sqlite3
-
 import pytest
 from alembic import command
 from sqlalchemy import create_engine, event
 
 from service.storage.database import Database
+from service.storage.library import LIBRARY
 from service.storage.schema import migration_config
 
 AT = "2026-03-03T10:00:00.000+00:00"
@@ -49,7 +48,7 @@ def migrate(file, revision, *, up):
 
 
 def insert(file, rows):
-    with sqlite3.connect(file) as connection:
+    with LIBRARY.connect(file) as connection:
         for table, values in rows.items():
             marks = ", ".join("?" * len(values[0]))
             connection.executemany(f"INSERT INTO {table} VALUES ({marks})", values)
@@ -57,7 +56,7 @@ def insert(file, rows):
 
 
 def ask(file, query):
-    with sqlite3.connect(file) as connection:
+    with LIBRARY.connect(file) as connection:
         found = connection.execute(query).fetchall()
     connection.close()
     return found
@@ -82,7 +81,7 @@ def test_a_model_has_one_origin(file, origins):
     migrate(file, "head", up=True)
     insert(file, ROWS_AS_NOW)
 
-    with pytest.raises(sqlite3.IntegrityError, match="CHECK"):
+    with pytest.raises(LIBRARY.IntegrityError, match="CHECK"):
         insert(file, {"models": [(9, AT, *origins, "arm", "{}")]})
 
 

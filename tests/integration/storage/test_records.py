@@ -4,7 +4,6 @@ import json
 
 import pytest
 from sqlalchemy import text
-from sqlalchemy.exc import IntegrityError
 
 from service.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from service.storage.added_stops import AddedStopsRepository
@@ -95,7 +94,7 @@ async def test_every_look_at_a_fixed_nest_counts(journal, readings):
 async def test_the_database_itself_refuses_to_change_a_record(journal, database, change):
     await journal.point_taken(make_point())
 
-    with pytest.raises(IntegrityError, match="never changed"):
+    with pytest.raises(ConflictError, match="never changed"):
         await database.write(lambda c: c.execute(text(change)))
 
 

@@ -1,0 +1,202 @@
+"""Writes that the disk refuses: each is answered, none is lost, and writing goes on when it can."""
+
+import asyncio
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from service.storage.database import Database
+from service.storage.errors import ConflictError, StorageUnavailableError
+from service.storage.library import LIBRARY
+from service.storage.records import Page
+from service.storage.sessions import SessionRepository
+from tests.measured_sessions import make_plan, make_setup
+
+
+async def add(database, name="first"):
+    return await SessionRepository(database).add(name, make_setup(), make_plan())
+
+
+async def names(database):
+    return [record.name for record in await SessionRepository(database).page(Page())]
+
+
+@pytest.fixture
+def impatient(database):
+    """The same database, whose writer does not wait for a lock."""
+    database._writer.submit(lambda: database._raw.execute("PRAGMA busy_timeout=0")).result()
+    return database
+
+
+@pytest.fixture
+def locked(impatient):
+    other = LIBRARY.connect(impatient.file, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    yield other
+    other.close()
+
+
+async def test_a_lock_that_others_hold_refuses_until_it_is_gone(impatient, locked):
+    with pytest.raises(StorageUnavailableError, match="locked"):
+        await add(impatient)
+    assert "locked" in impatient.condition.fault
+    with pytest.raises(StorageUnavailableError, match="locked"):
+        await add(impatient)
+
+    locked.execute("ROLLBACK")
+    await asyncio.wait_for(impatient.writable(), 10)
+    await add(impatient)
+
+    assert impatient.condition.fault is None
+    assert await names(impatient) == ["first"]
+
+
+async def test_a_full_disk_refuses_until_there_is_room(database):
+    full = database._writer.submit(lambda: database._raw.execute("PRAGMA page_count").fetchone()[0]).result()
+    database._writer.submit(lambda: database._raw.execute(f"PRAGMA max_page_count={full}")).result()
+    with pytest.raises(StorageUnavailableError, match="full"):
+        for _ in range(50):
+            await add(database, "too many")
+    kept = await names(database)
+
+    database._writer.submit(lambda: database._raw.execute(f"PRAGMA max_page_count={2**31}")).result()
+    await asyncio.wait_for(database.writable(), 10)
+    await add(database, "last")
+
+    assert await names(database) == [*kept, "last"]
+
+
+async def test_writes_that_come_together_share_a_commit_and_fail_alone(database):
+    def refused(connection):
+        connection.exec_driver_sql("UPDATE sessions SET name = 'other'")
+
+    def half_way(connection):
+        connection.exec_driver_sql("INSERT INTO notes (recorded_at, session_id, text) VALUES ('', 1, 'half')")
+        raise ValueError("half way")
+
+    await add(database)
+    wants = [add(database, f"number {n}") for n in range(10)]
+    wants += [database.write(refused), database.write(half_way)]
+    results = await asyncio.gather(*wants, return_exceptions=True)
+
+    assert isinstance(results[-2], ConflictError)
+    assert isinstance(results[-1], ValueError)
+    assert sorted(results[:10]) == [*range(2, 12)]
+    assert await database.read(lambda c: c.exec_driver_sql("SELECT count(*) FROM notes").scalar()) == 0
+
+
+@pytest.mark.parametrize("also", [(), ("-wal", "-shm"), ("-wal",)])
+async def test_a_database_that_is_removed_is_written_anew_with_everything_in_it(database, also):
+    await add(database)
+    for ending in ("", *also):
+        os.unlink(f"{database.file}{ending}")
+
+    await add(database, "second")
+
+    assert await names(database) == ["first", "second"]
+    with LIBRARY.connect(database.file) as other:
+        assert [name for (name,) in other.execute("SELECT name FROM sessions")] == ["first", "second"]
+        assert other.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+    other.close()
+
+
+async def test_a_folder_that_is_removed_is_made_anew(database):
+    await add(database)
+    shutil.rmtree(database.file.parent)
+
+    await add(database, "second")
+
+    assert await names(database) == ["first", "second"]
+
+
+async def test_a_log_that_is_removed_is_begun_anew_and_nothing_hangs_on_it(database, database_url):
+    await add(database)
+    os.unlink(f"{database.file}-wal")
+    await add(database, "second")
+
+    for ending in ("", "-wal"):  # as a power cut leaves it
+        shutil.copy(f"{database.file}{ending}", f"{database.file.parent}/copy{ending}")
+    copy = Database(f"sqlite:///{database.file.parent}/copy")
+    assert await names(copy) == ["first", "second"]
+    copy.close()
+
+
+async def test_a_database_in_whose_place_another_file_lies_is_not_written_over_it(database):
+    await add(database)
+    database.file.rename(database.file.with_name("away"))
+    database.file.write_text("something else")
+
+    with pytest.raises(StorageUnavailableError, match="Another file lies at"):
+        await add(database, "second")
+    assert database.file.read_text() == "something else"
+    database.file.unlink()
+    await asyncio.wait_for(database.writable(), 10)
+    await add(database, "second")
+
+    assert await names(database) == ["first", "second"]
+
+
+OPENS = "import sys; from service.storage.database import Database; Database(sys.argv[1])"
+
+
+def open_elsewhere(url):
+    return subprocess.run([sys.executable, "-c", OPENS, url], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the side file alone keeps others off")
+async def test_a_second_service_is_kept_off_by_whatever_way_it_comes(database, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    os.link(database.file, tmp_path / "elsewhere/hard.sqlite3")
+    os.symlink(database.file, tmp_path / "elsewhere/soft.sqlite3")
+    os.unlink(f"{database.file}.lock")
+
+    for path in (database.file, tmp_path / "elsewhere/hard.sqlite3", tmp_path / "elsewhere/soft.sqlite3"):
+        assert "DatabaseInUseError" in open_elsewhere(f"sqlite:///{path}").stderr, path
+
+
+async def test_a_database_that_was_written_anew_is_locked_as_well(database):
+    await add(database)
+    database.file.unlink()
+    await add(database, "second")
+    os.unlink(f"{database.file}.lock")
+
+    assert "DatabaseInUseError" in open_elsewhere(f"sqlite:///{database.file}").stderr
+
+
+FILLS = textwrap.dedent("""
+    import asyncio, resource, sys
+    from service.storage.database import Database
+    from service.storage.errors import StorageUnavailableError
+    from service.storage.sessions import SessionRepository
+    from tests.measured_sessions import make_plan, make_setup
+
+    async def main():
+        database = Database(sys.argv[1])
+        sessions = SessionRepository(database)
+        kept = []
+        resource.setrlimit(resource.RLIMIT_FSIZE, (600_000, -1))
+        try:
+            while True:
+                kept.append(await sessions.add("s", make_setup(), make_plan()))
+        except StorageUnavailableError:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))
+        await database.writable()
+        kept.append(await sessions.add("s", make_setup(), make_plan()))
+        found = await database.read(lambda c: list(c.exec_driver_sql("SELECT id FROM sessions").scalars()))
+        print(len(kept) > 3 and kept == found)
+
+    asyncio.run(main())
+""")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of the size of files are POSIX")
+def test_a_disk_that_takes_no_more_bytes_loses_nothing(database_url):
+    done = subprocess.run(
+        [sys.executable, "-c", FILLS, database_url], capture_output=True, text=True, check=False
+    )
+
+    assert done.stdout == "True\n", done.stderr
