@@ -63,6 +63,7 @@ class BallbarView:
     newest_entry: int | None
     robot_moving: bool
     watching: int  # tablets that follow it
+    trouble: str | None = None  # why the session waits for the disk
 
     @property
     def kit(self) -> BallbarKit:
@@ -165,7 +166,7 @@ class BallbarDesk:
         if under_way is not None:
             runner = under_way.runner
             at_hand = runner.situation, runner.question, under_way.ledger.newest, runner.robot_moving
-            return self._view(session_id, fixed, *at_hand)
+            return self._view(session_id, fixed, *at_hand, trouble=runner.trouble)
         kept = await self._ledger.page(session_id)
         found = situation(fixed.plan, kit_of(fixed.setup), [record.entry for record in kept])
         newest = kept[-1].id if kept else None
@@ -339,6 +340,7 @@ class BallbarDesk:
         question: str | None,
         newest_entry: int | None,
         robot_moving: bool,
+        trouble: str | None = None,
     ) -> BallbarView:
         return BallbarView(
             id=session_id,
@@ -349,6 +351,7 @@ class BallbarDesk:
             question=question,
             newest_entry=newest_entry,
             robot_moving=robot_moving,
+            trouble=trouble,
             watching=self.watching.count(session_id),
         )
 

@@ -20,6 +20,10 @@ class SessionLedger:
         self.newest = max(number, self.newest or 0)
         return number
 
+    async def writable(self) -> None:
+        """Return once entries are taken again, after one was refused."""
+        await self._ledger.writable()
+
 
 def _entered(entry: LedgerEntry) -> tuple[SessionState, str] | None:
     state = control.state_in(entry.text) if entry.kind is EntryKind.CONTROL else None

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from service.domain.cell import Cell
+from service.domain.errors import RecordRefusedError
 from service.domain.people import readable_name
 from service.domain.session import SessionPlan, SessionState
 from service.operation.devices import Rack
@@ -193,6 +194,11 @@ class SessionDesk:
         runner = self._running(session_id)
         return None if runner is None else runner.question
 
+    def trouble(self, session_id: int) -> str | None:
+        """Return why the session waits for the disk; None where it does not."""
+        runner = self._running(session_id)
+        return None if runner is None else runner.trouble
+
     async def close(self) -> None:
         """Stop what is under way; a motion in progress ends by itself, nothing follows it."""
         if self._under_way is not None:
@@ -200,7 +206,10 @@ class SessionDesk:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._under_way.task
         await asyncio.gather(*self._tasks)
-        await self._leave(_STOPPED)
+        try:
+            await self._leave(_STOPPED)
+        except RecordRefusedError as error:  # the next service finds the session and says so itself
+            _LOG.warning("what is under way was left as it is: %s", error)
 
     async def _leave(self, reason: str) -> None:
         for record in await self._sessions.in_state(*_MOVABLE):
@@ -229,8 +238,16 @@ class SessionDesk:
         self._under_way = _UnderWay(record.id, runner, task)
         # The question comes first, the state that it puts the session in once the journal has it.
         while not task.done() and (runner.question is None or runner.state is SessionState.PLANNED):
+            if runner.trouble is not None:
+                await self._give_back_unstarted(task)
+                raise RecordRefusedError(f"Session {record.id} was not started. {runner.trouble}")
             await asyncio.sleep(0.001)
         return runner.question or ""
+
+    async def _give_back_unstarted(self, task: asyncio.Task[None]) -> None:
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
 
     async def _run(self, session_id: int, runner: SessionRunner) -> None:
         try:

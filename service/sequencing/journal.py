@@ -18,8 +18,13 @@ class SessionJournal(Protocol):
     """Keeps what happens in one session, in the order of the calls.
 
     Every method returns only when its record is on disk; the runner acknowledges nothing earlier and moves
-    nothing while a call is open. A method that raises ends the session as failed.
+    nothing while a call is open. RecordRefusedError has the session wait and the record tried again; a method
+    that raises anything else ends the session as failed.
     """
+
+    async def writable(self) -> None:
+        """Return once records are taken again, after one was refused."""
+        ...
 
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
         """Keep a change of state; `person` is who asked or confirmed, None where nobody did."""

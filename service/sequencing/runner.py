@@ -11,9 +11,10 @@
 - Configurations may be added to the plan until the session has ended. They are measured after the others,
   once a person has confirmed that the cell is clear for them: whoever added them need not stand beside it.
 - A pause or the end that somebody asks for takes effect between two steps, hence at the end of a motion.
+- A record that is refused is kept and tried again, and nothing moves; a person confirms before
+  the next motion.
 """
 
-import asyncio
 from collections import Counter, deque
 from collections.abc import Awaitable, Callable
 from typing import Final
@@ -27,9 +28,9 @@ from drivers.errors import (
 )
 from service.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
 from service.sequencing.acquaintances import Acquaintances
-from service.sequencing.arm import Arm, Permission
+from service.sequencing.arm import Arm
 from service.sequencing.cell import SessionCell
-from service.sequencing.desk import CELL_CLEAR, Desk, require_person
+from service.sequencing.desk import CELL_CLEAR, require_person
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import (
     AttentionNeededError,
@@ -49,10 +50,10 @@ from service.sequencing.plans import (
     session_sections,
     visits,
 )
-from service.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition, words
-from service.sequencing.steps import MeasurePoint, Section
+from service.sequencing.standing import Standing
+from service.sequencing.states import after_restart, has_ended, words
+from service.sequencing.steps import MeasurePoint, Move, Section
 
-_END_OF_MOTION: Final = "a motion under way cannot be stopped through this program, so it ends first"
 _INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
 
 
@@ -79,14 +80,14 @@ class SessionRunner:
         self._plan = plan
         self._limits = limits
         self._cell = cell
-        self._journal = journal
-        self._state = after_restart(history.state)
-        self._changing = asyncio.Lock()  # transitions reach the journal one after the other
-        self._wish: SessionState | None = None  # PAUSING or ABORTING, from the moment it is asked for
-        self._desk = Desk()
-        self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, self._permission)
-        self._acquaintances = Acquaintances(cell.expected, journal, history.identities)
-        self._execution = Execution(plan, cell, self._arm, journal, history.registration, self._acquaintances)
+        self._standing = Standing(journal, after_restart(history.state))
+        self._journal = self._standing.journal
+        permission = self._standing.permission
+        self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, permission)
+        self._acquaintances = Acquaintances(cell.expected, self._journal, history.identities)
+        self._execution = Execution(
+            plan, cell, self._arm, self._journal, history.registration, self._acquaintances
+        )
         self._done = set(history.done)
         self._agenda = deque(
             session_sections(
@@ -109,12 +110,17 @@ class SessionRunner:
     @property
     def state(self) -> SessionState:
         """Where the session stands, as the journal has it."""
-        return self._state
+        return self._standing.state
 
     @property
     def question(self) -> str | None:
-        """What a person is asked to confirm, or why the session pauses; None while it runs or has ended."""
-        return self._desk.question
+        """What a person is asked to confirm, or why the session waits; None while it runs or has ended."""
+        return self.trouble or self._standing.desk.question
+
+    @property
+    def trouble(self) -> str | None:
+        """What a person is told while records are refused; nothing moves meanwhile."""
+        return self._standing.trouble
 
     @property
     def progress(self) -> Progress:
@@ -123,33 +129,18 @@ class SessionRunner:
 
     async def request_pause(self, person: str | None = None) -> str:
         """Ask for a pause; returns the sentence that says when it takes effect. Raises NotNowError."""
-        require_transition(self._state, SessionState.PAUSING)
-        earlier, self._wish = self._wish, self._wish or SessionState.PAUSING  # forbids motion from here on
-        try:
-            async with self._changing:
-                await self._record(SessionState.PAUSING, "A pause was asked for.", person)
-        except NotNowError:
-            self._wish = earlier
-            raise
-        return f"The session pauses; {_END_OF_MOTION}."
+        return await self._standing.request_pause(person)
 
     async def request_abort(self, person: str | None = None) -> str:
-        """Ask for the end; returns the sentence that says when it takes effect. Raises NotNowError."""
-        if has_ended(self._state) or self._state is SessionState.ABORTING:
-            raise NotNowError(f"The session is {words(self._state)} already.")
-        self._wish = SessionState.ABORTING  # forbids motion from here on
-        async with self._changing:
-            moving = SessionState.ABORTING in TRANSITIONS[self._state]
-            wanted = SessionState.ABORTING if moving else SessionState.ABORTED
-            await self._record(wanted, "The end was asked for.", person)
-        if moving:
-            return f"The session ends; {_END_OF_MOTION}."
-        self._desk.answer()
-        return "The session has ended; nothing was in motion."
+        """Ask for the end; returns the sentence that says when it takes effect.
+
+        Raises NotNowError, and RecordRefusedError where nothing is in motion: nothing was done then.
+        """
+        return await self._standing.request_abort(person)
 
     async def resume(self, person: str) -> str:
         """Continue a paused session. Raises NotNowError, PersonMissingError."""
-        await self._go_on(SessionState.PAUSED, "resume", person)
+        await self._standing.go_on(SessionState.PAUSED, "resume", person)
         return "The session goes on; what was under way begins again."
 
     async def confirm(self, person: str, accepted_serial: str = "") -> str:
@@ -158,7 +149,7 @@ class SessionRunner:
         Raises NotNowError, PersonMissingError.
         """
         self._acquaintances.require_questioned(accepted_serial)
-        await self._go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
+        await self._standing.go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
         self._acquaintances.permit(accepted_serial, require_person(person))
         return "Confirmed; the session goes on."
 
@@ -168,9 +159,9 @@ class SessionRunner:
         `keep` stores them; it is awaited while the session cannot end, and nothing is added where it
         raises. Raises NotNowError, PlanRefusedError.
         """
-        async with self._changing:
-            if has_ended(self._state) or self._wish is SessionState.ABORTING:
-                raise NotNowError(f"The session is {words(self._state)}; plan a new one for what is missing.")
+        async with self._standing.changing:
+            if self._standing.ends:
+                raise NotNowError(f"The session is {words(self.state)}; plan a new one for what is missing.")
             plan = extended_plan(self._plan, stops)
             cell = self._cell
             check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, self._limits, self._done)
@@ -190,14 +181,14 @@ class SessionRunner:
         except _EndedError:
             pass
         except ConfigurationError as error:
-            await self._fail(str(error))
+            await self._standing.fail(str(error))
         except Exception as error:
-            await self._fail(f"The program failed ({type(error).__name__}): {error}")
+            await self._standing.fail(f"The program failed ({type(error).__name__}): {error}")
             raise
-        return self._state
+        return self.state
 
     async def _session(self) -> None:
-        if has_ended(self._state):
+        if has_ended(self.state):
             return
         asked = f"{self._acquaintances.question or ''} {CELL_CLEAR}"  # also of before a restart
         await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, asked.lstrip())
@@ -207,56 +198,35 @@ class SessionRunner:
             await self._heed_requests()
 
     async def _finished(self) -> bool:
-        async with self._changing:
-            if self._agenda or self._wish is not None:
-                return False
-            self._pace.doing = "finished"
-            await self._journal.progressed(self.progress)
-            await self._record(SessionState.FINISHED, "Every configuration was measured or skipped.")
-        return True
+        return await self._standing.finish(self._nothing_left)
 
-    # states: a change is visible once it is on disk; what must act at once is the wish
-
-    async def _record(self, state: SessionState, reason: str, person: str | None = None) -> None:
-        """Change the state; the caller holds the lock."""
-        require_transition(self._state, state)
-        await self._journal.state_changed(state, reason, person)
-        self._state = state
-
-    async def _go_on(self, from_state: SessionState, verb: str, person: str) -> None:
-        name = require_person(person)
-        async with self._changing:
-            if self._state is not from_state or self._desk.question is None:
-                raise NotNowError(f"The session is {words(self._state)}; there is nothing to {verb}.")
-            await self._record(SessionState.RUNNING, f"{name} had the session go on.", name)
-            if self._wish is SessionState.PAUSING:
-                self._wish = None
-            self._desk.answer()
+    def _nothing_left(self) -> Progress | None:
+        if self._agenda:
+            return None
+        self._pace.doing = "finished"
+        return self.progress
 
     async def _wait_for_person(self, state: SessionState, question: str) -> None:
         """Enter `state` and return when a person had the session go on; raises _EndedError where it ended."""
-        self._desk.ask(question)
+        self._standing.desk.ask(question)
         self._pace.hold()
-        async with self._changing:
-            if self._state is state:  # after a restart; the question is kept all the same
-                await self._journal.state_changed(state, question, None)
-            elif self._wish is not SessionState.ABORTING:
-                await self._record(state, question)
+        await self._standing.put(state)
         await self._journal.progressed(self.progress)
-        if self._wish is SessionState.ABORTING:
+        if self._standing.wish is SessionState.ABORTING:
             await self._end_as_asked()
-        await self._desk.wait()
-        if has_ended(self._state):
+        await self._standing.desk.wait()
+        if has_ended(self.state):
             raise _EndedError
         self._arm.forget()
+        self._journal.forget()
         self._measured = False
         self._failures_in_a_row = 0
 
     async def _heed_requests(self) -> bool:
         """Pause or end where that was asked for; returns whether the session was paused meanwhile."""
-        if self._wish is None:
+        if self._standing.wish is None:
             return False
-        if self._wish is SessionState.ABORTING:
+        if self._standing.wish is SessionState.ABORTING:
             await self._end_as_asked()
         await self._wait_for_person(
             SessionState.PAUSED, "Paused on request. Is the cell clear, so that it can be resumed?"
@@ -264,23 +234,8 @@ class SessionRunner:
         return True
 
     async def _end_as_asked(self) -> None:
-        async with self._changing:
-            if not has_ended(self._state):
-                await self._record(SessionState.ABORTED, "The session ended on request, between two motions.")
-        self._desk.answer()
+        await self._standing.end_as_asked()
         raise _EndedError
-
-    async def _fail(self, reason: str) -> None:
-        async with self._changing:
-            try:
-                if not has_ended(self._state):
-                    await self._journal.state_changed(SessionState.FAILED, reason, None)
-            finally:
-                self._state = SessionState.FAILED
-                self._desk.answer()
-
-    def _permission(self) -> Permission:
-        return Permission(self._state, self._wish is not None, self._desk.question)
 
     # sections
 
@@ -311,13 +266,22 @@ class SessionRunner:
             self._pace.begin_stop()
         await self._journal.progressed(self.progress)
         for step in section.steps:
-            if await self._heed_requests():
+            if await self._heed_requests() or (isinstance(step, Move) and await self._confirm_again()):
                 self._agenda.appendleft(section)
                 return
             await self._execution.perform(step)
             if isinstance(step, MeasurePoint):  # stored: whatever fails now, it is not measured again
                 self._on_measured(step.stop)
             await self._tick()
+
+    async def _confirm_again(self) -> bool:
+        """Have a person confirm where records were refused since the last time; returns whether one did."""
+        refused = self._journal.interrupted
+        if refused is None:
+            return False
+        why = f"The database could not be written for a while ({refused.rstrip('.')}); nothing is missing."
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{why} {CELL_CLEAR}")
+        return True
 
     async def _confirm_added(self) -> None:
         asked = frozenset(self._added)
@@ -337,7 +301,7 @@ class SessionRunner:
 
     async def _on_interruption(self, section: Section, error: Exception) -> None:
         if isinstance(error, MotionForbiddenError):
-            if self._wish is not None:  # asked for between two looks; the next section heeds it
+            if self._standing.wish is not None:  # asked for between two looks; the next section heeds it
                 self._agenda.appendleft(section)
                 return
         else:

@@ -69,6 +69,9 @@ class _MemoryJournal:
         self.points.append(point)
         return str(len(self.points))
 
+    async def writable(self) -> None:
+        """Return at once: nothing is refused."""
+
     async def fixed_nest_taken(self, taken: FixedNestTaken) -> str:
         """Forget it: the registration holds what the nests said."""
         return "fixed"

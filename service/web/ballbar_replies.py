@@ -39,6 +39,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         simulated=view.setup.simulated,
         robot=view.setup.cell.robot.name,
         question=view.question,
+        trouble=view.trouble,
         ledger_number=view.newest_entry,
         step=_present_step(view),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),

@@ -78,7 +78,7 @@ async def plan_session(
 async def list_sessions(here: Here, page: PageQuery) -> list[SessionReply]:
     """List sessions, oldest first."""
     return [
-        session_reply(record, here.session_desk.question(record.id))
+        session_reply(record, here.session_desk.question(record.id), here.session_desk.trouble(record.id))
         for record in await here.sessions.page(page)
     ]
 
@@ -184,7 +184,8 @@ def _refuse_unfit(here: Context, plan: SessionPlan) -> None:
 
 
 async def _shown(here: Context, number: int) -> SessionReply:
-    return session_reply(await here.sessions.get(number), here.session_desk.question(number))
+    record = await here.sessions.get(number)
+    return session_reply(record, here.session_desk.question(number), here.session_desk.trouble(number))
 
 
 async def _decided(here: Context, number: int, sentence: str) -> ActionReply:

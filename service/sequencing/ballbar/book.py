@@ -8,6 +8,7 @@ from typing import Any
 from drivers.api import Clock
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, LengthTaken
+from service.domain.errors import RecordRefusedError
 from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
@@ -16,6 +17,7 @@ from service.sequencing.ballbar.agenda import steps
 from service.sequencing.ballbar.ledger import Ledger
 from service.sequencing.ballbar.record import Record
 from service.sequencing.ballbar.situation import Situation, situation_of
+from service.sequencing.patience import trouble_with
 from service.sequencing.states import after_restart, require_transition
 
 _KEPT_BEFORE = "That was done before; nothing was done again."
@@ -48,6 +50,8 @@ class Book:
             self._record.enter(self._restarted_as, control.RESTARTED)
         self._outcomes: dict[str, ActOutcome] = {}  # by key, of this run
         self._changed = asyncio.Event()
+        self.trouble: str | None = None  # what is said while lines are refused; nothing moves meanwhile
+        self.refused = asyncio.Event()  # set as long as that lasts
         self.version = 0
         self.situation = self._now()
 
@@ -75,7 +79,10 @@ class Book:
             self._restarted_as = None
 
     async def append(self, kind: EntryKind, step_id: str = "", act: Act | None = None, **fields: Any) -> int:
-        """Keep a line; returns its number. What follows from it is seen once it is on disk."""
+        """Keep a line; returns its number. What follows from it is seen once it is on disk.
+
+        Raises RecordRefusedError where it cannot be kept now; then it was not, and nothing follows.
+        """
         acting = self.situation.acting
         time_s = await self._clock.now_s()
         entry = LedgerEntry(step_id, kind, time_s, **fields)
@@ -83,12 +90,37 @@ class Book:
             entry = replace(entry, person=tidy_name(act.person) or None, tablet=act.tablet, key=act.key)
         elif acting is not None:
             entry = replace(entry, person=acting.person, tablet=acting.tablet)
-        number = await self._ledger.append(entry)
+        number = await self._keep(entry)
         self._entries.append(entry)
         self._record.apply(entry)
         self.situation = self._now()
         self.tell()
         return number
+
+    async def accepted(self) -> None:
+        """Return once lines are taken again; at once where none was refused."""
+        if self.refused.is_set():
+            await self._ledger.writable()
+            self._take_note(None)
+
+    async def _keep(self, entry: LedgerEntry) -> int:
+        try:
+            number = await self._ledger.append(entry)
+        except RecordRefusedError as error:
+            self._take_note(trouble_with(error))
+            raise
+        self._take_note(None)
+        return number
+
+    def _take_note(self, trouble: str | None) -> None:
+        if trouble == self.trouble:
+            return
+        self.trouble = trouble
+        if trouble is None:
+            self.refused.clear()
+        else:
+            self.refused.set()
+        self.tell()
 
     async def enter(self, state: SessionState, reason: str, act: Act | None = None) -> int:
         """Record a change of state; raises NotNowError where no such change is possible."""

@@ -4,11 +4,14 @@ Every method that appends is called with `changing` held, so that lines reach th
 """
 
 import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 
 from drivers.errors import DriverError
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import EntryKind, LengthTaken, StepKind, Suspicion
+from service.domain.errors import RecordRefusedError
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import Act
@@ -41,6 +44,14 @@ class Floor:
     def now(self) -> Situation:
         """The situation as the ledger has it."""
         return self.book.situation
+
+    async def keep(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Do what appends lines, again where one was refused; nothing moves in between."""
+        while True:
+            with contextlib.suppress(RecordRefusedError):
+                async with self.changing:
+                    return await work()
+            await self.book.accepted()
 
     async def settle(self) -> None:
         """Bring the session to where it waits again: robot looked at, next prompt on record, or finished."""
@@ -90,9 +101,9 @@ class Floor:
 
     async def note_lost_power(self) -> None:
         """Record that the ballbar was without supply, so that its zero is read anew."""
-        self.readings.take_note_of_lost_zero()
         if self.now.initialisations:
             await self.book.append(EntryKind.CONTROL, text=control.ZERO_LOST)
+        self.readings.take_note_of_lost_zero()
 
     async def look_at_robot(self) -> str | None:
         """Return why the present stop is lost, None where the arm is as it was left; raises driver errors."""

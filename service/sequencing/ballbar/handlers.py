@@ -4,11 +4,13 @@ Where an act takes several lines, the one that carries the key comes last: a ser
 between does the whole again when the request is repeated, and nothing twice.
 """
 
+import contextlib
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias
 
 from drivers.api import Clock
 from service.domain.ballbar import EntryKind, StepKind, Suspicion
+from service.domain.errors import RecordRefusedError
 from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
@@ -78,7 +80,8 @@ class ActHandlers:
     async def do(self, act: Act) -> ActOutcome:
         """Do what an act asks for; raises NotNowError, ReasonMissingError, PlanRefusedError."""
         outcome = await self._handlers[act.name](act)
-        await self._floor.settle()
+        with contextlib.suppress(RecordRefusedError):  # the act is kept; the run settles as soon as it can
+            await self._floor.settle()
         return outcome
 
     # the course of the session
@@ -124,12 +127,12 @@ class ActHandlers:
             return ActOutcome(
                 f"{sentence}; {_END_OF_MOTION}.", await book.append(EntryKind.CONTROL, act=act, text=text)
             )
-        motion.wish = None
         if ends and before in {SessionState.RUNNING, SessionState.PAUSING}:
             number = await book.enter(SessionState.ABORTING, reason, act)
             await book.enter(state, reason)
         else:
             number = await book.enter(state, reason, act)
+        motion.wish = None  # on record from here on
         return ActOutcome(f"{sentence}; nothing is in motion.", number)
 
     async def _hand_over(self, act: Act) -> ActOutcome:

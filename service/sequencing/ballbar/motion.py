@@ -108,6 +108,8 @@ class Motion:
 
     def _obstacle(self) -> str | None:
         now = self._book.situation
+        if self._book.trouble is not None:
+            return self._book.trouble
         if now.attached:
             return "The ballbar may still be attached; take it off and confirm that, then the arm may move."
         if now.suspicion is not None:

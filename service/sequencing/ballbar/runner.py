@@ -5,6 +5,8 @@
 - A ballbar without a link is shown as such and found again; the session waits for it. A robot without a
   link, or elsewhere than it was left, has the session await a person's confirmation.
 - A length is stored by itself once for each connection, or by the button; a doubt is put to a person.
+- A line that the ledger refuses was not kept and nothing follows from it. Nothing moves meanwhile; the run
+  waits and tries again, a button is answered with the refusal. A halt holds all the same, and is kept later.
 """
 
 import asyncio
@@ -16,9 +18,10 @@ from typing import Any, Final
 from drivers.errors import DriverError
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, PreCalibration, StepKind
-from service.domain.errors import TrueposeError
+from service.domain.errors import RecordRefusedError, TrueposeError
 from service.domain.session import SessionState
 from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
+from service.sequencing.ballbar.arrears import Arrears
 from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
@@ -87,6 +90,7 @@ class BallbarRunner:
         self._floor = Floor(kit, judges or Judges(), self._book, self._readings, self._stand, self._motion)
         self._handlers = ActHandlers(self._floor, cell.clock)
         self._failure: Exception | None = None  # a halt could not be kept: the run ends with this
+        self._arrears = Arrears(self._floor, self.act, lambda: self._after_motion(None))
         last = self._book.last_length
         if last is not None:  # it may still be connected where it was stored
             self._readings.contact.take(last.deviation_mm)
@@ -98,8 +102,13 @@ class BallbarRunner:
 
     @property
     def question(self) -> str | None:
-        """What a person is asked to look at before the robot may move; None where nothing is."""
-        return self.situation.question
+        """What a person is asked to look at, or why the session waits; None where neither is."""
+        return self.trouble or self.situation.question
+
+    @property
+    def trouble(self) -> str | None:
+        """What a person is told while lines are refused; nothing moves meanwhile."""
+        return self._book.trouble
 
     @property
     def robot_moving(self) -> bool:
@@ -123,7 +132,8 @@ class BallbarRunner:
         """Do what a person asks, once for each key; the outcome is on disk when this returns.
 
         Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
-        then.
+        then. Raises RecordRefusedError where it cannot be kept: a halt of a session that runs holds all the
+        same and is kept as soon as that is possible, of anything else nothing was done.
         """
         wished = self._wish_at_once(act)
         try:
@@ -135,6 +145,10 @@ class BallbarRunner:
                     return earlier
                 self._handlers.require(act)
                 return self._book.keep_outcome(act.key, await self._handlers.do(act))
+        except RecordRefusedError:
+            if wished:
+                self._arrears.owe(act)
+            raise
         except SequencingError:
             if wished and self._motion.wish is _HALTS[act.name]:
                 self._motion.wish = None
@@ -151,8 +165,7 @@ class BallbarRunner:
 
         Raises what the ledger raises. Every fault of the devices becomes a state with a sentence.
         """
-        async with self._floor.changing:
-            await self._book.open()
+        await self._floor.keep(self._book.open)
         loops = [asyncio.create_task(loop) for loop in self._loops()]
         try:
             await asyncio.wait(loops, return_when=asyncio.FIRST_COMPLETED)
@@ -167,7 +180,7 @@ class BallbarRunner:
         return self.situation.state
 
     def _loops(self) -> tuple[Coroutine[Any, Any, None], ...]:
-        return self._conduct(), self._follow_ballbar(), self._follow_robot()
+        return self._conduct(), self._follow_ballbar(), self._follow_robot(), self._arrears.follow()
 
     @property
     def _ended(self) -> bool:
@@ -201,7 +214,7 @@ class BallbarRunner:
                 raise self._failure
             version = self._book.version
             step = self.situation.step
-            if step is not None and self.situation.busy:
+            if step is not None and self.situation.busy and not self._arrears.due:
                 await (self._move(step) if step.kind is StepKind.MOVE else self._precalibrate(step))
             if not self._ended and self._book.version == version:
                 await self._book.changed(version)
@@ -215,19 +228,24 @@ class BallbarRunner:
         except DriverError as error:
             failure = str(error)
             await self._stand.close()
-        async with self._floor.changing:
+
+        async def keep() -> None:
+            nonlocal arrival
             if arrival is not None:
                 await self._book.append(EntryKind.MOVED, step.id, arrival=arrival)
+                arrival = None
             await self._after_motion(failure)
             await self._floor.settle()
+
+        await self._floor.keep(keep)
 
     async def _after_motion(self, failure: str | None) -> None:
         state, wish = self.situation.state, self._motion.wish
         if wish is not None and state is SessionState.RUNNING:
             return  # who asked for it waits for the floor, and does it
         if wish is not None and failure is None:
-            self._motion.wish = None
             await self._book.enter(wish, self.situation.reason)
+            self._motion.wish = None
         elif failure is not None:
             self._motion.wish = None
             await self._floor.hold(failure)
@@ -241,11 +259,14 @@ class BallbarRunner:
             task.cancel()  # nobody waits for it any more; done, it does not mind
         if not task.done() or task.cancelled():
             return
-        async with self._floor.changing:
+
+        async def keep() -> None:
             present = self.situation.step
             if not self._ended and present is not None and present.id == step.id:
                 await self._keep_foresight(step, task.result())
                 await self._floor.settle()
+
+        await self._floor.keep(keep)
 
     async def _wait_for(self, task: "asyncio.Task[PreCalibration | str]") -> None:
         """Return when the task is done, or when something else has changed."""
@@ -290,14 +311,16 @@ class BallbarRunner:
             await asyncio.sleep(self._breath_s)
 
     async def _heed_ballbar(self) -> None:
-        if not self._is_ready() and not self._readings.lost_power:
+        if self.trouble is not None or (not self._is_ready() and not self._readings.lost_power):
             return
-        async with self._floor.changing:
-            if self._readings.lost_power:
-                await self._floor.note_lost_power()
-            elif self._is_ready():
-                await self._store()
-            await self._floor.settle()
+        # Where the line is refused the length is shown on; it is read again once lines are taken.
+        with contextlib.suppress(RecordRefusedError):
+            async with self._floor.changing:
+                if self._readings.lost_power:
+                    await self._floor.note_lost_power()
+                elif self._is_ready():
+                    await self._store()
+                await self._floor.settle()
 
     async def _store(self) -> None:
         """Store the length by itself, or see why it cannot be: then the session has said so."""
@@ -335,7 +358,8 @@ class BallbarRunner:
             failure = str(error)
         if (moved is None and failure is None) or self._motion.moving:
             return
-        async with self._floor.changing:
+
+        async def keep() -> None:
             if self._motion.moving or not self._floor.entered:
                 return
             if failure is not None:
@@ -343,3 +367,5 @@ class BallbarRunner:
             if moved is not None:
                 await self._floor.lose_stop(moved)
             await self._floor.hold(failure or moved or "")
+
+        await self._floor.keep(keep)

@@ -99,6 +99,7 @@ class BallbarSessionReply(Reply):
     simulated: bool = Field(description="True: no robot and no instrument take part.")
     robot: str = Field(examples=["ABB IRB 120"])
     question: str | None = Field(description="What a person is asked now.")
+    trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
     ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
     step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
     suspicion: SuspicionReply | None

@@ -121,6 +121,7 @@ class SessionReply(Reply):
     reason: str = Field(description="Why it is in this state.")
     person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
     question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
+    trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
     planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
     measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
     skipped: int = Field(examples=[0])
@@ -262,7 +263,7 @@ def stop_reply(stop: PlannedStop) -> StopReply:
     )
 
 
-def session_reply(record: SessionRecord, question: str | None) -> SessionReply:
+def session_reply(record: SessionRecord, question: str | None, trouble: str | None = None) -> SessionReply:
     """Return a session as it travels."""
     return SessionReply(
         id=record.id,
@@ -274,6 +275,7 @@ def session_reply(record: SessionRecord, question: str | None) -> SessionReply:
         reason=record.reason,
         person=record.person,
         question=question,
+        trouble=trouble,
         planned=record.planned,
         measured=record.measured,
         skipped=record.skipped,

@@ -1,5 +1,6 @@
 """A cell made of plain objects: clock, robot, tracker and journal that do as they are told."""
 
+import asyncio
 import math
 from collections.abc import Awaitable, Callable
 
@@ -8,6 +9,7 @@ import numpy as np
 from drivers.api import DeviceIdentity, Environment, JointReading, MotionLimits, TrackerReading, Vector
 from drivers.errors import ConnectionLostError, DriverError, ReflectorNotFoundError
 from service.domain.arrays import FloatArray
+from service.domain.errors import RecordRefusedError
 from service.domain.identities import IdentityTaken
 from service.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
 from service.domain.session import (
@@ -209,33 +211,61 @@ class ListJournal:
         self.notes: list[str] = []
         self.identities: list[IdentityTaken] = []
         self.full_disk_at: int | None = None  # number of the reading that cannot be kept
+        self.full = False
+        self.refused = asyncio.Event()
+        self.has_room = asyncio.Event()
+
+    def fill(self) -> None:
+        self.full = True
+        self.has_room.clear()
+
+    def make_room(self) -> None:
+        self.full = False
+        self.refused.clear()
+        self.has_room.set()
+
+    async def writable(self) -> None:
+        await self.has_room.wait()
+
+    def _require_room(self) -> None:
+        if self.full:
+            self.refused.set()
+            raise RecordRefusedError("database or disk is full")
 
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
+        self._require_room()
         self.states.append((state, reason, person))
 
     async def point_taken(self, point: PointTaken) -> str:
+        self._require_room()
         if self.full_disk_at == len(self.points):
             raise OSError("no space left on the disk")
         self.points.append(point)
         return f"point-{len(self.points)}"
 
     async def fixed_nest_taken(self, reading: FixedNestTaken) -> str:
+        self._require_room()
         self.fixed.append(reading)
         return f"fixed-{len(self.fixed)}"
 
     async def stop_skipped(self, skipped: StopSkipped) -> None:
+        self._require_room()
         self.skipped.append(skipped)
 
     async def registered(self, registration: Registration) -> None:
+        self._require_room()
         self.registrations.append(registration)
 
     async def identified(self, taken: IdentityTaken) -> None:
+        self._require_room()
         self.identities.append(taken)
 
     async def progressed(self, progress: Progress) -> None:
+        self._require_room()
         self.progress.append(progress)
 
     async def noted(self, text: str) -> None:
+        self._require_room()
         self.notes.append(text)
 
 

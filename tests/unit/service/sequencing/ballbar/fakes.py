@@ -16,6 +16,7 @@ from service.domain.ballbar import (
     StepKind,
     Suspicion,
 )
+from service.domain.errors import RecordRefusedError
 from service.domain.robot import JointRange
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control, step_ids
@@ -214,8 +215,23 @@ class Disk:
     def __init__(self) -> None:
         self.entries: list[LedgerEntry] = []
         self.on_append: Callable[[LedgerEntry], None] = lambda entry: None
+        self.full = False
+        self.has_room = asyncio.Event()
+
+    def fill(self) -> None:
+        self.full = True
+        self.has_room.clear()
+
+    def make_room(self) -> None:
+        self.full = False
+        self.has_room.set()
+
+    async def writable(self) -> None:
+        await self.has_room.wait()
 
     async def append(self, entry: LedgerEntry) -> int:
+        if self.full:
+            raise RecordRefusedError("database or disk is full")
         for number, kept in enumerate(self.entries):
             if entry.key is not None and kept.key == entry.key:
                 return number
