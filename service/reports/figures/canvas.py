@@ -80,14 +80,26 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = text[text.index("<svg") :]
     for colour, variable in _VARIABLES.items():
         text = text.replace(colour, f"var(--{variable})")
-    text = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font: \1px var(--font)", text)
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r'style="([^"]*)"', _as_attributes, text)
     text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text)
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     # Fixed sizes would overflow a phone: the page decides the width, the view box the proportions.
     text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
-    text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img"', text, count=1)
+    text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img" stroke-linejoin="round"', text, count=1)
     text = text.replace(">", f' aria-label="{Markup.escape(description)}">', 1)
     return Markup(text)
+
+
+def _as_attributes(style: re.Match[str]) -> str:
+    """Return what a style attribute says as attributes: the service's pages allow no style within them."""
+    said = dict(declaration.split(":", 1) for declaration in style[1].split(";") if ":" in declaration)
+    told = {name.strip(): value.strip() for name, value in said.items()}
+    told.pop("font-family", None)  # the font is the page's
+    short = re.search(r"[\d.]+px", told.pop("font", ""))
+    if short is not None:
+        told["font-size"] = short[0]
+    return " ".join(f'{name}="{value}"' for name, value in told.items())
 
 
 def label(text: str, most: int, unit: str = "") -> str:

@@ -39,6 +39,7 @@ def test_a_picture_is_well_formed_and_takes_its_colours_from_the_page(pictures, 
     assert root.attrib["aria-label"]
     assert "var(--ink)" in svg
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", svg)  # no stand-in colour is left
+    assert "style" not in svg  # which a page that allows none would not show
 
 
 def test_ids_of_different_pictures_do_not_meet(pictures):
