@@ -9,7 +9,6 @@ import dataclasses
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from http import HTTPStatus
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from fastapi import APIRouter, Response
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
 
 router = APIRouter(include_in_schema=False)
 _SHOWN: Final = 50
-_SCRIPT: Final = Path(__file__).parent / "static" / "measure-next.js"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +40,7 @@ class Actions:
 @router.get("/diagnoses", response_class=HTMLResponse)
 async def diagnoses_page(here: Here) -> HTMLResponse:
     """List the latest diagnoses with their first lines."""
-    from service.reports import page_styles, verdict_shape
+    from service.reports import verdict_shape
 
     records = await here.diagnoses.newest(_SHOWN)
     rows = [(record, _verdict(record)) for record in records]
@@ -53,18 +51,17 @@ async def diagnoses_page(here: Here) -> HTMLResponse:
         shape=verdict_shape,
         moment=_moment,
         shown=_SHOWN,
-        styles=page_styles(),
     )
 
 
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
 async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
     """Show a diagnosis as its report."""
-    from service.reports import diagnosis_content, page_styles
+    from service.reports import diagnosis_content
 
     record = await _record(here, id)
     if record is None:
-        return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here, styles=page_styles())
+        return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here)
     campaign = await here.campaigns.get(record.campaign_id)
     report = await _report(here, record, campaign)
     actions = await _actions(here, record, campaign)
@@ -77,14 +74,15 @@ async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
         report=report,
         actions=actions,
         content=content,
-        styles=page_styles(),
     )
 
 
-@router.get("/static/measure-next.js", response_class=Response)
-async def measure_next_script() -> Response:
-    """Send the script behind the buttons of a diagnosis."""
-    return Response(_SCRIPT.read_text(encoding="utf-8"), media_type="text/javascript")
+@router.get("/static/report.css", response_class=Response)
+async def report_style() -> Response:
+    """Send the style of reports, which a report in a file carries within it."""
+    from service.reports import page_styles
+
+    return Response(page_styles(), media_type="text/css")
 
 
 def _verdict(record: DiagnosisRecord) -> "VerdictWords":

@@ -4,10 +4,11 @@ The usual OpenAPI pages need megabytes of script, from a content network or a pa
 A reference that names every route, field, unit and error needs none.
 """
 
+from pathlib import Path
 from typing import Any, Final
 
 from fastapi import APIRouter, Request
-from fastapi.responses import HTMLResponse
+from fastapi.responses import FileResponse, HTMLResponse
 
 from service.web import diagnosis_pages
 from service.web.context import Here
@@ -16,6 +17,7 @@ from service.web.rendering import page
 router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)
 _SHOWN: Final = 20
+_STATIC: Final = Path(__file__).parent / "static"
 
 
 @router.get("/", response_class=HTMLResponse)
@@ -36,6 +38,29 @@ async def api_page(request: Request, here: Here) -> HTMLResponse:
     document = request.app.openapi()
     operations = list(_operations(document))
     return page("api.html", here=here, document=document, operations=operations, base=str(request.base_url))
+
+
+@router.get("/static/pages.css", response_class=FileResponse)
+async def pages_style() -> FileResponse:
+    """Send the style of the plain pages."""
+    return _sent("pages.css", "text/css")
+
+
+@router.get("/static/report-page.css", response_class=FileResponse)
+async def report_page_style() -> FileResponse:
+    """Send the style of what stands around a report."""
+    return _sent("report-page.css", "text/css")
+
+
+@router.get("/static/measure-next.js", response_class=FileResponse)
+async def measure_next_script() -> FileResponse:
+    """Send the script behind the buttons of a diagnosis."""
+    return _sent("measure-next.js", "text/javascript")
+
+
+def _sent(name: str, media_type: str) -> FileResponse:
+    # A browser asks again each time and is told that nothing has changed: pages never mix versions.
+    return FileResponse(_STATIC / name, media_type=media_type, headers={"Cache-Control": "no-cache"})
 
 
 def _operations(document: dict[str, Any]) -> Any:
