@@ -37,6 +37,7 @@ from service.storage.results import ResultRepository
 from service.storage.sessions import SessionRepository
 from service.web.application import Application, create_application
 from service.web.context import Context, Endpoint
+from service.web.door.hosts import AllowedHosts
 
 _REAL_CLOCK: Final = "monotonic_clock"
 _NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
@@ -55,8 +56,19 @@ def create_app(
         Which drivers there are; by default the installed ones.
     perform : Perform
         Who does the jobs; by default a worker process each.
+
+    Raises
+    ------
+    UnusableHostError
+        The settings allow what is no name of a host.
     """
-    return create_application(program_version(), lambda: open_context(settings, registry, perform))
+    hosts = allowed_hosts(settings)
+    return create_application(program_version(), lambda: open_context(settings, registry, perform), hosts)
+
+
+def allowed_hosts(settings: Settings) -> AllowedHosts:
+    """Return the names under which the service may be asked; raises UnusableHostError."""
+    return AllowedHosts(settings.allowed_hosts, settings.host)
 
 
 def program_version() -> str:

@@ -13,12 +13,13 @@ from typing import Final
 import uvicorn
 
 from drivers.errors import DriverError
-from service.app.composition import open_context, program_version, stop_streams
+from service.app.composition import allowed_hosts, open_context, program_version, stop_streams
 from service.app.errors import PortInUseError, ScenarioRefusedError
 from service.domain.errors import TrueposeError
 from service.exchange.errors import ExchangeError
 from service.settings import Settings
 from service.web.application import create_application
+from service.web.door.errors import UnusableHostError
 
 _UNUSABLE_INPUT: Final = 2
 _SERVICE_FAILED: Final = 3
@@ -28,8 +29,8 @@ _GRACE_S: Final = 5  # for requests under way when the service ends
 def serve(settings: Settings) -> int:
     """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
 
-    A start that fails writes one sentence to standard error: status 2 for a cell file or a scenario that
-    cannot be used, 3 for a database, a port or a simulated cell that cannot.
+    A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario or an
+    allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
@@ -37,7 +38,7 @@ def serve(settings: Settings) -> int:
         asyncio.run(_serve(settings))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself
         return 0
-    except (ExchangeError, ScenarioRefusedError) as error:
+    except (ExchangeError, ScenarioRefusedError, UnusableHostError) as error:
         return _refuse(error, _UNUSABLE_INPUT)
     except (TrueposeError, DriverError) as error:
         return _refuse(error, _SERVICE_FAILED)
@@ -50,11 +51,12 @@ def _refuse(error: Exception, status: int) -> int:
 
 
 async def _serve(settings: Settings) -> None:
+    hosts = allowed_hosts(settings)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
         async with open_context(settings) as context:
             config = uvicorn.Config(
-                create_application(program_version(), lambda: contextlib.nullcontext(context)),
+                create_application(program_version(), lambda: contextlib.nullcontext(context), hosts),
                 log_config=None,
                 log_level=logging.WARNING,
                 timeout_graceful_shutdown=_GRACE_S,

@@ -50,6 +50,14 @@ def serve_command(
     ] = None,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,
+    allowed_host: Annotated[
+        list[str] | None,
+        typer.Option(
+            envvar="TRUEPOSE_ALLOWED_HOSTS",
+            help="Name or address under which it may be asked, beside localhost and --host; "
+            "https://NAME behind a proxy with TLS. May be repeated.",
+        ),
+    ] = None,
 ) -> int:
     """Run the service; prints one JSON line with its url when ready.
 
@@ -59,7 +67,13 @@ def serve_command(
     from service.settings import Settings, default_database_url
 
     return serve(
-        Settings(database_url=database or default_database_url(), host=host, port=port, cell_file=cell)
+        Settings(
+            database_url=database or default_database_url(),
+            host=host,
+            port=port,
+            allowed_hosts=tuple(allowed_host or ()),
+            cell_file=cell,
+        )
     )
 
 

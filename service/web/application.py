@@ -7,6 +7,7 @@ from typing import Any, Final, TypeAlias
 
 from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
+from starlette.types import ASGIApp
 
 from service.web import (
     ballbar_live,
@@ -29,6 +30,8 @@ from service.web import (
     validations,
 )
 from service.web.context import Context
+from service.web.door.hosts import AllowedHosts
+from service.web.door.middleware import Door
 from service.web.limits import RequestLimits
 from service.web.tablet import routes as tablet
 
@@ -59,8 +62,24 @@ _DESCRIPTION: Final = (
 )
 
 
-def create_application(version: str, open_context: OpenContext) -> Application:
-    """Return the application; it opens its context when it starts and closes it when it ends."""
+class _Guarded(FastAPI):
+    """Has its door before everything, the framework's own answer to a failure included."""
+
+    def __init__(self, hosts: AllowedHosts, **options: Any) -> None:
+        super().__init__(**options)
+        self._hosts = hosts
+
+    def build_middleware_stack(self) -> ASGIApp:
+        return Door(super().build_middleware_stack(), self._hosts)
+
+
+def create_application(
+    version: str, open_context: OpenContext, hosts: AllowedHosts | None = None
+) -> Application:
+    """Return the application; it opens its context when it starts and closes it when it ends.
+
+    It answers requests for `hosts` alone; where none are given, for those of loopback.
+    """
 
     @contextlib.asynccontextmanager
     async def lifespan(started: FastAPI) -> AsyncIterator[None]:
@@ -68,7 +87,8 @@ def create_application(version: str, open_context: OpenContext) -> Application:
             started.state.context = context
             yield
 
-    app = FastAPI(
+    app = _Guarded(
+        hosts or AllowedHosts(),
         title="truepose",
         version=version,
         description=_DESCRIPTION,

@@ -15,6 +15,8 @@ from service.web.problems import problem_response
 UPLOAD_LIMIT_BYTES: Final = 64 * 2**20
 JSON_LIMIT_BYTES: Final = 8 * 2**20
 UPLOAD_PATH: Final = "/api/v1/campaigns"
+_READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
+_FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
 UPLOAD_TYPES: Final = ("application/zip", "multipart/form-data", "application/json")  # JSON names sessions
 
 
@@ -78,10 +80,9 @@ def _too_large(limit: int) -> str:
 def _refused_type(request: Request) -> str | None:
     sent = request.headers.get("content-type", "").split(";")[0].strip().lower()
     has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
-    if request.method not in {"POST", "PUT", "PATCH"} or not has_body:
-        return None
     upload = request.scope["path"] == UPLOAD_PATH
     understood = UPLOAD_TYPES if upload else ("application/json",)
-    if sent in understood:
+    # A page of anybody can send a form without asking first, an empty one too.
+    if request.method in _READING or sent in understood or not (has_body or sent in _FORMS):
         return None
     return f"The body is {sent or 'of no stated type'}; {' or '.join(understood)} is understood here."

@@ -20,7 +20,7 @@ def bench():
 def settings(tmp_path, database_url):
     cell_file = tmp_path / "cell.toml"
     cell_file.write_text(CELL)
-    return Settings(database_url=database_url, cell_file=cell_file)
+    return Settings(database_url=database_url, cell_file=cell_file, allowed_hosts=("service",))
 
 
 @pytest.fixture

@@ -1,0 +1,77 @@
+"""Every route of an application, however it was put together, and requests as no client sends them."""
+
+import json
+import re
+from dataclasses import dataclass
+
+METHODS = ("GET", "HEAD", "OPTIONS", "POST", "PUT", "PATCH", "DELETE", "TRACE")
+
+
+def paths_of(app):
+    """Return the templates of all paths: of the API, of pages, of files that are not in the document."""
+    found = set(app.openapi()["paths"])
+    left = list(app.routes)
+    while left:
+        route = left.pop()
+        inner = getattr(route, "effective_candidates", None)
+        if inner is None:
+            found.add(route.path)
+        else:
+            left += inner()
+    return sorted(found)
+
+
+def addresses_of(app):
+    """Return an address for each path, and some for which there is no route."""
+    filled = [re.sub(r"{[^}]+}", "1", path) for path in paths_of(app)]
+    return [*filled, "/nothing", "/api/v1/nothing", "/static/tablet/tablet.css", "//", "/%2e%2e/health"]
+
+
+@dataclass
+class Answer:
+    status: int
+    headers: dict
+    body: bytes
+
+    @property
+    def detail(self):
+        return json.loads(self.body)["detail"]
+
+
+async def asked(app, method="GET", path="/", headers=(("host", "localhost:8000"),), body=b""):
+    """Ask an application with these headers and no others; return what it sent, or its failure's answer."""
+    scope = {
+        "type": "http",
+        "asgi": {"version": "3.0"},
+        "http_version": "1.1",
+        "method": method,
+        "scheme": "http",
+        "path": path,
+        "raw_path": path.encode(),
+        "query_string": b"stop_after_s=0.01",
+        "root_path": "",
+        "headers": [(name.encode(), value.encode("latin-1")) for name, value in headers],
+        "client": ("127.0.0.1", 50_000),
+        "server": ("127.0.0.1", 8000),
+        "state": {},
+    }
+    sent = []
+    coming = [{"type": "http.request", "body": body, "more_body": False}]
+
+    async def receive():
+        return coming.pop() if coming else {"type": "http.disconnect"}
+
+    async def send(message):
+        sent.append(message)
+
+    try:
+        await app(scope, receive, send)
+    except Exception:
+        # The framework answers 500 and lets the server know; here the answer counts.
+        if not sent:
+            raise
+    starts = [message for message in sent if message["type"] == "http.response.start"]
+    assert len(starts) == 1
+    told = {name.decode(): value.decode() for name, value in starts[0]["headers"]}
+    assert len(told) == len(starts[0]["headers"]), "a header is there twice"
+    return Answer(starts[0]["status"], told, b"".join(m.get("body", b"") for m in sent[1:]))
