@@ -51,11 +51,19 @@ def encode_object(document: Mapping[str, object]) -> bytes:
 def decode_object(line: bytes) -> dict[str, object]:
     """Read the object of a line; raises JsonLineError."""
     try:
-        document = json.loads(line)
+        document = json.loads(line, object_pairs_hook=_each_key_once)
     except (ValueError, RecursionError) as error:
         raise JsonLineError(f"{line[:80]!r} is no JSON: {error}") from error
     if not isinstance(document, dict):
         raise JsonLineError(f"{line[:80]!r} is no JSON object")
+    return document
+
+
+def _each_key_once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """Return an object; raises ValueError where a key comes twice, as in two lines that ran into one."""
+    document = dict(pairs)
+    if len(document) != len(pairs):
+        raise ValueError("a key comes twice")
     return document
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from drivers import options as option
 from drivers.abb_open_abb.protocol import (
+    LONGEST_MESSAGE_CHARS,
     MOTION_PORT,
     Code,
     OpenAbbProtocolError,
@@ -23,9 +24,10 @@ from drivers.abb_open_abb.protocol import (
     decode_reply,
     encode_joint_target,
     encode_request,
+    joint_angles_deg,
     joint_resolution_deg,
     reply_extent,
-    reply_numbers,
+    rest_before_ping,
 )
 from drivers.api import Clock, DeviceIdentity, DriverPlugin, JointReading, MotionLimits, Options
 from drivers.errors import (
@@ -37,7 +39,7 @@ from drivers.errors import (
     TargetRefusedError,
 )
 from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.link import Link
+from drivers.transports.link import Link, drain
 from drivers.transports.tcp import TcpLink
 
 _JOINTS = 6
@@ -151,7 +153,7 @@ class OpenAbbRobot:
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; stock servers round to 0.01 deg."""
         reply = await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
-        joints_deg = reply_numbers(reply, _JOINTS)
+        joints_deg = joint_angles_deg(reply, _JOINTS)
         return JointReading(
             joints_rad=tuple(map(math.radians, joints_deg)),
             resolution_rad=math.radians(joint_resolution_deg(reply)),
@@ -168,8 +170,7 @@ class OpenAbbRobot:
     ) -> Reply:
         """Send a request and return its reply, whose text has at least `words` words."""
         async with self._turn():
-            while await self._link.receive(0.0) is not None:
-                pass  # a line end or the like behind the last reply
+            await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
             data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s)
             reply = decode_reply(data)
@@ -177,6 +178,7 @@ class OpenAbbRobot:
                 raise OpenAbbProtocolError(
                     f"the robot replied to request {reply.code}, not to {int(code)}: connect again"
                 )
+            _require_text(reply, words)
         if reply.status != ReplyStatus.OK:
             raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
         return reply
@@ -200,13 +202,38 @@ class OpenAbbRobot:
             )
             more = await self._link.receive(max(patience_s, 0.0))
             if more is None and extent == "maybe whole":
-                return data
+                return data if words == 0 else data + await self._rest(deadline_s)
             if more is None:
                 raise NoReplyError(
                     f"the robot at {self._link.address} is connected and says nothing: {_LOOK_AT_PENDANT}"
                 )
             data += more
         return data
+
+    async def _rest(self, deadline_s: float) -> bytes:
+        """Return what still belongs to a reply whose end cannot be told: what comes before that to a ping."""
+        await self._link.send(encode_request(Code.PING))
+        data = b""
+        while (rest := rest_before_ping(data)) is None:
+            more = await self._link.receive(max(0.0, deadline_s - time.monotonic()))
+            if more is None or len(data) > LONGEST_MESSAGE_CHARS:
+                raise NoReplyError(
+                    f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"
+                )
+            data += more
+        return rest
+
+
+def _require_text(reply: Reply, words: int) -> None:
+    """See that a reply has the text that belongs there; raises OpenAbbProtocolError."""
+    if reply.status != ReplyStatus.OK:
+        return
+    if reply.code == Code.GET_JOINTS:
+        joint_angles_deg(reply, words)
+    elif words == 0 and reply.text:
+        raise OpenAbbProtocolError(
+            f"the robot's reply to request {reply.code} goes on with {reply.text[:40]!r}: connect again"
+        )
 
 
 def _encode_target(target_rad: tuple[float, ...]) -> bytes:

@@ -23,10 +23,13 @@ LONGEST_MESSAGE_CHARS = 80
 MOST_PARAMETERS = 10
 REPLY_RESOLUTION_DEG = 0.01  # joint angles leave the controller with two decimals
 _FULL_TURN_DEG = 360.0
+_FURTHEST_DEG = 10 * _FULL_TURN_DEG  # no joint is wound up further
 # What StrToVal reads; float() alone would also take nan and 1_000. Two digits of exponent stay finite.
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 
 
+_PING_REPLY = re.compile(rb"(?P<rest>.*?)0 1 ?[\r\n]*", re.DOTALL)
+_STATUSES = ("0", "1")
 _REPLY_START = re.compile(rb"(?P<code>\d{0,3})( (?P<status>\d?)([ \r\n](?P<text>.*))?)?", re.DOTALL)
 
 ReplyExtent: TypeAlias = Literal["part", "maybe whole", "whole"]
@@ -156,7 +159,7 @@ def decode_reply(data: bytes) -> Reply:
     """Read what one receive delivered; raises OpenAbbProtocolError when it is no reply."""
     text = data.decode("ascii", errors="replace")
     words = text.rstrip("\r\n").split(" ", 2)
-    if len(words) < 2 or not all(_is_count(word) for word in words[:2]):
+    if len(words) < 2 or not _is_count(words[0]) or words[1] not in _STATUSES:
         raise OpenAbbProtocolError(f"{text[:80]!r} is no reply of open_abb: code and status were expected")
     return Reply(int(words[0]), int(words[1]), words[2].strip() if len(words) == 3 else "")
 
@@ -182,6 +185,23 @@ def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
     if len(numbers) < words:
         return "part"
     return "whole" if _decimals(numbers[-1]) >= max(2, *map(_decimals, numbers)) else "maybe whole"
+
+
+def rest_before_ping(data: bytes) -> bytes | None:
+    """Return what stands before the reply to a ping, None until that reply is there.
+
+    The controller replies in order: whatever arrives before it belongs to the reply before.
+    """
+    found = _PING_REPLY.fullmatch(data)
+    return None if found is None else found["rest"]
+
+
+def joint_angles_deg(reply: Reply, count: int) -> tuple[float, ...]:
+    """Return the angles in a reply to GET_JOINTS; raises OpenAbbProtocolError when it has others."""
+    angles = reply_numbers(reply, count)
+    if any(abs(angle) > _FURTHEST_DEG for angle in angles):
+        raise OpenAbbProtocolError(f"the reply {reply.text!r} has an angle out of any robot's range")
+    return angles
 
 
 def joint_resolution_deg(reply: Reply) -> float:
@@ -248,7 +268,7 @@ def _log_line(record: str) -> LogLine:
 
 
 def _joint_text(angle_deg: float) -> str:
-    if not abs(angle_deg) <= 10 * _FULL_TURN_DEG:
+    if not abs(angle_deg) <= _FURTHEST_DEG:
         raise ValueError(f"joint angle {angle_deg} deg is out of any robot's range")
     return f"{angle_deg:+011.5f}"
 

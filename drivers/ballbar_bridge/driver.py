@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 
 from drivers import options as option
 from drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
-from drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode
+from drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
 from drivers.errors import ConnectFailedError, LinkError, NoReplyError
 from drivers.json_lines import LineReader
 from drivers.monotonic_clock import MonotonicClock
@@ -17,6 +17,7 @@ from drivers.transports.tcp import TcpLink
 PORT = 7420  # ours, and free to choose: no registry lists it
 _VALUE_TIMEOUT_S = 2.0
 _UNKNOWN = "unknown"
+_MOST_PIECES = 10_000  # waiting on a stream: whoever sends more never stops
 
 
 class BridgedBallbar:
@@ -29,6 +30,7 @@ class BridgedBallbar:
         self._lock = asyncio.Lock()
         self._lines = LineReader()
         self._hello = Hello()
+        self._last: int | None = None  # number of the newest value of this connection
 
     @property
     def connected(self) -> bool:
@@ -37,7 +39,7 @@ class BridgedBallbar:
 
     async def connect(self) -> None:
         """Open the link and wait for a first value; raises ConnectFailedError."""
-        self._lines, self._hello = LineReader(), Hello()
+        self._lines, self._hello, self._last = LineReader(), Hello(), None
         await self._link.open()
         try:
             async with self._turn():
@@ -58,10 +60,15 @@ class BridgedBallbar:
         )
 
     async def read(self) -> BallbarReading:
-        """Return the first value that arrives after those that had arrived before."""
+        """Return the newest value of those that arrive after the ones that had arrived before."""
         async with self._turn():
-            await self._drop_what_came_before()
+            await self._take_what_came()
+            # The line whose end is still to come was begun before we asked.
+            if self._lines.inside_line:
+                await self._next_value()
             reading = await self._next_value()
+            # Where the network stalled, the values of that time come at once, oldest first.
+            reading = await self._take_what_came() or reading
         return BallbarReading(
             deviation_mm=reading.deviation_mm,
             signal=reading.signal,
@@ -71,14 +78,17 @@ class BridgedBallbar:
             sequence=reading.sequence,
         )
 
-    async def _drop_what_came_before(self) -> None:
-        while (data := await self._link.receive(0.0)) is not None:
-            self._lines.receive_data(data)
+    async def _take_what_came(self) -> BridgeReading | None:
+        """Take every line that is there and return the newest value."""
+        newest = None
+        for _ in range(_MOST_PIECES):
             while (line := self._lines.next_line()) is not None:
-                self._take(line)
-        # The line whose end is still to come was begun before we asked.
-        if self._lines.inside_line:
-            await self._next_value()
+                newest = self._take(line) or newest
+            data = await self._link.receive(0.0)
+            if data is None:
+                return newest
+            self._lines.receive_data(data)
+        raise BridgeProtocolError(f"the ballbar bridge at {self._link.address} does not stop sending")
 
     async def _next_value(self) -> BridgeReading:
         give_up_s = time.monotonic() + self._value_timeout_s
@@ -86,8 +96,9 @@ class BridgedBallbar:
             while (line := self._lines.next_line()) is not None:
                 if (reading := self._take(line)) is not None:
                     return reading
-            data = await self._link.receive(max(0.0, give_up_s - time.monotonic()))
-            if data is None:
+            left_s = give_up_s - time.monotonic()
+            data = await self._link.receive(max(0.0, left_s))
+            if data is None or left_s < 0.0:
                 raise NoReplyError(
                     f"the ballbar bridge at {self._link.address} sends no value for"
                     f" {self._value_timeout_s:g} s: check that the maker's software reads the ballbar"
@@ -99,7 +110,24 @@ class BridgedBallbar:
         if isinstance(message, Hello):
             self._hello = message
             return None
+        self._require_new(message.sequence)
+        if abs(message.deviation_mm) > self._hello.range_mm:  # a NaN is not
+            raise BridgeProtocolError(
+                f"deviation_mm is {message.deviation_mm:g}, and the bridge stated a range_mm of"
+                f" {self._hello.range_mm:g}: are these millimetres?"
+            )
         return message
+
+    def _require_new(self, sequence: int | None) -> None:
+        """See that values are counted up; raises BridgeProtocolError."""
+        if sequence is None:
+            return
+        if self._last is not None and sequence <= self._last:
+            raise BridgeProtocolError(
+                f"the ballbar bridge at {self._link.address} sends value {sequence} after {self._last}:"
+                " it repeats itself; start it again"
+            )
+        self._last = sequence
 
     @contextlib.asynccontextmanager
     async def _turn(self) -> AsyncIterator[None]:

@@ -14,6 +14,8 @@ from drivers.json_lines import JsonLineError, decode_object, encode_object, fini
 Signal: TypeAlias = Literal["good", "out_of_range", "none"]
 _SIGNALS = ("good", "out_of_range", "none")
 FINEST_MM = 1e-4  # of a QC20-W: what a bridge that does not say has
+_UNIT = "mm"
+_HIGHEST_SEQUENCE = 2**63 - 1
 _FURTHEST_MM = 1000.0  # no ballbar travels as far: whoever sends more sends another unit
 
 
@@ -28,6 +30,7 @@ class Hello:
     model: str = ""
     serial: str = ""
     resolution_mm: float = FINEST_MM
+    range_mm: float = _FURTHEST_MM  # either way of zero; no value lies beyond its stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +49,14 @@ Message: TypeAlias = Hello | BridgeReading
 def encode(message: Message) -> bytes:
     """Return the line of a message."""
     match message:
-        case Hello(model, serial, resolution_mm):
-            return encode_object({"model": model, "serial": serial, "resolution_mm": resolution_mm})
+        case Hello(model, serial, resolution_mm, range_mm):
+            return encode_object({
+                "model": model,
+                "serial": serial,
+                "unit": _UNIT,
+                "resolution_mm": resolution_mm,
+                "range_mm": range_mm,
+            })
         case BridgeReading(deviation_mm, signal, temperature_c, sequence):
             return encode_object({
                 "deviation_mm": None if math.isnan(deviation_mm) else deviation_mm,
@@ -60,9 +69,11 @@ def encode(message: Message) -> bytes:
 def decode(line: bytes) -> Message:
     """Read a line; raises JsonLineError with a sentence for whoever writes the bridge."""
     document = decode_object(line)
+    if document.get("unit", _UNIT) != _UNIT:
+        raise BridgeProtocolError(f"unit is {str(document['unit'])[:40]!r}: values are sent in millimetres")
     if "deviation_mm" in document:
         return _reading(document)
-    if document.keys() & {"model", "serial", "resolution_mm"}:
+    if document.keys() & {"model", "serial", "resolution_mm", "range_mm", "unit"}:
         return _hello(document)
     raise BridgeProtocolError(f"{line[:80]!r} has no deviation_mm: every value needs one")
 
@@ -80,6 +91,8 @@ def _reading(document: dict[str, object]) -> BridgeReading:
     temperature, sequence = document.get("temperature_c"), document.get("sequence")
     if sequence is not None and (isinstance(sequence, bool) or not isinstance(sequence, int)):
         raise BridgeProtocolError(f"sequence is {sequence!r}; a whole number was expected")
+    if sequence is not None and abs(sequence) > _HIGHEST_SEQUENCE:
+        raise BridgeProtocolError(f"sequence is {sequence:.3g}; a count of values was expected")
     return BridgeReading(
         math.nan if signal == "none" else deviation_mm,
         cast(Signal, signal),
@@ -90,15 +103,19 @@ def _reading(document: dict[str, object]) -> BridgeReading:
 
 def _hello(document: dict[str, object]) -> Hello:
     resolution_mm = _number(document.get("resolution_mm", FINEST_MM), "resolution_mm")
-    if resolution_mm <= 0.0:
-        raise BridgeProtocolError(f"resolution_mm is {resolution_mm}: a positive number was expected")
-    return Hello(_text(document, "model"), _text(document, "serial"), resolution_mm)
+    range_mm = _number(document.get("range_mm", _FURTHEST_MM), "range_mm")
+    for name, value in (("resolution_mm", resolution_mm), ("range_mm", range_mm)):
+        if not 0.0 < value <= _FURTHEST_MM:
+            raise BridgeProtocolError(
+                f"{name} is {value:g}: a positive number was expected, {_FURTHEST_MM:g} mm at most"
+            )
+    return Hello(_text(document, "model"), _text(document, "serial"), resolution_mm, range_mm)
 
 
 def _text(document: dict[str, object], key: str) -> str:
     value = document.get(key, "")
     if not isinstance(value, str):
-        raise BridgeProtocolError(f"{key} is {value!r}; a text was expected")
+        raise BridgeProtocolError(f"{key} is {str(value)[:40]!r}; a text was expected")
     return value
 
 

@@ -12,11 +12,13 @@ from drivers.ballbar_hid.protocol import (
     COUNTS_PER_MM,
     READING_BYTES,
     BarReading,
+    HidBallbarError,
     Rate,
     Status,
     decode_bar,
     decode_reading,
     encode_rate,
+    follows,
 )
 from drivers.ballbar_hid.report_descriptor import BAR_ID
 from drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
@@ -33,9 +35,14 @@ _UNTRUSTED = Status.OVERSPEED | Status.NOT_REFERENCED
 class HidBallbar:
     """A ballbar that sends reports by itself."""
 
-    def __init__(self, port: ReportPort, clock: Clock) -> None:
+    def __init__(
+        self, port: ReportPort, clock: Clock, *, report_timeout_s: float = _REPORT_TIMEOUT_S
+    ) -> None:
         self._port = port
         self._clock = clock
+        self._report_timeout_s = report_timeout_s
+        self._nominal_mm = math.inf
+        self._last: int | None = None  # number of the newest report of this connection
         self._lock = asyncio.Lock()
 
     @property
@@ -44,11 +51,16 @@ class HidBallbar:
         return self._port.is_open
 
     async def connect(self) -> None:
-        """Open the device and let it send; raises ConnectFailedError."""
+        """Open the device, ask how long it is and wait for a report; raises ConnectFailedError."""
         await self._port.open()
+        self._last = None
         try:
             async with self._turn():
+                self._nominal_mm = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES)).nominal_mm
                 await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+                await self._next_reading()
+        except NoReplyError as error:
+            raise ConnectFailedError(str(error)) from error
         except DeviceRefusedError as error:
             await self._port.close()
             raise ConnectFailedError(
@@ -75,13 +87,7 @@ class HidBallbar:
     async def read(self) -> BallbarReading:
         """Return a reading that was made after it was asked for."""
         async with self._turn():
-            report = await self._port.fresh_report(_REPORT_TIMEOUT_S)
-            if report is None:
-                raise NoReplyError(
-                    f"the ballbar at {self._port.address} sends nothing for {_REPORT_TIMEOUT_S:g} s:"
-                    " check its battery, then plug it in again"
-                )
-            reading = decode_reading(report)
+            reading = await self._next_reading()
         signal = _signal(reading)
         return BallbarReading(
             deviation_mm=math.nan if signal == "none" else reading.deviation_mm,
@@ -91,6 +97,28 @@ class HidBallbar:
             temperature_c=reading.temperature_c,
             sequence=reading.sequence,
         )
+
+    async def _next_reading(self) -> BarReading:
+        """Return a new report; raises HidBallbarError for one that is old, or longer than the bar."""
+        report = await self._port.fresh_report(self._report_timeout_s)
+        if report is None:
+            raise NoReplyError(
+                f"the ballbar at {self._port.address} sends nothing for {self._report_timeout_s:g} s:"
+                " check its battery, then plug it in again"
+            )
+        reading, last = decode_reading(report), self._last
+        if last is not None and not follows(reading.sequence, last):
+            raise HidBallbarError(
+                f"the ballbar at {self._port.address} sends reading {reading.sequence} after {last}:"
+                " it repeats itself; unplug it and plug it in again"
+            )
+        self._last = reading.sequence
+        if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
+            raise HidBallbarError(
+                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and says that it is"
+                f" {reading.deviation_mm:g} mm off: check its cable"
+            )
+        return reading
 
     @contextlib.asynccontextmanager
     async def _turn(self) -> AsyncIterator[None]:

@@ -33,6 +33,9 @@ class Status(IntFlag):
     NOT_REFERENCED = 4  # has no zero of its own since it was switched on, or since it was too fast
 
 
+_KNOWN_STATUS = sum(Status)
+
+
 @dataclass(frozen=True, slots=True)
 class BarReading:
     """Input report 1."""
@@ -77,10 +80,19 @@ def encode_reading(reading: BarReading) -> bytes:
 def decode_reading(report: bytes) -> BarReading:
     """Read input report 1; raises HidBallbarError."""
     _, counts, out, status, sequence, time_us, temperature = _unpack(_READING, INPUT_ID, report)
+    if out > 1 or status & ~_KNOWN_STATUS:
+        raise HidBallbarError(
+            f"report {report[: _READING.size].hex()} has bits that no ballbar sets: check its cable"
+        )
     deviation_mm = math.nan if counts == _NO_VALUE else counts / COUNTS_PER_MM
     return BarReading(
         deviation_mm, bool(out), Status(status), sequence, time_us, temperature / COUNTS_PER_DEGREE
     )
+
+
+def follows(sequence: int, before: int) -> bool:
+    """Whether a report's number comes after another's; numbers begin again after 2^32."""
+    return 0 < (sequence - before) % 2**32 < 2**31
 
 
 def encode_bar(bar: BarIdentity) -> bytes:
@@ -91,6 +103,11 @@ def encode_bar(bar: BarIdentity) -> bytes:
 def decode_bar(report: bytes) -> BarIdentity:
     """Read feature report 2; raises HidBallbarError."""
     _, counts, serial = _unpack(_BAR, BAR_ID, report)
+    if counts <= 0:
+        raise HidBallbarError(
+            f"report {report[: _BAR.size].hex()} states a bar of {counts / COUNTS_PER_MM:g} mm:"
+            " its nominal length belongs there"
+        )
     return BarIdentity(counts / COUNTS_PER_MM, serial.rstrip(b"\0 ").decode("ascii", "replace"))
 
 

@@ -62,6 +62,8 @@ class CellClock:
         """Lend a connection; one that failed or was abandoned in mid-answer is closed, not lent again."""
         link = self._idle.pop() if self._idle else self._open_link()
         try:
+            if link.is_open and await link.receive(0.0) is not None:
+                await link.close()  # an answer that nobody waits for must not be taken for the next one's
             if not link.is_open:
                 await link.open()
             yield link

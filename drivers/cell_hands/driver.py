@@ -64,6 +64,10 @@ class CellHands:
             raise DeviceRefusedError(f"the hands cannot do that: {error}") from error
         async with self._lock:
             try:
+                if self._link.is_open and await self._link.receive(0.0) is not None:
+                    raise HandsProtocolError(
+                        f"the simulated hands at {self._link.address} answered more than was asked"
+                    )
                 await self._link.send(line)
                 return await self._receive_answer()
             except BaseException:  # a late answer must not be taken for the next one's

@@ -15,6 +15,7 @@ from drivers.heidenhain_nd.protocol import (
     IDENTITY,
     LAMPS,
     VALUE,
+    Command,
     Lamps,
     Line,
     NdProtocolError,
@@ -25,11 +26,12 @@ from drivers.heidenhain_nd.protocol import (
     decode_identity,
     decode_lamps,
     encode_request,
+    is_identity_line,
     reply_kind,
     to_mm,
 )
 from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.link import Link
+from drivers.transports.link import Link, drain
 from drivers.transports.serial import Framing, SerialLink
 from drivers.transports.tcp import TcpLink
 
@@ -63,6 +65,8 @@ class HeidenhainCounter:
         self._reply_timeout_s = reply_timeout_s
         self._lock = asyncio.Lock()
         self._reader = ReplyReader()
+        self._give_up_s = 0.0
+        self._inch = False  # what the counter displayed when it was asked last
 
     @property
     def connected(self) -> bool:
@@ -70,12 +74,15 @@ class HeidenhainCounter:
         return self._link.is_open
 
     async def connect(self) -> None:
-        """Open the link and ask who is there; raises ConnectFailedError."""
+        """Open the link, ask who is there and which unit is displayed; raises ConnectFailedError."""
         await self._link.open()
         try:
-            await self.identify()
+            async with self._turn():
+                await self._ask_identity()
+                _, lamps = await self._ask_state()
         except (NoReplyError, ConnectionLostError) as error:
             raise ConnectFailedError(str(error)) from error
+        self._inch = lamps.inch
 
     async def close(self) -> None:
         """Close the link; never raises."""
@@ -84,14 +91,22 @@ class HeidenhainCounter:
     async def identify(self) -> DeviceIdentity:
         """Ask for model and software number; the counter knows no serial number of its gauge."""
         async with self._turn():
-            await self._link.send(encode_request(IDENTITY))
-            lines = [await self._next_line() for _ in range(_IDENTITY_LINES)]
+            lines = await self._ask_identity()
         model, software, _ = decode_identity(lines)
         return DeviceIdentity("HEIDENHAIN", model or "unknown", "unknown", software or "unknown")
 
     async def read(self) -> BallbarReading:
         """Return what the counter displays now; no signal where it displays an error instead."""
-        answers, lamps = await self._ask_state()
+        async with self._turn():
+            answers, lamps = await self._ask_state()
+            if lamps.inch != self._inch:  # the key was pressed since: perhaps between value and indicators
+                self._inch = lamps.inch
+                answers, lamps = await self._ask_state()
+            if lamps.inch != self._inch:
+                raise NdProtocolError(
+                    f"the unit displayed at the counter at {self._link.address} changes again and again:"
+                    " leave its keys alone while it is read"
+                )
         time_s = await self._clock.now_s()
         resolution_mm = to_mm(1, lamps)
         if answers.value is None or answers.error_text is not None:
@@ -100,22 +115,42 @@ class HeidenhainCounter:
         sorted_out = lamps.below or lamps.above
         return BallbarReading(deviation_mm, "out_of_range" if sorted_out else "good", resolution_mm, time_s)
 
+    async def _ask_identity(self) -> list[Line]:
+        """Ask for the identity, which has a form of its own: replies to what was asked before end here."""
+        await self._send(IDENTITY)
+        lines: list[Line] = []
+        refused = False
+        while len(lines) < _IDENTITY_LINES:
+            try:
+                reply = await self._next_reply()
+            except NoReplyError as error:
+                if not refused:
+                    raise
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} refuses to say what it is (A0000)"
+                ) from error
+            refused |= isinstance(reply, Refused)
+            if isinstance(reply, Line) and is_identity_line(reply, len(lines)):
+                lines.append(reply)
+            else:
+                lines = [reply] if isinstance(reply, Line) and is_identity_line(reply, 0) else []
+        return lines
+
     async def _ask_state(self) -> tuple[_Answers, Lamps]:
         """Ask for error text, value and lamps at once, which the counter's buffer holds easily.
 
         Whether a counter without an error refuses A0301 or ignores it is not in the manual; the lamps come
         last and answer always, so that either does.
         """
-        async with self._turn():
-            await self._link.send(b"".join(map(encode_request, (ERROR_TEXT, VALUE, LAMPS))))
-            answers = _Answers()
-            while (lamps := answers.lamps) is None:
-                answers = _with(answers, await self._next_reply())
-                if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
-                    raise NdProtocolError(
-                        f"the counter at {self._link.address} does not tell its status indicators (A0800):"
-                        " it is none of the ND 2xx B or ND 287"
-                    )
+        await self._send(ERROR_TEXT, VALUE, LAMPS)
+        answers = _Answers()
+        while (lamps := answers.lamps) is None:
+            answers = _with(answers, await self._next_reply())
+            if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} does not tell its status indicators (A0800):"
+                    " it is none of the ND 2xx B or ND 287"
+                )
         return answers, decode_lamps(lamps)
 
     @contextlib.asynccontextmanager
@@ -123,25 +158,23 @@ class HeidenhainCounter:
         """Take the floor; a conversation that broke off closes the link, as a late reply would be misread."""
         async with self._lock:
             try:
-                self._reader = ReplyReader()
-                while await self._link.receive(0.0) is not None:
-                    pass  # prints that somebody asked for at the counter's keys
                 yield
             except BaseException:
                 await self._link.close()
                 raise
 
-    async def _next_line(self) -> Line:
-        reply = await self._next_reply()
-        if not isinstance(reply, Line):
-            raise NdProtocolError(f"the counter at {self._link.address} refuses to say what it is (A0000)")
-        return reply
+    async def _send(self, *commands: Command) -> None:
+        """Drop what was printed at the counter's keys, then ask."""
+        self._reader = ReplyReader()
+        await drain(self._link)
+        self._give_up_s = time.monotonic() + self._reply_timeout_s
+        await self._link.send(b"".join(map(encode_request, commands)))
 
     async def _next_reply(self) -> Reply:
-        give_up_s = time.monotonic() + self._reply_timeout_s
         while (reply := self._reader.next_reply()) is None:
-            data = await self._link.receive(max(0.0, give_up_s - time.monotonic()))
-            if data is None:
+            left_s = self._give_up_s - time.monotonic()
+            data = await self._link.receive(max(0.0, left_s))
+            if data is None or left_s < 0.0:  # also one that goes on printing and answers nothing
                 raise NoReplyError(
                     f"the counter at {self._link.address} says nothing for {self._reply_timeout_s:.1f} s:"
                     f" {_CHECK_LINE}"
@@ -151,18 +184,24 @@ class HeidenhainCounter:
 
 
 def _with(answers: _Answers, reply: Reply) -> _Answers:
-    """Put a reply where it belongs; error text, value and lamps are told apart by their form."""
+    """Return the answers with one more; raises NdProtocolError where it stands in a wrong place."""
     if isinstance(reply, Refused):
         return replace(answers, refusals=answers.refusals + 1)
-    if not isinstance(reply, Line) or not reply.opened:
+    if not isinstance(reply, Line):
+        raise NdProtocolError("the counter acknowledged something that it was not asked: connect again")
+    if not reply.opened:
         return answers  # an operator pressed PRINT meanwhile
-    match reply_kind(reply):
+    kind = reply_kind(reply)
+    if answers.value is not None and kind != "lamps":
+        raise NdProtocolError(f"{reply.text!r} answers nothing that was asked: it is left from before")
+    match kind:
         case "value":
             return replace(answers, value=reply)
         case "lamps":
             return replace(answers, lamps=reply)
-        case "text":
+        case "text" if answers.error_text is None:
             return replace(answers, error_text=reply.text.strip())
+    raise NdProtocolError("the counter told its error twice: one of them is left from before")
 
 
 def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:

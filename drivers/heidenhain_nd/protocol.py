@@ -153,10 +153,20 @@ def lamps_line(lamps: Lamps) -> Line:
 
 
 def reply_kind(line: Line) -> Literal["value", "lamps", "text"]:
-    """Tell what a line under STX answers; texts of errors have neither form."""
+    """Tell what a line under STX answers by its form, every one of which has its width.
+
+    Raises NdProtocolError for a line that answers nothing: characters were lost, or came twice.
+    """
     if _VALUE.fullmatch(line.text):
         return "value"
-    return "lamps" if _LAMPS.fullmatch(line.text) else "text"
+    if _LAMPS.fullmatch(line.text):
+        return "lamps"
+    if len(line.text) == _TEXT_WIDTH and line.text.isprintable():
+        return "text"
+    raise NdProtocolError(
+        f"{line.text[:40]!r} is neither a value nor an error nor the status indicators of a counter:"
+        " check cable, baud rate, data bits and parity"
+    )
 
 
 def decode_count(line: Line) -> int:
@@ -174,6 +184,11 @@ def decode_lamps(line: Line) -> Lamps:
         raise NdProtocolError(f"the counter answered A0800 with {line.text!r}; digits 0 to 2 belong there")
     lit = [character != "0" for character in line.text.ljust(14, "0")]
     return Lamps(reference=lit[0], inch=lit[6], below=lit[7], inside=lit[8], above=lit[9])
+
+
+def is_identity_line(line: Line, number: int) -> bool:
+    """Whether a line may be field `number` (from 0) of the answer to A0000."""
+    return len(line.text) == _FIELD_WIDTH and line.text.isprintable() and line.opened == (number == 0)
 
 
 def decode_identity(lines: Sequence[Line]) -> tuple[str, str, str]:

@@ -6,7 +6,7 @@ Commands go out in a vendor request; replies come in packets of the interrupt en
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from drivers.errors import RemoteProtocolError
@@ -25,7 +25,8 @@ NOT_CONNECTED = 911  # no gauge on the cable, or it is off and says nothing
 NOT_CONVERTIBLE = 912  # the gauge sent something that is no value
 _END = b"\r"
 _LONGEST_REPLY = 64
-_VALUE = re.compile(r"0(\d)A([+-])(\d+)\.?(\d*)")
+# Channel 1 is the only one of a cable; the manual gives the value 8 characters, public clients saw 9.
+_VALUE = re.compile(r"01A([+-])(?=[\d.]{8,9}$)(\d+)\.?(\d*)")
 _ERROR = re.compile(r"(9\d\d)")
 _FIELD_WIDTH = 9
 
@@ -40,6 +41,7 @@ class Value:
 
     shown: float
     decimals: int
+    width: int = field(default=_FIELD_WIDTH, compare=False)  # characters behind the sign, as they came
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +77,8 @@ def decode(data: bytes) -> Reply:
     """Read a reply without its end; raises ItnProtocolError."""
     text = data.decode("ascii", "replace")
     if match := _VALUE.fullmatch(text):
-        _, sign, whole, decimals = match.groups()
-        return Value(float(f"{sign}{whole}.{decimals}"), len(decimals))
+        sign, whole, decimals = match.groups()
+        return Value(float(f"{sign}{whole}.{decimals}"), len(decimals), len(text) - match.end(1))
     if match := _ERROR.fullmatch(text):
         return Error(int(match[1]))
     if text.startswith("1"):
@@ -91,8 +93,8 @@ class ReplyReader:
         self._buffer = bytearray()
 
     def receive_packet(self, packet: bytes) -> None:
-        """Append a packet; zeros only fill it up."""
-        self._buffer += packet.replace(b"\0", b"")
+        """Append a packet; zeros at its end only fill it up."""
+        self._buffer += packet.rstrip(b"\0")
 
     def next_reply(self) -> Reply | None:
         """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""

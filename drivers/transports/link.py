@@ -1,6 +1,10 @@
 """What a driver needs of a connection: bytes with time-outs in wall time, and the two ways it ends."""
 
-from typing import Protocol
+from typing import Final, Protocol
+
+from drivers.errors import RemoteProtocolError
+
+_MOST_PIECES: Final = 10_000  # waiting on a stream: whoever sends more never stops
 
 
 class Link(Protocol):
@@ -34,3 +38,16 @@ class Link(Protocol):
     async def close(self) -> None:
         """Close the stream; never raises."""
         ...
+
+
+async def drain(link: Link) -> None:
+    """Drop what arrived unasked, so that it is not taken for the answer to the next question.
+
+    Raises RemoteProtocolError where it does not end.
+    """
+    for _ in range(_MOST_PIECES):
+        if await link.receive(0.0) is None:
+            return
+    raise RemoteProtocolError(
+        f"whoever is at {link.address} does not stop sending: is this the right address?"
+    )

@@ -20,7 +20,7 @@ _NOT_OPENED: tuple[type[Exception], ...] = (OSError, ValueError)  # ValueError: 
 try:
     import termios
 except ImportError:  # on Windows
-    pass
+    termios = None  # type: ignore[assignment]
 else:
     _NOT_OPENED = (*_NOT_OPENED, termios.error)  # pyserial lets it through where a port refuses its settings
 
@@ -123,6 +123,8 @@ class SerialLink:
             timeout=_SLICE_S,  # never changed afterwards: pyserial would set the whole line up anew each time
             write_timeout=_WRITE_TIMEOUT_S,
         )
+        if framing.parity != "N":
+            _check_parity(port)
         with contextlib.suppress(OSError):  # what an earlier conversation left behind; not every port can
             port.reset_input_buffer()
         return port
@@ -140,6 +142,16 @@ class SerialLink:
         return ConnectionLostError(
             f"port {self.address} is gone: check cable and adapter, then connect again"
         )
+
+
+def _check_parity(port: serial.Serial) -> None:
+    """Have the system check parity, which pyserial leaves off: a character that fails arrives as NUL."""
+    descriptor = getattr(port, "fd", None)
+    if termios is None or not isinstance(descriptor, int):
+        return  # Windows checks by itself; a port behind a URL is checked at its far end
+    iflag, *others = termios.tcgetattr(descriptor)
+    iflag = (iflag | termios.INPCK) & ~(termios.IGNPAR | termios.PARMRK | termios.ISTRIP)
+    termios.tcsetattr(descriptor, termios.TCSANOW, [iflag, *others])
 
 
 def _read(port: serial.Serial, *, waiting: bool) -> bytes:

@@ -134,6 +134,68 @@ async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(c
     assert math.degrees(reading.resolution_rad) == pytest.approx(1e-5)
 
 
+@pytest.mark.parametrize(
+    ("begun", "rest", "last_deg"),
+    [
+        ("4 1 10.00 -20.55 30.00 0.00 45.00 -0.0", "1", -0.01),
+        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0", 90.0),
+        ("4 1 10 20 30 0 45 1", "80", 180.0),
+        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0 ", 90.0),
+    ],
+)
+async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_deg):
+    async def serve(end: MemoryEnd) -> None:
+        await end.receive()
+        await end.send(begun.encode())
+        await asyncio.sleep(0.025)  # longer than the driver waits for the rest of a reply
+        await end.send(rest.encode())
+        await end.receive()
+        await end.send(b"0 1 ")
+        await end.receive()
+
+    robot = OpenAbbRobot(MemoryLink(serve), FixedClock(), time_outs=QUICK)
+    await robot.connect()
+
+    assert math.degrees((await robot.read_joints()).joints_rad[5]) == pytest.approx(last_deg)
+    await robot.close()
+
+
+async def test_a_reply_whose_end_cannot_be_told_is_none_where_the_ping_stays_without_reply():
+    fake = FakeController(code_4="4 1 10 20 30 0 45 90", code_0="")
+    robot = await connected_robot(fake)
+
+    with pytest.raises(NoReplyError, match="does not end its reply"):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        "4 1 10.00 -20.55 30.00 0.00 45.00 -0.01 7.00",
+        "4 1 10.00 -20.55 30.00 0.00 45.00 3600.01",
+        "4 1 10.00 -20.55 30.00 0.00 45.00 9E+09",
+        "4 1 10.00 -20.55 nan 0.00 45.00 -0.01",
+        "4 7 10.00 -20.55 30.00 0.00 45.00 -0.01",
+        "4 1 10.00 -20.55 30.00 0.00 45.00 -0.014 1 10.00 -20.55 30.00 0.00 45.00 -0.01",
+    ],
+)
+async def test_joints_that_are_none_close_the_link(reply):
+    robot = await connected_robot(FakeController(code_4=reply))
+
+    with pytest.raises(RemoteProtocolError):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+async def test_a_reply_that_goes_on_is_none_to_a_motion():
+    robot = await connected_robot(FakeController(code_8="8 1 9 1 "))
+
+    with pytest.raises(RemoteProtocolError, match="goes on with"):
+        await robot.set_limits(FAST)
+    assert not robot.connected
+
+
 async def test_a_reply_without_its_trailing_space_is_taken():
     robot = await connected_robot(FakeController(code_2="2 1", code_8="8 1", code_9="9 1\r\n"))
     await robot.set_limits(FAST)

@@ -33,7 +33,7 @@ def test_lines_have_the_published_form():
             finite,
             st.sampled_from(["good", "out_of_range"]),
             st.none() | finite,
-            st.none() | st.integers(),
+            st.none() | st.integers(-(2**63) + 1, 2**63 - 1),
         ),
         st.builds(Hello, st.text(), st.text(), st.floats(1e-9, 1.0)),
     )
@@ -70,6 +70,13 @@ def test_without_a_signal_there_is_no_value(line):
         (b'{"deviation_mm": 0.1, "temperature_c": "20"}', "temperature_c"),
         (b'{"model": 5}', "model"),
         (b'{"resolution_mm": 0}', "positive"),
+        (b'{"resolution_mm": 1e300}', "positive"),
+        (b'{"range_mm": -1}', "positive"),
+        (b'{"unit": "inch"}', "millimetres"),
+        (b'{"deviation_mm": 0.1, "unit": "in"}', "millimetres"),
+        (b'{"deviation_mm": 0.1, "deviation_mm": 0.2}', "twice"),
+        (b'{"deviation_mm": -Infinity}', "number"),
+        (b'{"deviation_mm": 0.1, "sequence": 9223372036854775808}', "count of values"),
     ],
 )
 def test_a_line_that_is_none_is_refused_with_what_belongs_there(line, said):
@@ -150,6 +157,46 @@ async def test_a_bridge_that_ends_is_a_lost_connection():
     bridge.lines.put_nowait(None)
 
     with pytest.raises(ConnectionLostError):
+        await driver.read()
+    assert not driver.connected
+
+
+@pytest.mark.parametrize("second", [17, 16, -1], ids=["frozen", "back", "far back"])
+async def test_a_bridge_that_repeats_itself_is_hung_up_on(second):
+    bridge = FakeBridge()
+    bridge.lines.put_nowait(encode(BridgeReading(0.1, "good", None, 17)))
+    driver = await bridge.connected()
+
+    asyncio.get_running_loop().call_later(
+        0.01, bridge.lines.put_nowait, encode(BridgeReading(0.1, "good", None, second))
+    )
+
+    with pytest.raises(JsonLineError, match="repeats itself"):
+        await driver.read()
+    assert not driver.connected
+
+
+async def test_of_values_that_come_at_once_the_newest_counts():
+    bridge = FakeBridge()
+    bridge.send(0.1)
+    driver = await bridge.connected()
+    stalled = b"".join(encode(BridgeReading(deviation_mm, "good")) for deviation_mm in (0.2, 0.3, 0.4))
+
+    asyncio.get_running_loop().call_later(0.01, bridge.lines.put_nowait, stalled)
+
+    assert (await driver.read()).deviation_mm == 0.4
+    await driver.close()
+
+
+async def test_a_value_beyond_the_range_that_the_bridge_states_is_told():
+    bridge = FakeBridge()
+    bridge.lines.put_nowait(encode(Hello("QC20-W", "12A345", 1e-4, 1.1)))
+    bridge.send(0.1)
+    driver = await bridge.connected()
+
+    asyncio.get_running_loop().call_later(0.01, bridge.send, 123.4)  # micrometres
+
+    with pytest.raises(JsonLineError, match="are these millimetres"):
         await driver.read()
     assert not driver.connected
 

@@ -1,5 +1,6 @@
 """The HID ballbar's conversation, against a port that the test fills."""
 
+import itertools
 import math
 
 import pytest
@@ -24,6 +25,8 @@ from drivers.errors import (
 )
 from drivers.monotonic_clock import MonotonicClock
 
+NUMBERS = itertools.count(7)
+
 
 class FakePort:
     """Hands out what the test puts in."""
@@ -31,7 +34,7 @@ class FakePort:
     address = "here"
 
     def __init__(self, *reports: bytes | None) -> None:
-        self.reports = list(reports)
+        self.reports = [numbered(6), *reports]  # the first one shows that it sends
         self.rates: list[Rate] = []
         self.bar = encode_bar(BarIdentity(100.0, "BAR-7"))
         self.is_open = False
@@ -61,7 +64,7 @@ class FakePort:
 
 
 def report(deviation_mm: float = 0.1234, *, out: bool = False, status: Status = Status(0)) -> bytes:  # noqa: B008
-    return encode_reading(BarReading(deviation_mm, out, status, 7, 0, 21.37))
+    return encode_reading(BarReading(deviation_mm, out, status, next(NUMBERS), 0, 21.37))
 
 
 async def connected(port: FakePort) -> HidBallbar:
@@ -81,11 +84,83 @@ async def test_connecting_starts_the_stream_and_closing_stops_it():
 
 
 async def test_a_reading_carries_temperature_and_number():
-    driver = await connected(FakePort(report()))
+    driver = await connected(FakePort(numbered(1234)))
 
     reading = await driver.read()
 
-    assert (reading.deviation_mm, reading.temperature_c, reading.sequence) == (0.1234, 21.37, 7)
+    assert (reading.deviation_mm, reading.temperature_c, reading.sequence) == (0.1234, 21.37, 1234)
+
+
+def numbered(sequence: int, deviation_mm: float = 0.1234) -> bytes:
+    return encode_reading(BarReading(deviation_mm, False, Status(0), sequence, 0, 21.37))
+
+
+@pytest.mark.parametrize("second", [17, 16, 2**31 + 17], ids=["frozen", "back", "far back"])
+async def test_a_device_that_repeats_itself_has_no_length(second):
+    port = FakePort()
+    port.reports = [numbered(16), numbered(17), numbered(second)]
+    driver = await connected(port)
+    await driver.read()
+
+    with pytest.raises(RemoteProtocolError, match="repeats itself"):
+        await driver.read()
+    assert not driver.connected
+
+
+async def test_a_device_that_hangs_gives_no_length_after_connecting_again_either():
+    port = FakePort()
+    port.reports = [numbered(17)] * 4
+    driver = await connected(port)
+
+    for _ in range(2):
+        with pytest.raises(RemoteProtocolError, match="repeats itself"):
+            await driver.read()
+        if port.reports:
+            await driver.connect()
+
+
+async def test_numbers_begin_again_after_the_largest():
+    port = FakePort()
+    port.reports = [numbered(2**32 - 1), numbered(0), numbered(1)]
+    driver = await connected(port)
+
+    assert [(await driver.read()).sequence for _ in range(2)] == [0, 1]
+
+
+@pytest.mark.parametrize("deviation_mm", [100.0, -100.0, 25_400.0])
+async def test_a_bar_that_is_off_by_its_own_length_is_told(deviation_mm):
+    driver = await connected(FakePort(report(deviation_mm)))
+
+    with pytest.raises(RemoteProtocolError, match="100 mm long"):
+        await driver.read()
+    assert not driver.connected
+
+
+@pytest.mark.parametrize("place", [5, 6], ids=["out of range", "status"])
+async def test_bits_that_mean_nothing_are_told(place):
+    garbled = bytearray(report())
+    garbled[place] |= 0x40
+    driver = await connected(FakePort(bytes(garbled)))
+
+    with pytest.raises(RemoteProtocolError, match="no ballbar sets"):
+        await driver.read()
+
+
+async def test_a_bar_without_a_length_is_none():
+    port = FakePort()
+    port.bar = encode_bar(BarIdentity(0.0, "BAR-7"))
+
+    with pytest.raises(RemoteProtocolError, match="nominal length"):
+        await connected(port)
+    assert not port.is_open
+
+
+async def test_a_silent_device_is_told_when_connecting():
+    port = FakePort()
+    port.reports = [None]
+
+    with pytest.raises(ConnectFailedError, match="check its battery"):
+        await connected(port)
 
 
 @pytest.mark.parametrize("status", [Status.OVERSPEED, Status.NOT_REFERENCED, Status(7)])

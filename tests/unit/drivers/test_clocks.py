@@ -97,6 +97,27 @@ async def test_an_abandoned_sleep_does_not_answer_the_next_question():
     assert await clock.now_s() == cell.time_s
 
 
+async def test_an_answer_too_many_is_not_the_answer_to_the_next_question():
+    cell = FakeCell()
+
+    async def answer_twice(line: bytes) -> bytes:
+        cell.time_s += 1.0
+        return encode(Time(cell.time_s))
+
+    async def serve(end: MemoryEnd) -> None:
+        reader = LineReader()
+        while data := await end.receive():
+            reader.receive_data(data)
+            while (line := reader.next_line()) is not None:
+                answer = await answer_twice(line)
+                end.write(answer)
+                end.write(answer)
+
+    clock = clock_on(serve)
+
+    assert [await clock.now_s() for _ in range(3)] == [101.0, 102.0, 103.0]
+
+
 async def test_a_refusal_is_passed_on_with_its_sentence():
     clock = clock_on(replying(encode(Refusal("the cell is closed"))))
 

@@ -1,5 +1,6 @@
 """The counter's conversation, against a scripted counter that lives in memory."""
 
+import asyncio
 import math
 
 import pytest
@@ -27,7 +28,8 @@ from drivers.heidenhain_nd.protocol import (
 from drivers.monotonic_clock import MonotonicClock
 from drivers.transports.memory import MemoryEnd, MemoryLink
 
-PATIENCE_S = 0.05  # the fake answers within microseconds or never
+STALL = object()
+PATIENCE_S = 0.1  # the fake answers within microseconds or never
 
 
 class FakeCounter:
@@ -42,6 +44,7 @@ class FakeCounter:
             **answers,
         }
         self.said_by_itself = b""
+        self.prints_all_the_time = False
 
     async def serve(self, end: MemoryEnd) -> None:
         reader = RequestReader()
@@ -50,8 +53,16 @@ class FakeCounter:
             reader.receive_data(data)
             while (request := reader.next_request()) is not None:
                 assert isinstance(request, Command)
-                for reply in self.answers[request.code] or ():
-                    await end.send(encode_reply(reply))
+                await self._answer(end, self.answers[request.code])
+            while self.prints_all_the_time:
+                await end.send(b"+    9.9999  =\r\n")
+
+    async def _answer(self, end: MemoryEnd, answers) -> None:
+        for reply in (answers() if callable(answers) else answers) or ():
+            if reply is STALL:
+                await asyncio.sleep(PATIENCE_S / 2)
+            else:
+                await end.send(reply if isinstance(reply, bytes) else encode_reply(reply))
 
     async def connected(self, chunk_bytes: int = 65_536) -> HeidenhainCounter:
         link = MemoryLink(self.serve, chunk_bytes=chunk_bytes)
@@ -117,11 +128,8 @@ async def test_a_refused_value_is_no_length_either():
 
 
 async def test_a_counter_without_status_indicators_is_said_to_be_another():
-    driver = await FakeCounter(A0800=[Refused()]).connected()
-
     with pytest.raises(RemoteProtocolError, match="none of the ND"):
-        await driver.read()
-    assert not driver.connected
+        await FakeCounter(A0800=[Refused()]).connected()
 
 
 async def test_what_the_person_prints_at_the_counter_is_ignored():
@@ -133,6 +141,82 @@ async def test_what_the_person_prints_at_the_counter_is_ignored():
 
     assert [reading.deviation_mm for reading in readings] == [0.1234] * 3
     await driver.close()
+
+
+async def test_a_number_is_whole_only_at_its_end_however_long_the_line_stalls():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.answers["A0200"] = [b"\x02+0000", STALL, b"01234\r\n"]
+
+    assert (await driver.read()).deviation_mm == 0.1234
+    await driver.close()
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        b"\x02+0000012234\r\n",  # a digit twice
+        b"\x02+00001234\r\n",  # a digit lost
+        b"\x02+0000\x0001234\r\n",
+        b"\x02+00000123\xb4\r\n",
+        b"\x020000001234\r\n",
+        b"\x06",
+        b"\x02+000001234\r\n\x02+000001234\r\n",
+        b"\x02+000001234\r\n\x02SIGNAL ERROR \r\n",
+        b"\x02SIGNAL ERROR \r\n\x02SIGNAL ERROR \r\n",
+    ],
+    ids=repr,
+)
+async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(value):
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.answers["A0200"] = [value]
+
+    with pytest.raises(RemoteProtocolError):
+        await driver.read()
+    assert not driver.connected
+
+
+async def test_replies_that_were_late_are_passed_over_when_connecting():
+    late = [value_line(9999), lamps_line(Lamps(inch=True)), Refused(), *identity_lines("ND-1", "2", "3")[:2]]
+    counter = FakeCounter(A0000=[*late, *identity_lines("ND-287", "349797-04", "2001-05-04")])
+    driver = await counter.connected()
+
+    assert (await driver.identify()).model == "ND-287"
+    assert (await driver.read()).deviation_mm == 0.1234
+    await driver.close()
+
+
+async def test_a_unit_that_was_changed_between_value_and_indicators_is_asked_for_again():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.answers["A0800"] = [lamps_line(Lamps(inch=True))]
+    shown = [value_line(1234), value_line(486)]  # the key was pressed after the first one
+    counter.answers["A0200"] = lambda: [shown.pop(0)]
+
+    assert (await driver.read()).deviation_mm == pytest.approx(0.00486 * 25.4)
+    await driver.close()
+
+
+async def test_a_unit_that_goes_on_changing_is_no_reading():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    inches = [True, False]
+    counter.answers["A0800"] = lambda: [lamps_line(Lamps(inch=inches.pop(0)))]
+
+    with pytest.raises(RemoteProtocolError, match="again and again"):
+        await driver.read()
+    assert not driver.connected
+
+
+async def test_a_counter_that_prints_and_answers_nothing_says_nothing():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    counter.answers |= {"A0301": None, "A0200": None, "A0800": None}
+    counter.prints_all_the_time = True
+
+    with pytest.raises(NoReplyError):
+        await driver.read()
 
 
 async def test_silence_closes_the_link_and_says_what_to_check():

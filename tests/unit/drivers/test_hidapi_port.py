@@ -54,7 +54,7 @@ def test_hidapi_reads_the_newest_report_of_a_stream_that_nobody_fetched(tmp_path
 
 @real_hidapi
 def test_a_stream_that_ends_is_told(tmp_path):
-    seen = read_through_hidapi(tmp_path, "1209:0001", 20, [0.1] * 20)
+    seen = read_through_hidapi(tmp_path, "1209:0001", 20, [0.1] * 100)  # half a second of it
 
     assert seen["error"][0] == "NoReplyError"
 

@@ -27,7 +27,7 @@ from drivers.monotonic_clock import MonotonicClock
         (b"01A+0000.123", Value(0.123, 3)),
         (b"01A+00.12345", Value(0.12345, 5)),
         (b"01A+00001234", Value(1234.0, 0)),
-        (b"02A-00000.00", Value(-0.0, 2)),
+        (b"01A-00000.00", Value(-0.0, 2)),
         (b"911", Error(911)),
         (b"1USB-ITN V1.00", DeviceInfo("USB-ITN V1.00")),
     ],
@@ -47,7 +47,15 @@ def test_values_make_the_round_trip(counts):
 
 
 @pytest.mark.parametrize(
-    "text", [b"", b"0", b"01A", b"01A0.1", b"01A+.", b"01B+0.1", b"9", b"91", b"\xff", b"01A+1e5"]
+    "text",
+    [
+        *(b"", b"0", b"01A", b"01A0.1", b"01A+.", b"01B+0.1", b"9", b"91", b"\xff", b"01A+1e5"),
+        b"02A+0000.1234",  # a cable has one channel
+        b"01A+0000.12234",  # a digit twice
+        b"01A+000.123",  # one lost
+        b"01A+00.0.1234",
+        b"01A+0000\0.123",
+    ],
 )
 def test_what_is_no_reply_is_told(text):
     with pytest.raises(RemoteProtocolError, match="no reply of a USB-ITN"):
@@ -100,7 +108,8 @@ class FakeCable:
         if self.refuses:
             raise DeviceRefusedError("stalled")
         self.said.append((request_type, request, value, data))
-        self.packets += self.answers.get(data) or []
+        answer = self.answers.get(data)
+        self.packets += (answer() if callable(answer) else answer) or []
 
     async def control_in(self, request_type, request, value, index, length) -> bytes:
         self.said.append((request_type, request, value, length))
@@ -122,7 +131,8 @@ async def test_the_cable_is_taken_out_of_keyboard_mode_as_public_clients_do():
 
     await driver.read()
 
-    assert cable.said == [(0x40, 1, 0xA5A5, b""), (0xC0, 2, 0, 1), (0x40, 3, 0, b"1\r")]
+    assert cable.said[:2] == [(0x40, 1, 0xA5A5, b""), (0xC0, 2, 0, 1)]
+    assert {text for *request, text in cable.said[2:] if request == [0x40, 3, 0]} == {b"V\r", b"1\r"}
 
 
 @pytest.mark.parametrize(
@@ -174,20 +184,98 @@ async def test_silence_closes_the_cable_so_that_a_late_reply_is_never_misread():
 
 
 async def test_an_answer_to_something_else_is_told_and_closes():
-    driver = await connected(FakeCable(**{"1": [b"1V2\r"], "V": [b"911\r"]}))
+    driver = await connected(FakeCable(**{"1": [b"1V2\r"]}))
 
     with pytest.raises(RemoteProtocolError, match="told about itself"):
         await driver.read()
-    assert (await _again(driver, "identify")) == "RemoteProtocolError"
+    assert not driver.connected
 
 
-async def _again(driver, action) -> str:
-    await driver.connect()
-    try:
-        await getattr(driver, action)()
-    except RemoteProtocolError as error:
-        return type(error).__name__
-    return "nothing"
+async def test_a_cable_that_does_not_say_who_it_is_is_told_when_connecting():
+    with pytest.raises(ConnectFailedError, match="check that it is a USB-ITN"):
+        await connected(FakeCable(V=[b"911\r"]))
+
+
+async def test_a_press_of_the_data_button_shifts_no_later_reading():
+    cable = FakeCable()
+    driver = await connected(cable)
+    await driver.read()
+    readings = []
+
+    for deviation in (b"01A+0000.1111\r", b"01A+0000.2222\r", b"01A+0000.3333\r"):
+        cable.packets += [b"01A+0000", b".9999\r"]  # the button, before we ask
+        cable.answers[b"1\r"] = [deviation]
+        readings.append((await driver.read()).deviation_mm)
+
+    assert readings == [0.1111, 0.2222, 0.3333]
+
+
+async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_half():
+    cable = FakeCable()
+    driver = await connected(cable)
+    await driver.read()
+    cable.answers[b"1\r"] = [b"01A+0000", b".1234\r01A+", b"0000"]  # and the button's line behind it
+    await driver.read()
+    cable.packets += [b".9999\r"]
+    cable.answers[b"1\r"] = [b"01A+0000.4321\r"]
+
+    assert (await driver.read()).deviation_mm == 0.4321
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"01A+00.00486\r",  # the same length in inches
+        b"01A+00000.123\r",  # a digit behind the point twice among the others
+        b"01A+000.1234\r",  # one lost
+    ],
+)
+async def test_a_value_of_another_form_is_no_length_however_often_it_comes(line):
+    cable = FakeCable()
+    driver = await connected(cable)
+    await driver.read()
+    cable.answers[b"1\r"] = [line]
+
+    for _ in range(3):
+        with pytest.raises(RemoteProtocolError, match=r"inches, or characters were lost; set it"):
+            await driver.read()
+        assert not driver.connected
+        await driver.connect()
+
+
+async def test_the_form_of_values_is_learnt_from_two_that_agree():
+    cable = FakeCable()
+    driver = await connected(cable)
+    lines = [b"01A+00000.123\r", b"01A+0000.1234\r", b"01A+0000.1235\r"]
+    cable.answers[b"1\r"] = lambda: [lines.pop(0)]
+
+    reading = await driver.read()
+
+    assert (reading.deviation_mm, reading.resolution_mm) == (0.1235, pytest.approx(1e-4))
+
+
+@pytest.mark.parametrize(("decimals", "line"), [(None, b"01A+00.00486\r"), (3, b"01A+0000.0486\r")])
+async def test_a_gauge_that_shows_inches_from_the_beginning_is_told(decimals, line):
+    driver = await connected(FakeCable(**{"1": [line]}), decimals=decimals)
+
+    with pytest.raises(RemoteProtocolError, match="inches"):
+        await driver.read()
+
+
+async def test_a_gauge_without_a_signal_teaches_nothing():
+    cable = FakeCable(**{"1": [b"911\r"]})
+    driver = await connected(cable)
+    assert (await driver.read()).signal == "none"
+
+    cable.answers[b"1\r"] = [b"01A+00000.123\r"]
+
+    assert (await driver.read()).resolution_mm == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("decimals", [-1, 7, 1.0, True, "3"])
+def test_a_number_of_digits_that_is_none_is_refused(decimals):
+    with pytest.raises(ConfigurationError, match="decimals"):
+        PLUGIN.open({"decimals": decimals}, None)
 
 
 async def test_a_keyboard_that_is_no_cable_is_told_when_connecting():

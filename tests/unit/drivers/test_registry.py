@@ -18,7 +18,7 @@ SHIPPED = [
     EntryPoint(name, value, ENTRY_POINT_GROUP)
     for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
 ]
-NOT_OF_A_NETWORK = frozenset({"serial", "baud", "usb", "range_mm"})
+NOT_OF_A_NETWORK = frozenset({"serial", "baud", "usb", "range_mm", "decimals"})
 
 
 class FakeEntryPoint:

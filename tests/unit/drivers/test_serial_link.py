@@ -3,13 +3,15 @@
 import asyncio
 import contextlib
 import os
+import termios
 import time
 import tty
+from types import SimpleNamespace
 
 import pytest
 
 from drivers.errors import ConnectFailedError, ConnectionLostError
-from drivers.transports.serial import Framing, SerialLink
+from drivers.transports.serial import Framing, SerialLink, _check_parity
 
 COUNTER = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2, xon_xoff=True)
 
@@ -51,6 +53,14 @@ async def test_bytes_go_there_and_back(terminal):
     assert (heard, answer) == (b"\x1bA0200\r", b"\x02+000001234\r\n")
     await link.close()
     assert not link.is_open
+
+
+def test_characters_whose_parity_fails_do_not_pass_for_others(terminal):
+    _check_parity(SimpleNamespace(fd=terminal._slave))
+
+    iflag = termios.tcgetattr(terminal._slave)[0]
+    assert iflag & termios.INPCK  # checked, and
+    assert not iflag & (termios.IGNPAR | termios.PARMRK)  # neither dropped nor marked: NUL takes its place
 
 
 async def test_a_port_can_be_opened_again_and_again(terminal):

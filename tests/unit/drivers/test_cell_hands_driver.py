@@ -1,0 +1,24 @@
+"""The simulated hands' conversation, against a scripted far end."""
+
+import pytest
+
+from drivers.cell_hands.driver import CellHands
+from drivers.cell_hands.protocol import Done, encode
+from drivers.errors import RemoteProtocolError
+from drivers.transports.memory import MemoryEnd, MemoryLink
+
+
+async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():
+    async def serve(end: MemoryEnd) -> None:
+        while await end.receive():
+            end.write(encode(Done()))
+            end.write(encode(Done()))
+
+    hands = CellHands(MemoryLink(serve))
+    await hands.connect()
+    await hands.do("detach", {})
+
+    with pytest.raises(RemoteProtocolError, match="more than was asked"):
+        await hands.do("connect", {"base": 1, "tool": 1})
+
+    assert not hands.connected
