@@ -23,6 +23,7 @@ from drivers.leica_emscon.protocol import (
     Request,
     Result,
     ResultStatus,
+    StatusChange,
     decode_from_server,
     encode,
 )
@@ -30,6 +31,7 @@ from drivers.leica_emscon.sentences import Purpose, command_name, concerns_conne
 from drivers.transports.link import Link
 
 _STATIONARY_RESULTS = frozenset({PacketType.SINGLE_MEAS_RESULT, PacketType.SINGLE_MEAS_RESULT_2})
+_MOST_PIECES = 10_000  # waiting on a stream: whoever sends more never stops
 _MOST_ITEMS = 1_000  # of a list; a tracker stores a few dozen reflectors
 
 
@@ -39,6 +41,7 @@ class Conversation:
     def __init__(self, link: Link) -> None:
         self._link = link
         self._reader = FrameReader()
+        self._changes: set[int] = set()
         self._lock = asyncio.Lock()
 
     @property
@@ -49,6 +52,7 @@ class Conversation:
     async def open(self) -> None:
         """Open the link afresh; raises ConnectFailedError."""
         self._reader = FrameReader()
+        self._changes = set()
         await self._link.open()
 
     async def close(self) -> None:
@@ -74,20 +78,31 @@ class Conversation:
             return items[:total]
 
     async def measure(self, *, timeout_s: float) -> Result:
-        """Start a stationary measurement and return its result, of either statistic mode."""
+        """Start a stationary measurement and return its result, of either statistic mode.
+
+        A result that arrives before the answer was under way before we asked: it is not ours.
+        """
         command = Command.START_MEASUREMENT
         async with self._turn():
             deadline_s = await self._send(Request(command), timeout_s)
+            accepted = False
             while True:
                 match await self._next_packet(command, deadline_s):
-                    case Answer(answered, status) if answered == command and status != ResultStatus.ALL_OK:
-                        raise error_for(command, status, "measure")
+                    case Answer(answered, status) if answered == command:
+                        if status != ResultStatus.ALL_OK:
+                            raise error_for(command, status, "measure")
+                        accepted = True
                     case ErrorReport(_, status):  # nothing else is active that it could be about
                         raise error_for(command, status, "measure")
-                    case Result(kind, _, status) as result if kind in _STATIONARY_RESULTS:
+                    case Result(kind, _, status) as result if accepted and kind in _STATIONARY_RESULTS:
                         if status != ResultStatus.ALL_OK:
                             raise error_for(command, status, "measure")
                         return result
+
+    def take_changes(self) -> frozenset[int]:
+        """Return what the tracker has announced since this was asked last (SystemStatusChange)."""
+        changes, self._changes = frozenset(self._changes), set()
+        return changes
 
     @contextlib.asynccontextmanager
     async def _turn(self) -> AsyncIterator[None]:
@@ -109,10 +124,14 @@ class Conversation:
 
     async def _digest_pending(self) -> None:
         """Read what arrived unasked since the last request, so that it is not taken for news."""
-        while (data := await self._receive(0.0)) is not None:
+        for _ in range(_MOST_PIECES):
+            while (frame := self._reader.next_frame()) is not None:
+                self._take(frame)
+            data = await self._receive(0.0)
+            if data is None:
+                return
             self._reader.receive_data(data)
-        while (frame := self._reader.next_frame()) is not None:
-            _decode(frame)
+        raise PacketError(f"the tracker at {self._link.address} does not stop sending: connect again")
 
     async def _answer(self, command: int, deadline_s: float, purpose: Purpose) -> Record:
         while True:
@@ -134,7 +153,15 @@ class Conversation:
                     " look whether it is still running, then connect again"
                 )
             self._reader.receive_data(data)
-        return _decode(frame)
+        return self._take(frame)
+
+    def _take(self, frame: Frame) -> FromServer:
+        packet = decode_from_server(frame)
+        if isinstance(packet, ErrorReport) and concerns_connection(packet.status):
+            raise error_for(packet.command, packet.status, "set")
+        if isinstance(packet, StatusChange):
+            self._changes.add(packet.event)
+        return packet
 
     async def _receive(self, timeout_s: float) -> bytes | None:
         try:
@@ -143,10 +170,3 @@ class Conversation:
             if self._reader.inside_packet:
                 raise ConnectionLostError(f"{error} (it ended in the middle of a packet)") from error
             raise
-
-
-def _decode(frame: Frame) -> FromServer:
-    packet = decode_from_server(frame)
-    if isinstance(packet, ErrorReport) and concerns_connection(packet.status):
-        raise error_for(packet.command, packet.status, "set")
-    return packet

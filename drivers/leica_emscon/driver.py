@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+from collections import deque
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,51 +17,43 @@ from drivers.api import (
     Vector,
 )
 from drivers.errors import (
+    BusyError,
     ConfigurationError,
     DeviceRefusedError,
     NotInitialisedError,
     RemoteProtocolError,
 )
 from drivers.leica_emscon.conversation import Conversation
-from drivers.leica_emscon.protocol import DEFAULT_PORT, EXCHANGES, Command, Record, Request
+from drivers.leica_emscon.protocol import DEFAULT_PORT, EXCHANGES, Command, Record, Request, Value
 from drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerFace, TrackerProcessorStatus
-from drivers.leica_emscon.protocol.settings import (
-    AngleUnit,
-    CoordinateSystemType,
-    HumidityUnit,
-    LengthUnit,
-    MeasMode,
-    PressureUnit,
-    StatisticMode,
-    TemperatureUnit,
-    WeatherMonitorStatus,
-)
+from drivers.leica_emscon.protocol.settings import StatisticMode, WeatherMonitorStatus
 from drivers.leica_emscon.sentences import CommandUnknownError
+from drivers.leica_emscon.settled import (
+    OWN_FRAME,
+    RIGHT_HANDED,
+    STATIONARY_MODE,
+    TELLING_CHANGES,
+    UNITS,
+    Settled,
+)
+from drivers.leica_emscon.stationary import require_stationary_point, stated_covariance
 from drivers.monotonic_clock import MonotonicClock
 from drivers.transports.link import Link
 from drivers.transports.tcp import TcpLink
 
 _MANUFACTURER = "Leica Geosystems"
+_MOST_TRIES = 2  # of a measurement during which somebody changed the tracker
+_REMEMBERED_RESULTS = 64
+_SAME_PLACE_MM = 1.0  # a single sample's noise, by far; an earlier stop is further away
 _SEARCH_TIMEOUT_MS = 10_000  # of the tracker's own spiral search; well within the answer's time-out
 
-_UNITS = Record(
-    len_unit_type=LengthUnit.MILLIMETER,
-    ang_unit_type=AngleUnit.RADIAN,
-    temp_unit_type=TemperatureUnit.CELSIUS,
-    press_unit_type=PressureUnit.HECTOPASCAL,
-    hum_unit_type=HumidityUnit.RELATIVE,
-)
-
-# Points come in the tracker's own frame: the world frame is the session's business. The distance is
-# corrected for the air. A position stream would only stand in the way of answers.
+# The distance is corrected for the air. A position stream would only stand in the way of answers.
 _OWN_SETTINGS = Record(
+    OWN_FRAME,
     weather_monitor_status=WeatherMonitorStatus.READ_AND_CALCULATE_REFRACTIONS,
-    apply_transformation_params=False,
-    apply_station_orientation_params=False,
     keep_last_position=True,
     send_unsolicited_messages=True,
     send_reflector_position_data=False,
-    try_measurement_mode=False,
 )
 
 
@@ -88,6 +81,8 @@ class LaserTracker:
         self._prepared = False
         self._measure_ms: int | None = None
         self._search_radius_mm: float | None = None
+        self._settled = Settled(self._ask)
+        self._earlier: deque[tuple[tuple[str, Value], ...]] = deque(maxlen=_REMEMBERED_RESULTS)
 
     @property
     def connected(self) -> bool:
@@ -121,20 +116,22 @@ class LaserTracker:
         does not know, DeviceRefusedError when it cannot (not levelled, no weather station ...).
         """
         self._prepared = False
-        await self._ask(Command.SET_UNITS, _UNITS)
+        await self._ask(Command.SET_UNITS, UNITS)
         await self._start_up()
-        await self._ask(Command.SET_MEASUREMENT_MODE, Record(meas_mode=MeasMode.STATIONARY))
-        await self._ask(Command.SET_COORDINATE_SYSTEM_TYPE, Record(coord_sys_type=CoordinateSystemType.RHR))
+        await self._ask(Command.SET_MEASUREMENT_MODE, STATIONARY_MODE)
+        await self._ask(Command.SET_COORDINATE_SYSTEM_TYPE, RIGHT_HANDED)
         await self._ask(Command.SET_SYSTEM_SETTINGS, Record(await self._settings() | _OWN_SETTINGS))
         await self._ask_for_covariances()
         await self._choose_reflector()
+        await self._settled.settle()
+        self._conversation.take_changes()  # our own
         self._measure_ms = None
         self._search_radius_mm = None
         self._prepared = True
 
     async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
         """Point at `near_mm` (tracker frame), lock on the reflector there; raises ReflectorNotFoundError."""
-        self._require_prepared()
+        await self._require_prepared()
         distance_mm = _checked_distance_mm(near_mm)
         await self._set_search_radius(search_radius_mm)
         x, y, z = near_mm
@@ -145,24 +142,24 @@ class LaserTracker:
 
     async def measure_point(self, *, duration_s: float) -> TrackerReading:
         """Average over `duration_s` the position of the reflector locked on; raises BeamBrokenError."""
-        self._require_prepared()
+        await self._require_prepared()
         await self._set_duration(duration_s)
-        result = await self._conversation.measure(timeout_s=self._time_outs.command_s + duration_s)
+        values = await self._measured(duration_s)
         time_s = await self._clock.now_s()
         return TrackerReading(
-            point_mm=_finite_point(result.values),
-            standard_deviation_mm=result.values.vector("std1", "std2", "std3"),
-            rms_mm=result.values.number("std_total"),
+            point_mm=values.vector(),
+            standard_deviation_mm=values.vector("std1", "std2", "std3"),
+            rms_mm=values.number("std_total"),
             samples=1,  # emScon averages inside and does not say over how many
             duration_s=duration_s,
             face=await self._asked_face(),
             time_s=time_s,
-            covariance_mm2=_stated_covariance(result.values),
+            covariance_mm2=stated_covariance(values),
         )
 
     async def change_face(self) -> None:
         """Turn to the other face, which stays locked on the same reflector; raises ReflectorNotFoundError."""
-        self._require_prepared()
+        await self._require_prepared()
         before = await self._asked_face()
         await self._find(Request(Command.CHANGE_FACE))
         if await self._asked_face() == before:
@@ -172,8 +169,9 @@ class LaserTracker:
 
     async def environment(self) -> Environment:
         """Read the weather station."""
-        self._require_prepared()
+        await self._require_prepared()
         air = await self._ask(Command.GET_ENVIRONMENT_PARAMS)
+        await self._require_settled()
         return Environment(air.number("temperature"), air.number("pressure"), air.number("humidity"))
 
     async def _ask(self, command: Command, values: Record | None = None) -> Record:
@@ -271,16 +269,52 @@ class LaserTracker:
         with contextlib.suppress(CommandUnknownError):
             await self._ask(Command.SET_STATISTIC_MODE, extended)
 
-    def _require_prepared(self) -> None:
+    async def _require_prepared(self) -> None:
         if not self._prepared:
             raise NotInitialisedError("the tracker was not initialised since it was connected: do so first")
+        if self._conversation.take_changes() & TELLING_CHANGES:
+            await self._require_settled(everything=True)
 
+    async def _require_settled(self, *, everything: bool = False) -> None:
+        """See that a coordinate still means what it did; raises NotInitialisedError."""
+        try:
+            await self._settled.require(everything=everything)
+        except NotInitialisedError:
+            self._prepared = False
+            raise
 
-def _finite_point(values: Record) -> Vector:
-    point = values.vector()
-    if not all(map(math.isfinite, point)):
-        raise RemoteProtocolError(f"the tracker measured {point}: that is no point")
-    return point
+    async def _measured(self, duration_s: float) -> Record:
+        """Measure until nobody changed the tracker meanwhile; raises BusyError where somebody always does."""
+        for _ in range(_MOST_TRIES):
+            result = await self._conversation.measure(timeout_s=self._time_outs.command_s + duration_s)
+            await self._require_settled()
+            if not self._conversation.take_changes() & TELLING_CHANGES:
+                await self._require_new(result.values)
+                return result.values
+            await self._require_settled(everything=True)
+        raise BusyError("another program changes the tracker while it measures: close that program")
+
+    async def _require_new(self, values: Record) -> None:
+        """See that a result is a stationary point, and none of an earlier measurement."""
+        fingerprint = tuple(values.items())
+        try:
+            require_stationary_point(values)
+            if fingerprint in self._earlier and not await self._stands_at(values.vector()):
+                raise RemoteProtocolError(
+                    "the tracker sent the result of an earlier measurement again: connect again"
+                )
+        except RemoteProtocolError:
+            await self.close()
+            raise
+        self._earlier.append(fingerprint)
+
+    async def _stands_at(self, point_mm: Vector) -> bool:
+        """Whether the reflector is there now: an instrument without noise repeats itself, and is right."""
+        try:
+            now = await self._ask(Command.GET_CURRENT_PRISM_POSITION)
+        except DeviceRefusedError:
+            return False
+        return math.dist(now.vector(), point_mm) <= _SAME_PLACE_MM
 
 
 def _checked_distance_mm(point_mm: Vector) -> float:
@@ -315,13 +349,3 @@ PLUGIN = DriverPlugin(
     },
     open=_open,
 )
-
-
-def _stated_covariance(values: Record) -> tuple[Vector, Vector, Vector] | None:
-    """Return the a-priori covariance, from the accuracy model; None where the server states no such thing."""
-    u1, u2, u3 = values.vector("apriori_std1", "apriori_std2", "apriori_std3")
-    if not all(math.isfinite(u) and u > 0.0 for u in (u1, u2, u3)):
-        return None
-    mixed = ("apriori_covar12", "apriori_covar13", "apriori_covar23")
-    c12, c13, c23 = values.vector(*mixed) if mixed[0] in values else (0.0, 0.0, 0.0)
-    return (u1**2, c12, c13), (c12, u2**2, c23), (c13, c23, u3**2)

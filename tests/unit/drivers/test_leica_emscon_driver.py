@@ -66,9 +66,14 @@ def reflector(number: int, name: str, total: int = 1) -> Answer:
     )
 
 
+def as_set(request: Request) -> list[object]:
+    """Answer a question with what was set, where the tracker remembers it; with zeros otherwise."""
+    return [answer(request.command)]
+
+
 def healthy() -> Script:
     """A tracker that is started up, knows one reflector and measures (1, 2, 3)."""
-    script: Script = {number: lambda request: [answer(request.command)] for number in Command}
+    script: Script = dict.fromkeys(Command, as_set)
     script[Command.GET_SYSTEM_STATUS] = lambda _: [
         answer(
             Command.GET_SYSTEM_STATUS,
@@ -82,7 +87,9 @@ def healthy() -> Script:
     script[Command.GET_TRACKER_INFO] = lambda _: [
         answer(Command.GET_TRACKER_INFO, tracker_type=70, tracker_name="AT401")
     ]
-    script[Command.GET_REFLECTOR] = lambda _: [answer(Command.GET_REFLECTOR, internal_reflector_id=7)]
+    script[Command.GET_CURRENT_PRISM_POSITION] = lambda _: [
+        answer(Command.GET_CURRENT_PRISM_POSITION, val1=1.0, val2=2.0, val3=3.0)
+    ]
     script[Command.GET_REFLECTORS] = lambda _: [reflector(7, "RRR 0.5in")]
     script[Command.GET_FACE] = lambda _: [answer(Command.GET_FACE, tracker_face=1)]
     script[Command.START_MEASUREMENT] = lambda _: [
@@ -99,6 +106,15 @@ class FakeTracker:
         self.script = script or healthy()
         self.hello = hello
         self.requests: list[Request] = []
+        self.kept: dict[int, Record] = {Command.GET_REFLECTOR: Record(internal_reflector_id=7)}
+
+    def answers(self, request: Request) -> list[object]:
+        name = Command(request.command).name
+        if name.startswith("SET_") and f"GET_{name[4:]}" in Command.__members__:
+            self.kept[Command[f"GET_{name[4:]}"]] = request.values
+        if self.script[request.command] is as_set and request.command in self.kept:
+            return [answer(request.command, **self.kept[request.command])]
+        return self.script[request.command](request)
 
     async def serve(self, end: MemoryEnd) -> None:
         reader = FrameReader()
@@ -109,7 +125,7 @@ class FakeTracker:
             while (frame := reader.next_frame()) is not None:
                 request = decode_request(frame)
                 self.requests.append(request)
-                for packet in self.script[request.command](request):
+                for packet in self.answers(request):
                     if packet is HANG_UP:
                         return
                     await end.send(packet if isinstance(packet, bytes) else encode(packet))
@@ -225,17 +241,175 @@ async def test_unasked_packets_in_between_do_not_disturb_a_measurement():
     assert points == [(1.0, 2.0, 3.0)] * 2
 
 
-async def test_a_result_may_overtake_its_answer():
+async def test_a_result_that_was_under_way_before_the_question_is_not_taken():
     fake = FakeTracker()
     fake.script[Command.START_MEASUREMENT] = lambda _: [
-        single(val1=1.0, val2=2.0, val3=3.0),
+        single(val1=9.0, val2=9.0, val3=9.0),
         answer(Command.START_MEASUREMENT),
+        single(val1=1.0, val2=2.0, val3=3.0),
     ]
     tracker = await ready_tracker(fake)
 
     points = [(await tracker.measure_point(duration_s=1.0)).point_mm for _ in range(3)]
 
     assert points == [(1.0, 2.0, 3.0)] * 3
+
+
+async def test_a_result_of_an_earlier_measurement_is_not_taken_again():
+    fake = FakeTracker()
+    places = iter([(1.0, 2.0, 3.0), (500.0, 0.0, 0.0), (1.0, 2.0, 3.0)])
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        single(**dict(zip(("val1", "val2", "val3"), next(places), strict=True)), std_total=0.004),
+    ]
+    tracker = await ready_tracker(fake)
+    await tracker.measure_point(duration_s=1.0)
+    await tracker.measure_point(duration_s=1.0)
+    fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda _: [
+        answer(Command.GET_CURRENT_PRISM_POSITION, val1=500.0, val2=0.0, val3=0.0)
+    ]
+
+    with pytest.raises(RemoteProtocolError, match="earlier measurement again"):
+        await tracker.measure_point(duration_s=1.0)
+    assert not tracker.connected
+
+
+async def test_a_tracker_that_repeats_itself_and_sees_no_reflector_is_not_believed():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    await tracker.measure_point(duration_s=1.0)
+    fake.script[Command.GET_CURRENT_PRISM_POSITION] = lambda request: [
+        Answer(request.command, ResultStatus.NO_DISTANCE_SET)
+    ]
+
+    with pytest.raises(RemoteProtocolError, match="earlier measurement again"):
+        await tracker.measure_point(duration_s=1.0)
+
+
+FOREIGN = {
+    "units": (Command.GET_UNITS, {"len_unit_type": 5}),
+    "temperature": (Command.GET_UNITS, {"len_unit_type": 1, "temp_unit_type": 1}),
+    "coordinates": (Command.GET_COORDINATE_SYSTEM_TYPE, {"coord_sys_type": 7}),
+    "transformation": (Command.GET_SYSTEM_SETTINGS, {"apply_transformation_params": True}),
+    "station": (Command.GET_SYSTEM_SETTINGS, {"apply_station_orientation_params": True}),
+    "weather": (Command.GET_SYSTEM_SETTINGS, {"weather_monitor_status": 0}),
+}
+ANNOUNCED = {
+    **FOREIGN,
+    "mode": (Command.GET_MEASUREMENT_MODE, {"meas_mode": 1}),
+    "reflector": (Command.GET_REFLECTOR, {"internal_reflector_id": 3}),
+}
+
+
+@pytest.mark.parametrize("what", FOREIGN)
+async def test_what_another_program_changes_silently_is_found_before_a_point_is_believed(what):
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    await tracker.measure_point(duration_s=1.0)
+    getter, values = FOREIGN[what]
+    fake.kept[getter] = Record(fake.kept[getter] | values)
+
+    for use in (tracker.measure_point(duration_s=1.0), tracker.measure_point(duration_s=1.0)):
+        with pytest.raises(NotInitialisedError, match="initialise"):
+            await use
+
+    await tracker.initialise()  # sets it again
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("what", ANNOUNCED)
+async def test_what_another_program_changes_is_read_back_before_the_next_aim(what):
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    getter, values = ANNOUNCED[what]
+    fake.kept[getter] = Record(fake.kept[getter] | values)
+    said = encode(StatusChange(SystemStatusChange.UNITS_CHANGED))
+    fake.script[Command.SET_STATIONARY_MODE_PARAMS] = lambda request: [answer(request.command), said]
+    with pytest.raises(NotInitialisedError, match="another program changed"):
+        await tracker.measure_point(duration_s=2.0)
+    aims = len(fake.asked(Command.GO_POSITION))
+
+    with pytest.raises(NotInitialisedError):
+        await tracker.find_reflector((300.0, 0.0, 400.0), search_radius_mm=10.0)
+
+    assert len(fake.asked(Command.GO_POSITION)) == aims
+
+
+async def test_a_point_during_which_somebody_changed_the_tracker_is_measured_again():
+    fake = FakeTracker()
+    changing = [True, False]
+
+    def measured(_):
+        announced = [StatusChange(SystemStatusChange.UNITS_CHANGED)] * 2 if changing.pop(0) else []
+        in_inches = 25.4 if announced else 1.0  # changed, and changed back
+        return [
+            answer(Command.START_MEASUREMENT),
+            *announced,
+            single(val1=1.0 / in_inches, val2=2.0 / in_inches, val3=3.0 / in_inches),
+        ]
+
+    fake.script[Command.START_MEASUREMENT] = measured
+    tracker = await ready_tracker(fake)
+
+    assert (await tracker.measure_point(duration_s=1.0)).point_mm == (1.0, 2.0, 3.0)
+
+
+async def test_a_tracker_that_somebody_changes_all_the_time_is_busy():
+    fake = FakeTracker()
+    tracker = await ready_tracker(fake)
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        StatusChange(SystemStatusChange.TRANSFORMATION_PARAMS_CHANGED),
+        single(val1=1.0, val2=2.0, val3=3.0),
+    ]
+
+    with pytest.raises(BusyError, match="close that program"):
+        await tracker.measure_point(duration_s=1.0)
+
+
+@pytest.mark.parametrize(
+    ("getter", "values"),
+    [
+        (Command.GET_UNITS, {"len_unit_type": 0}),
+        (Command.GET_COORDINATE_SYSTEM_TYPE, {"coord_sys_type": 1}),
+        (Command.GET_SYSTEM_SETTINGS, {"apply_station_orientation_params": True}),
+        (Command.GET_MEASUREMENT_MODE, {"meas_mode": 1}),
+    ],
+)
+async def test_a_setting_that_the_tracker_does_not_take_over_is_told_when_initialising(getter, values):
+    fake = FakeTracker()
+    fake.script[getter] = lambda request: [answer(request.command, **values)]
+    tracker = tracker_on(fake)
+    await tracker.connect()
+
+    with pytest.raises(DeviceRefusedError, match="did not take over"):
+        await tracker.initialise()
+    with pytest.raises(NotInitialisedError):
+        await tracker.measure_point(duration_s=1.0)
+
+
+async def test_a_tracker_that_does_not_tell_its_units_is_not_measured_with():
+    fake = FakeTracker()
+    fake.script[Command.GET_UNITS] = lambda request: [Answer(request.command, ResultStatus.NOT_IMPLEMENTED)]
+    tracker = tracker_on(fake)
+    await tracker.connect()
+
+    with pytest.raises(DeviceRefusedError, match="number without unit"):
+        await tracker.initialise()
+
+
+@pytest.mark.parametrize("values", [{"meas_mode": 1}, {"is_try_mode": True}, {"std1": -0.1}])
+async def test_a_result_that_is_no_stationary_point_closes_the_link(values):
+    fake = FakeTracker()
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        single(val1=1.0, val2=2.0, val3=3.0, **values),
+    ]
+    tracker = await ready_tracker(fake)
+
+    with pytest.raises(RemoteProtocolError):
+        await tracker.measure_point(duration_s=1.0)
+    assert not tracker.connected
 
 
 async def test_initialising_sets_units_mode_frame_and_reflector():
@@ -598,7 +772,10 @@ async def test_garbage_is_a_protocol_error_and_closes_the_link(garbage):
 
 async def test_a_point_that_is_no_number_is_refused():
     fake = FakeTracker()
-    fake.script[Command.START_MEASUREMENT] = lambda _: [single(val1=float("nan"))]
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        single(val1=float("nan")),
+    ]
     tracker = await ready_tracker(fake)
 
     with pytest.raises(RemoteProtocolError, match="no point"):
