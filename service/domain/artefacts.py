@@ -31,6 +31,7 @@ class BallbarKit:
     base_bars: Bars = field(default_factory=lambda: Bars(300.0, 300.0, 0.0005, (150.0, 50.0)))
     range_mm: float = 1.0  # either way of the nominal length
     reading_u_mm: float = 0.00051  # QC20-W: 2 um at 95 %, thesis section 3.2
+    uncertified_u_mm: float = 0.005  # of a ballbar whose certificate nobody has: nothing certain is known
     zero_u_mm: float = 0.0015  # of the zero by the snaps of the magnets since the last initialisation
     setup_u_mm: float = 0.01  # how well a clamped cup sits where the robot held the ball, per axis
     base_points: int = 3  # cups of the base fixture: 3, or 4

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 from service.domain.artefacts import Artefact as Artefact
 from service.domain.artefacts import BallbarKit as BallbarKit
 from service.domain.artefacts import Bars as Bars
+from service.domain.identities import IdentityTaken
 from service.domain.robot import FramePlacement
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -115,7 +116,7 @@ class EntryKind(StrEnum):
     COMPUTED = "computed"  # the pre-calibration ended
     SUSPECTED = "suspected"  # a reading contradicts the pair that was asked for; it was not stored
     ANSWERED = "answered"  # what a person said to a suspicion
-    CONTROL = "control"  # pause, resume, stop, abort, hand-over
+    CONTROL = "control"  # pause, resume, stop, abort, hand-over; which device answered
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +184,7 @@ class LedgerEntry:
     arrival: ArrivalTaken | None = None
     precalibration: PreCalibration | None = None
     suspicion: "Suspicion | None" = None
+    identity: IdentityTaken | None = None
 
 
 SuspicionKind: TypeAlias = Literal["same_pair", "other_pair", "exchanged", "unlikely"]

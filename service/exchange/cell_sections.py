@@ -68,7 +68,7 @@ def read_ballbar(node: Node | None) -> BallbarKit | None:
     """Read the ballbar with its calibrator and fixtures; what is not given is as in the thesis."""
     if node is None:
         return None
-    own = ("range_mm", "reading_u_mm", "zero_u_mm", "setup_u_mm")
+    own = ("range_mm", "reading_u_mm", "uncertified_u_mm", "zero_u_mm", "setup_u_mm")
     refuse_unlisted(node, {*own, "base_points", "tool_bars", "base_bars", "instrument", "calibrator"})
     default = BallbarKit()
     numbers = {name: _positive(node, name) or getattr(default, name) for name in own}

@@ -330,7 +330,14 @@ class BallbarDesk:
             robot=cell.robot,
             joint_limits=cell.limits.joints,
             speed_limits=speed_limits(cell.limits),
+            expected=self._rack.expected(),
+            ballbar_device_serial=self._planned_serial(setup),
         )
+
+    def _planned_serial(self, setup: SessionSetup) -> str:
+        """Return the number that the cell file named for the ballbar's device at the planning."""
+        name = self._rack.name_of("ballbar")
+        return next((entry.serial_number for entry in setup.cell.devices if entry.name == name), "")
 
     def _view(
         self,

@@ -114,10 +114,13 @@ class Rack:
         by_kind = {mounted.kind: mounted.expected_serial for mounted in reversed(self._mounted.values())}
         return Expected({kind: by_kind.get(kind, "") for kind in _ASKED}, self._hear)
 
+    def name_of(self, kind: DeviceKind) -> str:
+        """Return the name of the device of this kind that sessions use; empty where there is none."""
+        return next((name for name, mounted in self._mounted.items() if mounted.kind == kind), "")
+
     def _hear(self, kind: IdentityOf, identity: DeviceIdentity) -> None:
         """Remember what a device said of itself in a session."""
-        name = next(name for name, mounted in self._mounted.items() if mounted.kind == kind)
-        self._identities[name] = identity
+        self._identities[self.name_of(kind)] = identity
 
     def lend(self, session_id: int) -> None:
         """Give all devices to a session; raises DeviceInUseError where another has them."""

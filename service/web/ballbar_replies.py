@@ -25,6 +25,7 @@ from service.web.schemas.ballbar_sessions import (
     SuspicionReply,
 )
 from service.web.schemas.base import degrees, known
+from service.web.schemas.identities import identity_reply
 
 
 def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
@@ -51,6 +52,8 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         acting=None if found.acting is None else ActingReply(**dataclasses.asdict(found.acting)),
         watching=view.watching,
         last_outcome=_last_outcome(found),
+        ballbar_in_question=None if found.ballbar.foreign is None else identity_reply(found.ballbar.foreign),
+        identities=[identity_reply(taken) for taken in found.identities],
     )
 
 
@@ -79,6 +82,7 @@ def entry_reply(record: LedgerRecord) -> EntryReply:
         if entry.suspicion is None
         else suspicion_reply(entry.suspicion, _artefact_of_id(entry.step_id)),
         precalibration=None if entry.precalibration is None else _precalibration(entry.precalibration),
+        identity=None if entry.identity is None else identity_reply(entry.identity),
     )
 
 

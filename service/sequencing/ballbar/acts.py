@@ -47,6 +47,7 @@ class Act:
     reason: str = ""  # of a skip, or why the session pauses, stops or ends
     answer: str = ""  # to a suspicion
     seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
+    accepted_serial: str = ""  # of a confirmation: the ballbar in question that the person accepts
 
 
 @dataclass(frozen=True, slots=True)

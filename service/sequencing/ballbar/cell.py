@@ -1,9 +1,10 @@
 """What a ballbar session knows of the cell it runs in."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from drivers.api import Ballbar, Clock, MotionLimits, RobotController
 from service.domain.robot import JointRange, Robot
+from service.sequencing.acquaintances import Expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,3 +17,5 @@ class BallbarCell:
     robot: Robot
     joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
     speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
+    expected: Expected = field(default_factory=Expected)  # which devices must answer
+    ballbar_device_serial: str = ""  # of the device entry that the session was planned with

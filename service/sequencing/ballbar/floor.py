@@ -12,8 +12,10 @@ from drivers.errors import DriverError
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import EntryKind, LengthTaken, StepKind, Suspicion
 from service.domain.errors import RecordRefusedError
+from service.domain.identities import IdentityTaken
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
+from service.sequencing.ballbar.acquaintances import Acquaintances
 from service.sequencing.ballbar.acts import Act
 from service.sequencing.ballbar.assignments import Judges, doubt
 from service.sequencing.ballbar.book import Book
@@ -21,7 +23,8 @@ from service.sequencing.ballbar.motion import Motion
 from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.ballbar.stand import Stand
-from service.sequencing.errors import NotNowError
+from service.sequencing.errors import ForeignRobotError, NotNowError
+from service.sequencing.identities import accepted, same_number, sentence
 
 _PUT_IT_RIGHT = "Put it right."
 _NO_WAY = "The pre-calibration found no clear way to this pose."
@@ -37,6 +40,7 @@ class Floor:
     readings: Readings
     stand: Stand
     motion: Motion
+    acquaintances: Acquaintances
     changing: asyncio.Lock = field(default_factory=asyncio.Lock)
     entered: bool = False  # the robot was found where it should be since the session last began to run
 
@@ -58,6 +62,9 @@ class Floor:
         if self.now.state is not SessionState.RUNNING:
             self.entered = False
             return
+        if self.now.ballbar.foreign is not None:
+            await self._await_person(sentence(self.now.ballbar.foreign))
+            return
         if not self.entered and not await self._enter_cell():
             return
         while self.now.has_no_way and self.now.step is not None:
@@ -76,6 +83,7 @@ class Floor:
 
     async def store(self, taken: LengthTaken, act: Act | None = None) -> tuple[int, Suspicion | None]:
         """Keep a length for the present step, or the doubt about it; returns the line and the doubt."""
+        await self._require_same_ballbar()
         now, step = self.now, self.now.step
         if step is None:
             return 0, None
@@ -88,11 +96,59 @@ class Floor:
 
     async def hold(self, reason: str) -> None:
         """Have the session wait for a person: something is not as it was left."""
+        await self._await_person(f"{_sentence(reason)} {_PUT_IT_RIGHT}")
+
+    async def _await_person(self, reason: str) -> None:
         if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:
-            await self.book.enter(SessionState.AWAITING_CONFIRMATION, f"{_sentence(reason)} {_PUT_IT_RIGHT}")
+            await self.book.enter(SessionState.AWAITING_CONFIRMATION, reason)
         elif self.now.state is SessionState.ABORTING:
-            await self.book.enter(SessionState.ABORTED, _sentence(reason))
+            await self.book.enter(SessionState.ABORTED, reason)
         self.entered = False
+
+    def ballbar_news(self) -> IdentityTaken | None:
+        """Return what is new about the ballbar; None where it is the one that is expected."""
+        return self.acquaintances.news("ballbar", self.readings.identity)
+
+    async def note_ballbar(self) -> None:
+        """Put on record which ballbar answers; what it showed before, and from where it counts, is void."""
+        found = self.ballbar_news()
+        if found is None:
+            return
+        asked = self.now.ballbar.foreign is not None
+        await self.acquaintances.keep(found)
+        self.readings.begin_anew()
+        if self.now.initialisations:
+            self.readings.take_note_of_lost_zero()
+        if self.now.state is SessionState.AWAITING_CONFIRMATION and (asked or found.finding == "foreign"):
+            text = control.state_text(SessionState.AWAITING_CONFIRMATION, sentence(found))
+            await self.book.append(EntryKind.CONTROL, text=text)  # another question from now on
+
+    async def answer_about_ballbar(self, serial: str, person: str) -> None:
+        """Accept the ballbar of this serial number where it is in question.
+
+        Raises NotNowError where another one is, or where one is and no number was given.
+        """
+        foreign = self.now.ballbar.foreign
+        if foreign is None and not serial:
+            return
+        if foreign is None or (serial and not same_number(serial, foreign.serial)):
+            raise NotNowError(f"Nobody asks whether the ballbar {serial} may measure; nothing was accepted.")
+        if not serial:
+            raise NotNowError(sentence(foreign))
+        await self.acquaintances.keep(accepted(foreign, person))
+
+    async def _require_same_ballbar(self) -> None:
+        """See that what a length was read with is still the expected ballbar; raises NotNowError."""
+        try:
+            await self.readings.ask()
+        except DriverError as error:
+            raise NotNowError(f"Nothing was stored: {error}") from error
+        found = self.ballbar_news() or self.now.ballbar.foreign
+        if found is None:
+            return
+        await self.note_ballbar()
+        await self.settle()
+        raise NotNowError(f"Nothing was stored. {sentence(found)}")
 
     async def lose_stop(self, reason: str) -> None:
         """Reopen what was done at a stop where the arm no longer stands."""
@@ -132,15 +188,29 @@ class Floor:
         """Open the robot and see whether it stands where the session left it; returns whether it answers."""
         try:
             await self.stand.open()
+            await self._meet_robot()
             moved = await self.look_at_robot()
         except DriverError as error:
             await self.stand.close()
+            await self.hold(str(error))
+            return False
+        except ForeignRobotError as error:
             await self.hold(str(error))
             return False
         if moved is not None:
             await self.lose_stop(moved)
         self.entered = True
         return True
+
+    async def _meet_robot(self) -> None:
+        """Ask the robot who it is; raises ForeignRobotError, the driver's errors."""
+        identity = await self.stand.who()
+        self.acquaintances.hear("robot", identity)
+        found = self.acquaintances.news("robot", identity)
+        if found is not None:
+            await self.acquaintances.keep(found)
+        if self.now.robot.foreign is not None:
+            raise ForeignRobotError(sentence(self.now.robot.foreign))
 
     def _prompt_is_due(self) -> bool:
         now = self.now

@@ -1,13 +1,14 @@
 """The ballbar's link: a cable that is pulled is no fault of the session, which goes on when it is back."""
 
+import asyncio
 from typing import Final
 
-from drivers.api import Ballbar, BallbarReading, Clock
+from drivers.api import Ballbar, BallbarReading, Clock, DeviceIdentity
 from drivers.errors import ConnectionLostError, DriverError, LinkError
+from service.sequencing.identities import told
 
 _FIRST_WAIT_S: Final = 0.25
 _LONGEST_WAIT_S: Final = 4.0
-_SAYS_NOTHING: Final = frozenset({"", "unknown"})
 
 
 class Gauge:
@@ -19,21 +20,40 @@ class Gauge:
         self._wait_s = _FIRST_WAIT_S
         self._try_again_s: float | None = None
         self.trouble: str | None = None  # why there is no reading
-        self.serial: str = ""  # as the device says it
+        self._turn = asyncio.Lock()  # one question at a time
+        self.identity: DeviceIdentity | None = None  # as it last said itself; None before it did
         self.lost_power = False  # it was gone: its zero may be gone with it
 
-    async def read(self) -> BallbarReading | None:
-        """Return the newest reading, None while there is none."""
+    @property
+    def serial(self) -> str:
+        """Its serial number, empty where it tells none."""
+        return "" if self.identity is None else told(self.identity.serial)
+
+    async def read(self, *, ask: bool = False) -> BallbarReading | None:
+        """Return the newest reading, None while there is none; `ask` it first who it is."""
         try:
-            if not self._ballbar.connected and not await self._connect():
-                return None
-            reading = await self._ballbar.read()
+            async with self._turn:
+                if not self._ballbar.connected:
+                    if not await self._connect():
+                        return None
+                elif ask:
+                    self.identity = await self._ballbar.identify()
+                reading = await self._ballbar.read()
         except DriverError as error:
             await self._give_up(error)
             return None
         self.trouble = None
         self._wait_s = _FIRST_WAIT_S
         return reading
+
+    async def ask(self) -> None:
+        """Ask again who it is; raises DriverError."""
+        try:
+            async with self._turn:
+                self.identity = await self._ballbar.identify()
+        except DriverError as error:
+            await self._give_up(error)
+            raise
 
     async def close(self) -> None:
         """Close the link."""
@@ -46,8 +66,7 @@ class Gauge:
             if 0.0 < left_s <= _LONGEST_WAIT_S:  # more is left only where the cell's clock began anew
                 return False
         await self._ballbar.connect()
-        serial = (await self._ballbar.identify()).serial
-        self.serial = "" if serial in _SAYS_NOTHING else serial
+        self.identity = await self._ballbar.identify()
         self._try_again_s = None
         return True
 

@@ -96,13 +96,16 @@ class ActHandlers:
         return await self._go_on(act, "resumed the session")
 
     async def _go_on(self, act: Act, what: str) -> ActOutcome:
-        if self._floor.motion.moving:
-            raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
-        self._floor.motion.require_plan_within_limits()
+        self._require_may_go_on()
         number = await self._floor.book.enter(SessionState.RUNNING, f"{tidy_name(act.person)} {what}.", act)
         self._floor.motion.wish = None
         self._floor.motion.forget()
         return ActOutcome("The session goes on at the step where it was.", number)
+
+    def _require_may_go_on(self) -> None:
+        if self._floor.motion.moving:
+            raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
+        self._floor.motion.require_plan_within_limits()
 
     async def _pause(self, act: Act) -> ActOutcome:
         return await self._halt(act, SessionState.PAUSED, "A pause was asked for.", "The session pauses")
@@ -145,6 +148,8 @@ class ActHandlers:
         now = self._floor.now
         if now.state is SessionState.AWAITING_CONFIRMATION:
             await self._require_present_look(act)
+            self._require_may_go_on()
+            await self._floor.answer_about_ballbar(act.accepted_serial, tidy_name(act.person))
             return await self._go_on(act, "confirmed that the cell is clear")
         step_id = act.step_id or ""
         if now.step is None or now.step.kind is not StepKind.MOVE:

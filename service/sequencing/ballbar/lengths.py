@@ -7,6 +7,7 @@ from typing import Final
 from service.domain.artefacts import BallbarKit, Bars
 from service.domain.ballbar import BallbarStep, LengthTaken, StepKind
 from service.sequencing.ballbar.live import Window
+from service.sequencing.ballbar.papers import Papers
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.errors import NotNowError
 
@@ -20,7 +21,7 @@ class Shown:
     window: Window
     time_s: float
     temperature_c: float  # NaN where the ballbar has no thermometer
-    serial: str  # as the device says it, empty where it does not
+    papers: Papers
     by_hand: bool
 
 
@@ -37,10 +38,10 @@ def length_taken(shown: Shown, now: Situation, step: BallbarStep, kit: BallbarKi
     elif now.zero is not None:
         zero_mm, number = now.zero.zero_mm, now.zero.initialisation
         # the mean of many samples is no better: 2 um at 95 % is what the instrument states of a length
-        u_mm = math.hypot(kit.reading_u_mm, kit.zero_u_mm, bars.calibrator_u_mm)
+        reading_u_mm = kit.reading_u_mm if shown.papers.hold else kit.uncertified_u_mm
+        u_mm = math.hypot(reading_u_mm, kit.zero_u_mm, bars.calibrator_u_mm)
     else:
         raise NotNowError(_NO_ZERO)
-    serial, certificate, expires = _papers(shown.serial, kit)
     return LengthTaken(
         length_mm=bars.calibrator_mm + deviation_mm - zero_mm,
         deviation_mm=deviation_mm,
@@ -51,16 +52,8 @@ def length_taken(shown: Shown, now: Situation, step: BallbarStep, kit: BallbarKi
         initialisation=number,
         by_hand=shown.by_hand,
         temperature_c=shown.temperature_c,
-        instrument_serial=serial,
-        certificate=certificate,
-        certificate_expires=expires,
+        instrument_serial=shown.papers.serial,
+        certificate=shown.papers.certificate,
+        certificate_expires=shown.papers.certificate_expires,
         time_s=shown.time_s,
     )
-
-
-def _papers(serial: str, kit: BallbarKit) -> tuple[str, str, str]:
-    """Return serial number, certificate and its expiry; a certificate of another instrument is none."""
-    owner = kit.instrument
-    if serial and owner.serial_number and serial != owner.serial_number:
-        return serial, "", ""
-    return serial or owner.serial_number, owner.certificate, owner.certificate_expires

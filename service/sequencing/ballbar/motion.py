@@ -15,7 +15,8 @@ from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_motion
 from service.sequencing.ballbar.stand import Stand, joint_away
-from service.sequencing.errors import MotionForbiddenError
+from service.sequencing.errors import ForeignRobotError, MotionForbiddenError
+from service.sequencing.identities import judge, sentence
 
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
 
@@ -29,6 +30,7 @@ class Motion:
         self._plan = plan
         self._robot = cell.robot
         self._limits = limits
+        self._expected = cell.expected
         self._clock = cell.clock
         self._book = book
         self._stand = stand
@@ -70,6 +72,7 @@ class Motion:
         self._book.tell()
         try:
             await self._require_fresh_confirmation()
+            await self._require_same_robot()
             left = await self._left_of((*step.via_rad, step.target_rad))
             self._stand.forget()
             for joints in left:
@@ -79,6 +82,14 @@ class Motion:
         finally:
             self.moving = False
             self.confirmed_s = None
+
+    async def _require_same_robot(self) -> None:
+        """Ask the robot again who it is: raises ForeignRobotError, the driver's errors."""
+        now = self._book.situation
+        answered = (await self._stand.who()).serial
+        found = judge("robot", answered, self._expected.serials.get("robot", ""), now.robot)
+        if found is not None and found.finding == "foreign":
+            raise ForeignRobotError(sentence(found))
 
     async def _left_of(self, way: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
         """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
@@ -110,6 +121,8 @@ class Motion:
         now = self._book.situation
         if self._book.trouble is not None:
             return self._book.trouble
+        if now.ballbar.foreign is not None:
+            return sentence(now.ballbar.foreign)
         if now.attached:
             return "The ballbar may still be attached; take it off and confirm that, then the arm may move."
         if now.suspicion is not None:

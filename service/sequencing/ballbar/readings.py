@@ -4,7 +4,7 @@ import asyncio
 import math
 from collections.abc import AsyncIterator, Callable
 
-from drivers.api import BallbarReading, Clock
+from drivers.api import BallbarReading, Clock, DeviceIdentity
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, LengthTaken, StepKind
 from service.sequencing.ballbar.cell import BallbarCell
@@ -12,6 +12,7 @@ from service.sequencing.ballbar.contact import Contact
 from service.sequencing.ballbar.gauge import Gauge
 from service.sequencing.ballbar.lengths import Shown, bars_of, length_taken
 from service.sequencing.ballbar.live import LiveSample, Window, is_usable, live_state
+from service.sequencing.ballbar.papers import papers_of
 from service.sequencing.ballbar.record import READINGS
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.errors import NotNowError
@@ -36,6 +37,9 @@ class Readings:
         self, plan: BallbarPlan, kit: BallbarKit, cell: BallbarCell, wall_ms: Callable[[], int]
     ) -> None:
         self._kit = kit
+        self._device_serial = cell.ballbar_device_serial
+        self._heard = cell.expected.heard
+        self._asked_at: str | None = None  # the step at which the ballbar said last who it is
         self._clock: Clock = cell.clock
         self._gauge = Gauge(cell.ballbar, cell.clock)
         self._window = Window(plan.stable_s, plan.stable_mm)
@@ -54,7 +58,12 @@ class Readings:
 
     async def poll(self, now: Situation, *, robot_still: bool) -> LiveSample:
         """Read the ballbar once and tell the watchers."""
-        reading = await self._gauge.read()
+        at = now.step.id if now.step else None
+        # it may be exchanged behind a bridge or a counter whose link stays up
+        reading = await self._gauge.read(ask=now.ballbar.foreign is not None or at != self._asked_at)
+        self._asked_at = self._asked_at if reading is None else at
+        if self._gauge.identity is not None:
+            self._heard("ballbar", self._gauge.identity)
         sampled_at_ms = self._wall_ms()
         time_s = await self._clock.now_s() if reading is None else reading.time_s
         self._take(reading)
@@ -64,6 +73,15 @@ class Readings:
         self._polled.set()
         self._polled = asyncio.Event()
         return self.sample
+
+    @property
+    def identity(self) -> DeviceIdentity | None:
+        """Who the ballbar said it is, when it was asked last; None before that."""
+        return self._gauge.identity
+
+    async def ask(self) -> None:
+        """Ask the ballbar again who it is; raises DriverError."""
+        await self._gauge.ask()
 
     async def fresh(self) -> None:
         """Return once the window holds nothing but samples taken from now on.
@@ -126,7 +144,8 @@ class Readings:
         if not self._window.count:
             raise NotNowError("The ballbar has only just been asked; wait for its next reading.")
         temperature_c = math.nan if reading.temperature_c is None else reading.temperature_c
-        shown = Shown(self._window, reading.time_s, temperature_c, self._gauge.serial, by_hand)
+        papers = papers_of(self._gauge.serial, now.ballbar, self._kit.instrument, self._device_serial)
+        shown = Shown(self._window, reading.time_s, temperature_c, papers, by_hand)
         return length_taken(shown, now, now.step, self._kit)
 
     def _take(self, reading: BallbarReading | None) -> None:

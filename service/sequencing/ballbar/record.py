@@ -22,9 +22,11 @@ from service.domain.ballbar import (
     StepKind,
     Suspicion,
 )
+from service.domain.identities import IdentityTaken
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control, step_ids
 from service.sequencing.ballbar.pace import StepTimes
+from service.sequencing.identities import Acquaintance
 
 OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skipped", "computed"]
 
@@ -92,7 +94,10 @@ class Record:
         default_factory=dict
     )  # group of readings -> its last initialisation
     last_zero: tuple[str, LengthTaken] | None = None  # by step, whatever became of it
-    zero_lost: bool = False  # the ballbar was without supply since
+    zero_lost: bool = False  # the ballbar was without supply since, or is another one
+    ballbar: Acquaintance = field(default_factory=Acquaintance)
+    robot: Acquaintance = field(default_factory=Acquaintance)
+    identities: list[IdentityTaken] = field(default_factory=list)
     found: dict[str, PreCalibration | None] = field(default_factory=dict)  # by step; None: left out
     stood_at: dict[str, str | None] = field(default_factory=dict)  # pre-calibration -> last stop by then
     last: tuple[str, Outcome] | None = None
@@ -171,10 +176,25 @@ class Record:
         if entry.tablet is not None and (self.acting is None or entry.text == control.HAND_OVER):
             self.acting = ActingTablet(entry.tablet, entry.person or "")
         if entry.text == control.ZERO_LOST:
-            self.zero_lost, self.last_zero, self.shown = True, None, None
+            self._lose_zero()
+        if entry.identity is not None:
+            self._identify(entry.identity)
         state = control.state_in(entry.text)
         if state is not None:
             self.enter(state, control.reason_in(entry.text))
+
+    def _identify(self, taken: IdentityTaken) -> None:
+        """Take what a device answered; whoever comes, goes or falls silent has a zero of its own."""
+        self.identities.append(taken)
+        if taken.device == "robot":
+            self.robot = self.robot.after(taken)
+            return
+        self.ballbar = self.ballbar.after(taken)
+        if self.initialisations:
+            self._lose_zero()
+
+    def _lose_zero(self) -> None:
+        self.zero_lost, self.last_zero, self.shown = True, None, None
 
     def _suspect(self, entry: LedgerEntry) -> None:
         if entry.suspicion is not None and entry.length is not None:

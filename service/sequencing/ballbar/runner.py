@@ -4,6 +4,7 @@
 - The arm moves in a MOVE step only, after a person has confirmed; see `motion`.
 - A ballbar without a link is shown as such and found again; the session waits for it. A robot without a
   link, or elsewhere than it was left, has the session await a person's confirmation.
+- Another ballbar shows its values and stores none before a person has accepted it by its serial number.
 - A length is stored by itself once for each connection, or by the button; a doubt is put to a person.
 - A line that the ledger refuses was not kept and nothing follows from it. Nothing moves meanwhile; the run
   waits and tries again, a button is answered with the refusal. A halt holds all the same, and is kept later.
@@ -20,6 +21,7 @@ from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, PreCalibration, StepKind
 from service.domain.errors import RecordRefusedError, TrueposeError
 from service.domain.session import SessionState
+from service.sequencing.ballbar.acquaintances import Acquaintances
 from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from service.sequencing.ballbar.arrears import Arrears
 from service.sequencing.ballbar.assignments import Judges
@@ -87,7 +89,15 @@ class BallbarRunner:
         self._stand = Stand(cell, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
         self._motion = Motion(plan, cell, self._limits, self._book, self._stand)
-        self._floor = Floor(kit, judges or Judges(), self._book, self._readings, self._stand, self._motion)
+        self._floor = Floor(
+            kit,
+            judges or Judges(),
+            self._book,
+            self._readings,
+            self._stand,
+            self._motion,
+            Acquaintances(cell.expected, self._book),
+        )
         self._handlers = ActHandlers(self._floor, cell.clock)
         self._failure: Exception | None = None  # a halt could not be kept: the run ends with this
         self._arrears = Arrears(self._floor, self.act, lambda: self._after_motion(None))
@@ -311,16 +321,21 @@ class BallbarRunner:
             await asyncio.sleep(self._breath_s)
 
     async def _heed_ballbar(self) -> None:
-        if self.trouble is not None or (not self._is_ready() and not self._readings.lost_power):
+        is_news = self._floor.ballbar_news() is not None
+        due = is_news or self._is_ready() or self._readings.lost_power
+        if self.trouble is not None or not due:
             return
         # Where the line is refused the length is shown on; it is read again once lines are taken.
         with contextlib.suppress(RecordRefusedError):
             async with self._floor.changing:
-                if self._readings.lost_power:
+                if is_news:
+                    await self._floor.note_ballbar()
+                elif self._readings.lost_power:
                     await self._floor.note_lost_power()
                 elif self._is_ready():
                     await self._store()
-                await self._floor.settle()
+                if not self._motion.moving:  # a motion that is under way ends by itself, and settles then
+                    await self._floor.settle()
 
     async def _store(self) -> None:
         """Store the length by itself, or see why it cannot be: then the session has said so."""

@@ -20,6 +20,7 @@ from service.domain.ballbar import (
     PoseForecast,
     StepKind,
 )
+from service.domain.identities import IdentityTaken
 from service.domain.session import SessionState
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.acts import ActName, acts_allowed
@@ -28,6 +29,7 @@ from service.sequencing.ballbar.pace import BallbarProgress
 from service.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
 from service.sequencing.ballbar.way import ways
 from service.sequencing.desk import CELL_CLEAR
+from service.sequencing.identities import Acquaintance, sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +59,23 @@ class Situation:
     acts: frozenset[ActName]
     progress: BallbarProgress
     last: tuple[str, Outcome] | None  # the step that ended last, and how
+    ballbar: Acquaintance
+    robot: Acquaintance
+    identities: tuple[IdentityTaken, ...]  # which devices answered, oldest first
 
     @property
     def question(self) -> str | None:
         """What a person is asked to look at before the robot may move, or the session go on."""
         if self.state in {SessionState.AWAITING_CONFIRMATION, SessionState.PAUSED}:
-            return f"{self.reason} {CELL_CLEAR}"
+            return f"{self._about_the_ballbar}{self.reason} {CELL_CLEAR}"
         asked = self.step is not None and self.step.kind is StepKind.MOVE and not self.confirmed
         return CELL_CLEAR if asked and self.state is SessionState.RUNNING else None
+
+    @property
+    def _about_the_ballbar(self) -> str:
+        """Say that another ballbar waits to be accepted, where the reason does not say so already."""
+        asked = "" if self.ballbar.foreign is None else sentence(self.ballbar.foreign)
+        return f"{asked} " if asked and asked not in self.reason else ""
 
     @property
     def busy(self) -> bool:
@@ -144,6 +155,9 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         ),
         progress=_progress(agenda, outcomes, record),
         last=record.last,
+        ballbar=record.ballbar,
+        robot=record.robot,
+        identities=tuple(record.identities),
     )
 
 

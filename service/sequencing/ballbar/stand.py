@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from drivers.api import JointReading, MotionLimits
+from drivers.api import DeviceIdentity, JointReading, MotionLimits
 from service.domain.ballbar import ArrivalTaken, BallbarPlan
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.limits import slowest
@@ -27,7 +27,6 @@ class Stand:
         """Open the link where it is down and set the limits of motion; raises the driver's errors."""
         if not self._controller.connected:
             await self._controller.connect()
-            await self._controller.identify()
         planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
         await self._controller.set_limits(slowest(planned, self._speed_limits or planned))
 
@@ -35,6 +34,11 @@ class Stand:
         """Close the link; the next opening begins a new conversation."""
         self.forget()
         await self._controller.close()
+
+    async def who(self) -> DeviceIdentity:
+        """Ask the robot who it is; raises the driver's errors."""
+        async with self._turn:
+            return await self._controller.identify()
 
     async def look(self) -> JointReading:
         """Ask where the joints are; raises the driver's errors."""

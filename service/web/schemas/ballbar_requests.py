@@ -117,6 +117,12 @@ class ActRequest(Request):
         ge=0,
         description="Cell time of the newest value on the page when the person confirmed a motion.",
     )
+    accept_serial_number: str | None = Field(
+        None,
+        max_length=200,
+        description="Of a confirmation: the ballbar in question that the person accepts.",
+        examples=["12A345"],
+    )
 
 
 class HandsRequest(Request):
@@ -159,6 +165,7 @@ def act_of(wanted: ActRequest, key: str) -> Act:
         reason=wanted.reason,
         answer=wanted.answer.value if wanted.answer else "",
         seen_time_s=wanted.seen_time_s,
+        accepted_serial=wanted.accept_serial_number or "",
     )
 
 

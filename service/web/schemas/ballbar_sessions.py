@@ -7,6 +7,7 @@ from service.domain.session import SessionState
 from service.sequencing.ballbar.acts import ActName
 from service.sequencing.ballbar.record import OutcomeKind
 from service.web.schemas.base import RecordedAt, RecordId, Reply
+from service.web.schemas.identities import IdentityReply
 
 PointName = str  # B1.. of the base fixture, T1.. of the tool
 
@@ -111,6 +112,10 @@ class BallbarSessionReply(Reply):
     acting: ActingReply | None
     watching: int = Field(description="Tablets that follow the session.", examples=[2])
     last_outcome: LastOutcomeReply | None
+    ballbar_in_question: IdentityReply | None = Field(
+        description="Another ballbar answers; it is accepted by a confirmation that names its serial number."
+    )
+    identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
 
 
 class ActReply(Reply):
@@ -172,6 +177,7 @@ class EntryReply(Reply):
     arrival: ArrivalReply | None
     suspicion: SuspicionReply | None
     precalibration: PreCalibrationReply | None
+    identity: IdentityReply | None = Field(description="Which device answered, or was accepted.")
 
 
 class LedgerReply(Reply):

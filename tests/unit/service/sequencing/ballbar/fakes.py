@@ -122,6 +122,8 @@ class Bar:
         self._hands = hands
         self.connected = False
         self.plugged = True
+        self.serial = "B-7"
+        self.asked = 0
         self.lost = ConnectionLostError
         self.wobble_mm = 0.0003
         self.temperature_c: float | None = 22.5
@@ -138,7 +140,8 @@ class Bar:
         self.connected = False
 
     async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("Renishaw", "QC20-W", "B-7", "1")
+        self.asked += 1
+        return DeviceIdentity("Renishaw", "QC20-W", self.serial, "1")
 
     async def read(self) -> BallbarReading:
         if not self.plugged or not self.connected:
@@ -165,6 +168,7 @@ class Robot:
         self.joints = HOME
         self.connected = False
         self.plugged = True
+        self.serial = "120-1"
         self.motion_s = 1.0
         self.state_age_s = 0.0
         self.limits: MotionLimits | None = None
@@ -183,7 +187,7 @@ class Robot:
         self.connected = False
 
     async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("ABB", "IRB 120", "120-1", "6.08")
+        return DeviceIdentity("ABB", "IRB 120", self.serial, "6.08")
 
     async def set_limits(self, limits: MotionLimits) -> None:
         self.limits = limits
