@@ -55,6 +55,43 @@ def slips(asked: Sequence[int], pairs: int, *, questioned: bool) -> tuple[IntArr
     return np.concatenate([rows for rows, _ in parts]), np.concatenate([odds for _, odds in parts])
 
 
+def next_slips(own: int, pairs: int, asked: Sequence[int], taken: IntArray, *, affirmed: bool) -> FloatArray:
+    """Return the log of the odds of what the next reading may be of, for each of m accounts of those before.
+
+    Parameters
+    ----------
+    own : int
+        Row of the pair that is asked for.
+    pairs : int
+        How many pairs there are.
+    asked : sequence of k int
+        What the readings at this stop were asked for so far.
+    taken : ndarray of int, shape (m, k)
+        What they are of.
+    affirmed : bool
+        A person was asked about the reading and maintained that it is of the pair.
+
+    Returns
+    -------
+    ndarray, shape (m, pairs + 1)
+        The last column stands for nothing.
+    """
+    accounts = len(taken)
+    odds = np.full((accounts, pairs + 1), _SELECTION / _others(pairs))
+    rows, readings = np.nonzero(taken < pairs)
+    again = np.zeros((accounts, pairs + 1), dtype=bool)
+    again[rows, taken[rows, readings]] = True
+    odds += _OMISSION * again
+    odds[:, pairs] = _NOTHING
+    odds[:, own] = 1.0 - _SELECTION
+    rows, readings = np.nonzero((taken == own) & (np.array(asked, dtype=np.int64) != own))
+    odds[rows, own] = 1.0 - _FOLLOWED
+    odds[rows, np.array(asked, dtype=np.int64)[readings]] = _FOLLOWED
+    if affirmed:
+        odds[:, np.arange(pairs + 1) != own] *= _REAFFIRMED
+    return np.asarray(np.log(odds))
+
+
 def _single(own: IntArray, pairs: int, questioned: bool) -> tuple[IntArray, FloatArray]:
     """Return all accounts in which one reading is of something else."""
     reading, instead = np.indices((len(own), pairs + 1)).reshape(2, -1)
