@@ -22,6 +22,7 @@ from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
+from service.operation.early_judges import early_judge
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.operation.requests_under_way import RequestsUnderWay
@@ -29,6 +30,7 @@ from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import HALTS, LETS_MOVE, Act, ActName
+from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_plan, motion_limits
 from service.sequencing.ballbar.foresight import Foresight
@@ -299,6 +301,7 @@ class BallbarDesk:
             ledger,
             self._make_foresight(fixed.setup),
             entries=tuple(record.entry for record in kept),
+            judges=Judges(early=early_judge(fixed.setup, fixed.plan, kit_of(fixed.setup))),
         )
         self._rack.lend(session_id)
         task = asyncio.create_task(self._run(session_id, runner), name=f"ballbar session {session_id}")

@@ -1,13 +1,14 @@
 """Whether a length goes with what was asked for; a doubt is put to a person, never stored silently."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
 from service.domain.errors import ConfigurationError
 from service.sequencing.ballbar import step_ids
+from service.sequencing.ballbar.acts import Answer
 from service.sequencing.ballbar.lengths import bars_of
 from service.sequencing.ballbar.situation import Situation
 from service.validation.connections import judge_leg, judge_pose
@@ -47,12 +48,25 @@ class JudgePose(Protocol):
         ...
 
 
+class JudgeEarly(Protocol):
+    """Looks at one length where none is foreseen yet; see service.sequencing.ballbar.early."""
+
+    def doubt(self, taken: LengthTaken, now: Situation, step: BallbarStep) -> Suspicion | None:
+        """Return why the length does not go with what the step asks for; None where it does."""
+        ...
+
+    def alike(self, now: Situation) -> tuple[tuple[Leg, Leg], ...]:
+        """Return the pairs of legs of the present pose whose exchange would not show."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Judges:
     """Who judges lengths."""
 
     leg: JudgeLeg = judge_leg
     pose: JudgePose = judge_pose
+    early: JudgeEarly | None = None  # None: before a pre-calibration only a pair read twice is seen
 
 
 def doubt(
@@ -73,12 +87,22 @@ def _doubt(
             return _doubt_about_zero(taken, now, step, kit)
         case StepKind.MEASURE_SIDE if step.artefact == "base":
             # The sides of the tool triangle are equal by make; those of the base are as the robot errs.
-            return _judge_leg(taken, now, step, kit, judges, None)
+            return _judge_unforeseen(taken, now, step, kit, judges)
+        case StepKind.CONNECT_LEG if now.forecast is None:
+            return _judge_unforeseen(taken, now, step, kit, judges)
         case StepKind.CONNECT_LEG:
             first = _judge_leg(taken, now, step, kit, judges, now.forecast)
             return first or _judge_pose(taken, now, step, kit, judges)
         case _:
             return None
+
+
+def _judge_unforeseen(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+) -> Suspicion | None:
+    if judges.early is None:
+        return _judge_leg(taken, now, step, kit, judges, None)
+    return judges.early.doubt(taken, now, step)
 
 
 def legs_to_read_again(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
@@ -92,6 +116,19 @@ def legs_to_read_again(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
         if step.points in pairs and step_ids.group_of(step.id) == group
         if now.outcomes[step.id].kind == "measured"
     )
+
+
+def leg_taken_for(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
+    """Return the leg that was read before with the length of one that is maintained to be right.
+
+    If this is the right pair, that one was likely read of it. A leg that a person maintained too is left: two
+    pairs may have one length.
+    """
+    if suspicion.kind != "same_pair":
+        return ()
+    legs = replace(suspicion, asked=suspicion.suspected or suspicion.asked)
+    read = legs_to_read_again(now, legs)
+    return tuple(step_id for step_id in read if now.outcomes[step_id].text != Answer.RIGHT_PAIR)
 
 
 def _doubt_about_zero(

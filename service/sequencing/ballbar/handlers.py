@@ -15,7 +15,7 @@ from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import HALTS, Act, ActName, ActOutcome, Answer
-from service.sequencing.ballbar.assignments import legs_to_read_again
+from service.sequencing.ballbar.assignments import leg_taken_for, legs_to_read_again
 from service.sequencing.ballbar.floor import Floor
 from service.sequencing.desk import require_person
 from service.sequencing.errors import NotNowError, ReasonMissingError, WatchingTabletError
@@ -33,6 +33,7 @@ _OF_A_STEP: Final = frozenset({
     ActName.BACK,
 })
 _SEEN_AGE_S: Final = 2.0  # a confirmation that was under way for longer says nothing of the cell now
+_ITS_PAIR_CAME: Final = "It may have been read of the pair that came now; it is read once more."
 _END_OF_MOTION: Final = "the motion under way ends first"
 _SUSPICIONS: Final = {
     "same_pair": "this looks like a pair that was read already",
@@ -183,6 +184,8 @@ class ActHandlers:
             raise NotNowError("The answer must be one of right_pair, reconnected, exchanged.")
         if act.answer != Answer.RIGHT_PAIR:
             return await self._read_again(act, suspected.suspicion)
+        for step_id in leg_taken_for(self._floor.now, suspected.suspicion):
+            await self._floor.book.append(EntryKind.REOPENED, step_id, text=_ITS_PAIR_CAME)
         number = await self._floor.book.append(
             EntryKind.MEASURED,
             suspected.step_id,
@@ -196,7 +199,8 @@ class ActHandlers:
     async def _read_again(self, act: Act, suspicion: Suspicion) -> ActOutcome:
         book, step = self._floor.book, self._floor.now.step
         answer = act.answer or act.name.value
-        if answer == Answer.EXCHANGED or suspicion.kind == "exchanged":
+        of_another_leg = step is not None and suspicion.asked != step.points
+        if answer == Answer.EXCHANGED or suspicion.kind == "exchanged" or of_another_leg:
             for step_id in legs_to_read_again(self._floor.now, suspicion):
                 await book.append(EntryKind.REOPENED, step_id, text=answer)
         number = await book.append(

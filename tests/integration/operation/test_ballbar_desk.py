@@ -28,10 +28,10 @@ from tests.integration.web.bench import Bench
 class FakeRunner:
     """Does what the test says, and runs until it is cancelled or told to fail."""
 
-    def __init__(self, plan, kit, cell, ledger, foresight, entries=()):
+    def __init__(self, plan, kit, cell, ledger, foresight, entries=(), judges=None):
         self.situation = situation(plan, kit, entries)
         self.question, self.robot_moving, self.version = None, False, 0
-        self.entries = entries
+        self.entries, self.judges = entries, judges
         self.acts = 0
         self.gate = asyncio.Event()
         self.gate.set()

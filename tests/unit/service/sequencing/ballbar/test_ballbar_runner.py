@@ -364,6 +364,54 @@ async def test_a_doubt_that_the_person_denies_is_stored_with_the_answer():
         assert entry.text == "right_pair"
 
 
+async def test_a_leg_that_was_read_of_another_pair_is_read_again_once_that_pair_comes():
+    first = "placement-1/pose-1/leg-1-1"
+    async with Bench(PLAN, judges=Judges()) as bench:
+        await bench.start()
+        await bench.until(first)
+        await bench.clear_hands(first)
+        bench.hands.connect("leg", LEGS[1])  # taken for the first one: nobody can see that
+        await bench.clock.advance(1.0)
+        await bench.do()  # as asked for: the pair that was read before
+        assert bench.now.suspicion.suspicion.kind == "same_pair"
+
+        await bench.press(ActName.ANSWER, answer="right_pair")
+
+        assert len(bench.kept(LEG)) == 1
+        assert bench.present == first
+        assert bench.now.outcomes[first].length is None
+
+
+async def test_two_pairs_of_one_length_are_read_again_once_at_most():
+    first = "placement-1/pose-1/leg-1-1"
+    async with Bench(PLAN, judges=Judges()) as bench:
+        await bench.start()
+        await bench.until(first)
+        for step_id in (first, LEG, first):
+            await bench.clear_hands(step_id)
+            bench.hands.connect("leg", LEGS[1])
+            await bench.clock.advance(1.0)
+            if bench.now.suspicion is not None:
+                await bench.press(ActName.ANSWER, answer="right_pair")
+
+        assert bench.now.outcomes[first].length is not None
+        assert bench.now.outcomes[LEG].length is not None
+        assert bench.present == "placement-1/pose-1/leg-2-1"
+
+
+async def test_an_earlier_leg_that_is_meant_by_a_doubt_is_read_again():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        bench.oracle.answer = found(make_pose(2), forecasts=(_forecast(2),))
+        await bench.until("placement-1/pose-2/leg-3-1")
+        bench.suspect.of_pose = (Suspicion("other_pair", (1, 1), (3, 3), 300.1, 300.2),)
+        await bench.do()
+
+        await bench.press(ActName.ANSWER, answer="reconnected")
+
+        assert bench.present == "placement-1/pose-2/leg-1-1"
+
+
 async def test_an_answer_that_is_none_is_refused():
     async with Bench(PLAN) as bench:
         await bench.start()
