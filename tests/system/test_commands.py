@@ -336,7 +336,7 @@ def test_an_unknown_effect_lists_the_known_ones(folder):
     [
         (",", "auto"),
         ("geometry,joint_offset", "leave one of the two out"),
-        ("base,base", "leave one of the two out"),
+        ("base,base", "is named twice: name it once"),
     ],
 )
 def test_effects_that_make_no_model_are_refused(folder, effects, words):

@@ -10,7 +10,7 @@ from service.exchange.diagnosis_document import diagnosis_document
 from service.storage.records import DiagnosisRecord
 from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example, known
 from service.web.schemas.diagnosis_document import DiagnosisDocument
-from service.web.schemas.results import EffectName
+from service.web.schemas.results import EffectNames
 
 
 def _day(value: object) -> object:
@@ -20,10 +20,8 @@ def _day(value: object) -> object:
 
 Day = Annotated[date, BeforeValidator(_day)]
 StartEffects = Annotated[
-    list[EffectName] | None,
+    EffectNames | None,
     Field(
-        min_length=1,
-        max_length=32,
         description="Effects of the model that the diagnosis starts from; none of them is a finding. "
         "Null: base, tool as far as unknown, geometry and compliance.",
     ),

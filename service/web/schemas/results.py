@@ -13,6 +13,10 @@ from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Reques
 
 EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
 
+EffectNames = Annotated[
+    list[EffectName], Field(min_length=1, max_length=32, json_schema_extra={"uniqueItems": True})
+]
+
 
 class Document(BaseModel):
     """A document of the command line; keys may be added to it, never renamed."""
@@ -118,10 +122,8 @@ class IdentificationRequest(Request):
     model_config = example({"campaign_id": 1, "effects": ["base", "tool", "geometry", "compliance"]})
 
     campaign_id: Number
-    effects: list[EffectName] | None = Field(
+    effects: EffectNames | None = Field(
         None,
-        min_length=1,
-        max_length=32,
         description="Names of effects; null: base, tool as far as unknown, geometry, and compliance "
         "where the campaign gives masses or torques.",
     )
