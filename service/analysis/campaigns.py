@@ -2,18 +2,20 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sized
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from service.analysis.errors import RoleError
+from service.analysis.uploads import Uploads
 from service.domain.campaign import Campaign
 from service.domain.session import SessionRole
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from service.exchange.campaign_zip import write_campaign_zip
 from service.storage.campaigns import CampaignRepository, NewCampaign
 from service.storage.readings import ReadingRepository
 from service.storage.records import CampaignSummary, RequestKey
 from service.storage.sessions import SessionRepository
 
+_MOST_SENTENCES: Final = 100
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
 
 
@@ -26,17 +28,24 @@ class CampaignDesk:
         sessions: SessionRepository,
         readings: ReadingRepository,
         of_ballbar: OfBallbar,
+        uploads: Uploads,
     ) -> None:
+        self.uploads = uploads
         self._campaigns = campaigns
         self._sessions = sessions
         self._readings = readings
         self._of_ballbar = of_ballbar
 
     async def upload(self, archive: bytes, name: str, key: RequestKey | None = None) -> int:
-        """Store an uploaded zip as it is and return its number; raises InputFileError."""
-        campaign = await asyncio.to_thread(read_campaign_zip, archive, name)
-        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive)
-        return await self._campaigns.add(stored, key)
+        """Store an uploaded zip as it is and return its number; call it within a turn of `uploads`.
+
+        Cancelling it ends the reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
+        """
+        made = None if key is None else await self._campaigns.answered(key)
+        if made is not None:
+            return made
+        found = await self.uploads.read(archive, name)
+        return await self._campaigns.add(NewCampaign(name, found.robot, found.summary, archive), key)
 
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
@@ -52,7 +61,7 @@ class CampaignDesk:
             campaign = await self._of_ballbar(calibration_id)
             campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
         else:
-            campaign = assemble_campaign(calibration, validation)
+            campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
         archive = await asyncio.to_thread(write_campaign_zip, campaign)
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
         stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
@@ -96,9 +105,17 @@ def summary_of(campaign: Campaign) -> CampaignSummary:
         calibration_legs=_rows(campaign.legs),
         validation_legs=_rows(campaign.validation_legs),
         reference_readings=_rows(campaign.reference),
-        ignored=campaign.ignored,
-        notes=campaign.notes,
+        ignored=_first(campaign.ignored),
+        notes=_first(campaign.notes),
     )
+
+
+def _first(sentences: tuple[str, ...]) -> tuple[str, ...]:
+    """Return as many sentences as a list of campaigns can show; the archive keeps all of them."""
+    if len(sentences) <= _MOST_SENTENCES:
+        return sentences
+    more = len(sentences) - _MOST_SENTENCES
+    return (*sentences[:_MOST_SENTENCES], f"There are {more} more like these in the archive.")
 
 
 def _rows(table: Sized | None) -> int:

@@ -6,6 +6,7 @@ AnalysisError
 ├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
 ├── NeverDiagnosedError    no diagnosis of that robot is stored
 ├── RobotsMixedError       diagnoses of several robots would be compared as if they were of one
+├── BusyError              too many ask for the same at once
 └── WorkerDiedError        the worker process ended without an answer
 """
 
@@ -34,6 +35,12 @@ class NeverDiagnosedError(AnalysisError):
 
 class RobotsMixedError(AnalysisError):
     """Diagnoses of several robots would be compared as if they were of one."""
+
+
+class BusyError(AnalysisError):
+    """Too many ask for the same at once; whoever asks again later gets it."""
+
+    retry_after_s = 10
 
 
 class WorkerDiedError(AnalysisError):

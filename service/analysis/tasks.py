@@ -18,7 +18,7 @@ from service.domain.errors import ConfigurationError
 from service.domain.results import Identification, Model, Validation
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionPlan
-from service.storage.records import SessionSetup
+from service.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
     from service.planning.work_space import WorkSpace
@@ -141,8 +141,42 @@ class PrecalibrateTask:
         return precalibrate(self.setup, self.plan, self.counting)
 
 
-Task: TypeAlias = IdentifyTask | ValidateTask | DiagnoseTask | PlanTask | BallbarPlanTask | PrecalibrateTask
-Answer: TypeAlias = Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration
+@dataclass(frozen=True, slots=True)
+class CampaignRead:
+    """What an archive holds that can be read."""
+
+    robot: str
+    summary: CampaignSummary
+
+
+@dataclass(frozen=True, slots=True)
+class ReadCampaignTask:
+    """Read an archive that somebody sent, to know that it can be read."""
+
+    archive: bytes
+    name: str  # what the user calls it
+
+    def perform(self, report: Report) -> CampaignRead:
+        """Return how much it holds; raises TrueposeError."""
+        from service.analysis.campaigns import summary_of
+        from service.exchange.campaign_zip import read_campaign_zip
+
+        campaign = read_campaign_zip(self.archive, self.name)
+        return CampaignRead(campaign.robot.name, summary_of(campaign))
+
+
+Task: TypeAlias = (
+    IdentifyTask
+    | ValidateTask
+    | DiagnoseTask
+    | PlanTask
+    | BallbarPlanTask
+    | PrecalibrateTask
+    | ReadCampaignTask
+)
+Answer: TypeAlias = (
+    Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration | CampaignRead
+)
 
 
 def held_out(campaign: Campaign) -> PointReadings | LegReadings:

@@ -1,19 +1,25 @@
-"""The worker process, `python -m service.analysis.worker`: a task on its input, an answer on its output."""
+"""The worker process, `python -m service.analysis.worker BYTES`: a task comes in, an answer goes out.
+
+It may take so many bytes of memory: what needs more is refused here, where it costs nobody else anything.
+"""
 
 import os
 import sys
 import threading
 import traceback
-from typing import BinaryIO
+from typing import BinaryIO, Final
 
 from service.analysis.pipe import Finished, Progressed, Refused, packed, receive
 from service.analysis.tasks import Task
 from service.domain.errors import TrueposeError
 
+_POLITENESS: Final = 5  # of the processor: a session under way comes first
+
 
 def main() -> int:
     """Perform the task that the service sends."""
     answers = _claim_output()
+    _keep_within(int(sys.argv[1]))
     task = receive(sys.stdin.buffer)
     threading.Thread(target=_end_with_the_service, daemon=True).start()
     _send(answers, _performed(task, answers))
@@ -25,12 +31,26 @@ def _performed(task: Task, answers: BinaryIO) -> Finished | Refused:
         return Finished(task.perform(lambda fraction, doing: _send(answers, Progressed(fraction, doing))))
     except TrueposeError as error:
         return Refused(str(error))
+    except MemoryError:
+        return Refused(
+            f"The task needs more than the {int(sys.argv[1]) // 2**20} MB of memory that it is given; "
+            "nothing was stored, try it with fewer rows."
+        )
     except Exception as error:
         # The traceback goes to the service's log; the sentence to whoever asked.
         traceback.print_exc()
         return Refused(
             f"The program failed at this task ({type(error).__name__}: {error}); please report it."
         )
+
+
+def _keep_within(memory_bytes: int) -> None:
+    """Let the system refuse more memory than that, and give the processor to others first."""
+    if sys.platform != "win32":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+        os.nice(_POLITENESS)
 
 
 def _claim_output() -> BinaryIO:

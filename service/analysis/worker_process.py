@@ -15,6 +15,7 @@ from service.analysis.tasks import Answer, Task
 
 Told = Callable[[float, str], Awaitable[None]]
 _COMMAND = (sys.executable, "-m", "service.analysis.worker")
+_MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
 _DYING_S = 2.0
 _LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
 
@@ -23,10 +24,13 @@ class TaskRefusedError(AnalysisError):
     """The worker answered with a sentence instead of a result."""
 
 
-async def perform_in_worker(task: Task, told: Told, command: tuple[str, ...] = _COMMAND) -> Answer:
+async def perform_in_worker(
+    task: Task, told: Told, command: tuple[str, ...] = _COMMAND, *, memory_bytes: int | None = None
+) -> Answer:
     """Perform `task` in a process of its own and return its answer.
 
-    Cancelling the coroutine kills the process and its children. `told` receives the progress.
+    Cancelling the coroutine kills the process and its children. `told` receives the progress. The process
+    may take `memory_bytes`, by default half of what the computer has: the service lives in the other half.
 
     Raises
     ------
@@ -38,7 +42,12 @@ async def perform_in_worker(task: Task, told: Told, command: tuple[str, ...] = _
     pipe = asyncio.subprocess.PIPE
     # A session of its own makes it the leader of a process group, which can be killed as one.
     process = await asyncio.create_subprocess_exec(
-        *command, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True
+        *command,
+        str(memory_bytes or _half_of_all()),
+        stdin=pipe,
+        stdout=pipe,
+        stderr=pipe,
+        start_new_session=True,
     )
     log: deque[str] = deque(maxlen=_LOG_LINES)
     listening = asyncio.create_task(_keep_log(process, log))
@@ -56,7 +65,8 @@ async def perform_in_worker(task: Task, told: Told, command: tuple[str, ...] = _
 async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:
     if process.stdin is None or process.stdout is None:
         raise WorkerDiedError("The worker process has no pipe.")
-    process.stdin.write(packed(task))
+    # Off the loop: an archive of a large campaign takes its time.
+    process.stdin.write(await asyncio.to_thread(packed, task))
     await process.stdin.drain()
     while True:
         match await _next(process.stdout):
@@ -68,9 +78,17 @@ async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told)
                 raise TaskRefusedError(sentence)
 
 
+def _half_of_all() -> int:
+    """Return half of the computer's memory [bytes]."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, ValueError, OSError):
+        return _MODEST_BYTES
+
+
 async def _next(stream: asyncio.StreamReader) -> Any:
     head = await stream.readexactly(LENGTH_BYTES)
-    return unpacked(await stream.readexactly(body_length(head)))
+    return await asyncio.to_thread(unpacked, await stream.readexactly(body_length(head)))
 
 
 async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> None:

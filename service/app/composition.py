@@ -12,6 +12,7 @@ from drivers.api import Clock
 from drivers.registry import DriverRegistry, load_registry
 from service.analysis.campaigns import CampaignDesk
 from service.analysis.jobs import JobDesk, Perform
+from service.analysis.uploads import Uploads
 from service.analysis.worker_process import perform_in_worker
 from service.app.errors import StartError
 from service.app.simulation import Simulation, running_simulation
@@ -222,7 +223,7 @@ def _context(
     ballbar_desk = BallbarDesk(
         sessions, BallbarLedger(database), rack, work.foresight, work.choose, present=present
     )
-    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign)
+    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),

@@ -1,6 +1,6 @@
 """Campaign folder, format 1, in and out."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,8 +59,7 @@ def write_campaign(campaign: Campaign, folder: Path) -> None:
 def campaign_from(load: Load) -> Campaign:
     """Read a campaign whose files `load` returns by name; it raises MissingFileError."""
     description = read_description(json_document(DESCRIPTION, load(DESCRIPTION)))
-    data = {role: _load_role(description, role, load) for role in description.files}
-    return _with_tables(description, data)
+    return _with_tables(description, load)
 
 
 def _load_role(description: Description, role: str, load: Load) -> bytes:
@@ -77,7 +76,7 @@ def _line(description: Description, role: str) -> int | None:
     return description.files_node.locate((*description.files_node.path, role))
 
 
-def _with_tables(description: Description, data: Mapping[str, bytes]) -> Campaign:
+def _with_tables(description: Description, load: Load) -> Campaign:
     """Return the campaign with its tables and everything that was ignored in them."""
     campaign = description.campaign
     joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
@@ -93,8 +92,8 @@ def _with_tables(description: Description, data: Mapping[str, bytes]) -> Campaig
         "cups": read_cup_table,
     }
     ignored: dict[str, list[str]] = {}
-    for role, text in data.items():
-        table, clauses = readers[role](description.files[role], text)
+    for role in description.files:  # one after the other: the text of a table is larger than the table
+        table, clauses = readers[role](description.files[role], _load_role(description, role, load))
         campaign = replace(campaign, **{role: table})  # type: ignore[arg-type]  # a role is the field of its table
         for clause in clauses:
             ignored.setdefault(clause, []).append(description.files[role])

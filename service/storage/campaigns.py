@@ -10,7 +10,7 @@ from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
 from service.storage.events import add_event
 from service.storage.records import CampaignRecord, CampaignSummary, Page, RequestKey
-from service.storage.request_keys import once
+from service.storage.request_keys import answered, once
 from service.storage.rows import add_row
 from service.storage.tables import campaigns
 
@@ -37,6 +37,10 @@ class CampaignRepository:
     async def add(self, campaign: NewCampaign, key: RequestKey | None = None) -> int:
         """Store a campaign and return its number."""
         return await self._database.write(lambda c: once(c, key, "campaign", lambda i: _add(i, campaign)))
+
+    async def answered(self, key: RequestKey) -> int | None:
+        """Return the campaign that a request with this key made before; raises KeyReusedError."""
+        return await self._database.read(lambda c: answered(c, key, "campaign"))
 
     async def get(self, campaign_id: int) -> CampaignRecord:
         """Return a campaign without its archive; raises NotFoundError."""

@@ -1,21 +1,24 @@
 """Campaigns: upload, make from sessions, download."""
 
+import asyncio
 import json
 from pathlib import PurePath
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request, Response, status
+from fastapi import APIRouter, HTTPException, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
 from starlette.datastructures import UploadFile
 
 from service.web.context import Context, Here
 from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
+from service.web.presence import while_present
 from service.web.problems import problems
 from service.web.schemas.base import VISIBLE
 from service.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
 
 router = APIRouter(tags=["campaigns"])
+_RECEIVING_S = 60.0  # 64 MB at 10 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
 _FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}}
 _BODY: dict[str, Any] = {
@@ -40,7 +43,7 @@ CampaignName = Annotated[
 @router.post(
     "/campaigns",
     status_code=status.HTTP_201_CREATED,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
     openapi_extra=_BODY,
 )
 async def upload_campaign(
@@ -52,16 +55,16 @@ async def upload_campaign(
 ) -> CampaignReply:
     """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
 
-    An uploaded folder brings its own robot. Of two sessions the second one judges what the first identifies.
+    An uploaded folder brings its own robot. One upload is read at a time and a few wait; where too many wait
+    already (503), and where the connection ends before the answer, nothing is stored. Of two sessions the
+    second one judges what the first identifies.
     """
     if _media_type(request) == "application/json":
         number = await _of_sessions(here, request, key)
         response.headers["Location"] = f"/api/v1/campaigns/{number}"
         return campaign_reply(await here.campaigns.get(number))
-    archive, file_name = await _received(request)
-    stored_as = name or PurePath(file_name).stem or "campaign"
-    by_key = None if key is None else request_key(request, key, archive)
-    number = await here.campaign_desk.upload(archive, stored_as, by_key)
+    async with here.campaign_desk.uploads.turn():
+        number = await _stored(here, request, name, key)
     response.headers["Location"] = f"/api/v1/campaigns/{number}"
     return campaign_reply(await here.campaigns.get(number))
 
@@ -105,6 +108,21 @@ async def download_campaign(here: Here, id: Id) -> Response:
     archive = await here.campaigns.archive(id)
     saved_as = {"Content-Disposition": f'attachment; filename="campaign-{id}.zip"'}
     return Response(archive, media_type="application/zip", headers=saved_as)
+
+
+async def _stored(here: Context, request: Request, name: str | None, key: str | None) -> int:
+    """Receive an archive and store it, unless the client goes away meanwhile."""
+    try:
+        async with asyncio.timeout(_RECEIVING_S):
+            archive, file_name = await _received(request)
+    except TimeoutError as error:
+        raise HTTPException(
+            status.HTTP_408_REQUEST_TIMEOUT,
+            f"The archive did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
+        ) from error
+    stored_as = name or PurePath(file_name).stem or "campaign"
+    by_key = None if key is None else await asyncio.to_thread(request_key, request, key, archive)
+    return await while_present(request, here.campaign_desk.upload(archive, stored_as, by_key))
 
 
 async def _of_sessions(here: Context, request: Request, key: str | None) -> int:

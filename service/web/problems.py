@@ -9,10 +9,12 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.routing import Match
 
 from drivers.errors import DeviceRefusedError, DriverError
 from service.analysis.errors import (
+    BusyError,
     NeverDiagnosedError,
     NothingMeasuredError,
     RobotsMixedError,
@@ -77,17 +79,19 @@ _STATUS: Mapping[type[Exception], HTTPStatus] = {
     InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
     StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
     RecordRefusedError: HTTPStatus.SERVICE_UNAVAILABLE,
+    BusyError: HTTPStatus.SERVICE_UNAVAILABLE,
     DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
     TrueposeError: HTTPStatus.UNPROCESSABLE_ENTITY,
 }
 _MEANING: Mapping[int, str] = {
     400: "The request cannot be read.",
     404: "There is no such thing.",
+    408: "The body did not arrive in time.",
     409: "Not in the present state.",
     413: "The body is too large.",
     415: "The body has a type that is not understood here.",
     422: "The request is readable and wrong; the sentence names the field.",
-    503: "A device or the disk does not answer.",
+    503: "A device or the disk does not answer, or too many ask at once.",
 }
 
 
@@ -134,11 +138,18 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _on_http)
     app.add_exception_handler(TrueposeError, _on_refusal)
     app.add_exception_handler(DriverError, _on_refusal)
+    app.add_exception_handler(ClientDisconnect, _on_nobody)
 
 
 async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
     status = next(status for kind, status in _STATUS.items() if isinstance(error, kind))
-    return problem_response(request, status, str(error))
+    headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
+    return problem_response(request, status, str(error), headers)
+
+
+async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
+    # Nobody reads it, and the log is for what went wrong here.
+    return problem_response(request, HTTPStatus.REQUEST_TIMEOUT, "The connection ended before the answer.")
 
 
 async def _on_http(request: Request, error: Exception) -> JSONResponse:

@@ -1,10 +1,13 @@
 """Campaigns over REST: uploaded, made of sessions, downloaded."""
 
+import asyncio
+import contextlib
 import io
 import zipfile
 
 import pytest
 
+from service.analysis.uploads import Uploads
 from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from tests.builders import make_campaign
 from tests.integration.web.bench import session_request
@@ -162,3 +165,77 @@ async def test_sessions_that_are_not_there_make_no_campaign(client):
     refused = await client.post(CAMPAIGNS, json={"session_ids": [7]})
 
     assert refused.status_code == 404
+
+
+class Waiting:
+    """Reads for ever, until it is not wanted any more."""
+
+    def __init__(self):
+        self.begun, self.ended = asyncio.Event(), asyncio.Event()
+
+    async def __call__(self, task, told):
+        self.begun.set()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self.ended.set()
+
+
+async def test_a_client_that_goes_away_ends_the_reading_and_nothing_is_stored(app, client):
+    waiting = Waiting()
+    app.state.context.campaign_desk.uploads = Uploads(waiting)
+    sent = asyncio.Queue()
+    sent.put_nowait({"type": "http.request", "body": b"PK", "more_body": False})
+    scope = {
+        "type": "http",
+        "method": "POST",
+        "path": CAMPAIGNS,
+        "query_string": b"",
+        "headers": [(b"host", b"service"), (b"content-type", b"application/zip"), (b"content-length", b"2")],
+        "client": ("127.0.0.1", 1),
+        "server": ("127.0.0.1", 8000),
+    }
+
+    async def nobody(message):
+        pass
+
+    request = asyncio.create_task(app(scope, sent.get, nobody))
+    async with asyncio.timeout(10):
+        await waiting.begun.wait()
+        sent.put_nowait({"type": "http.disconnect"})
+        await waiting.ended.wait()
+        await request
+
+    assert (await client.get(CAMPAIGNS)).json() == []
+
+
+async def test_where_too_many_uploads_wait_the_next_one_is_asked_to_come_again(app, client):
+    uploads = app.state.context.campaign_desk.uploads
+    async with contextlib.AsyncExitStack() as held:
+        for _ in range(2):
+            await held.enter_async_context(uploads.turn())
+        waiting = [asyncio.create_task(held_turn(uploads)) for _ in range(6)]
+        await asyncio.sleep(0)
+
+        refused = await client.post(CAMPAIGNS, content=b"PK", headers=ZIP)
+
+        for task in waiting:
+            task.cancel()
+    assert refused.status_code == 503
+    assert int(refused.headers["Retry-After"]) > 0
+    assert "Too many uploads wait already" in refused.json()["detail"]
+
+
+async def held_turn(uploads):
+    async with uploads.turn():
+        await asyncio.Event().wait()
+
+
+async def test_an_upload_that_was_stored_is_not_read_again_for_its_key(app, client):
+    archive, headers = write_campaign_zip(make_campaign()), {**ZIP, "Idempotency-Key": "u-1"}
+    first = await client.post(CAMPAIGNS, content=archive, headers=headers)
+    app.state.context.campaign_desk.uploads = Uploads(Waiting())
+
+    again = await client.post(CAMPAIGNS, content=archive, headers=headers)
+
+    assert again.json() == first.json()
