@@ -84,8 +84,9 @@ def _records() -> Any:
 def _current(connection: Connection, session_id: int, config: int, nest: int) -> int | None:
     query = (
         select(readings.c.id)
-        .where(readings.c.session_id == session_id, readings.c.kind == "point")
+        .where(readings.c.session_id == session_id)
         .where(readings.c.config == config, readings.c.nest == nest)
+        .where(readings.c.kind == "point")
         .order_by(readings.c.id.desc())
         .limit(1)
     )

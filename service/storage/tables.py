@@ -60,6 +60,8 @@ readings = sa.Table(
     sa.Column("supersedes", sa.Integer, sa.ForeignKey("readings.id"), nullable=True, unique=True),
     sa.Column("document", sa.JSON, nullable=False),
     sa.Index("ix_readings_session_id", "session_id", "id"),
+    sa.Index("ix_readings_place", "session_id", "config", "nest", "id"),
+    sa.Index("ix_readings_counted", "session_id", "kind", "supersedes"),
     sqlite_autoincrement=True,
 )
 
@@ -121,6 +123,7 @@ ballbar_entries = sa.Table(
     sa.Column("document", sa.JSON, nullable=False),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
     sa.Index("ix_ballbar_entries_session_id", "session_id", "id"),
+    sa.Index("ix_ballbar_entries_kind", "session_id", "kind", "step_id"),
     sqlite_autoincrement=True,
 )
 
