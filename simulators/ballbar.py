@@ -19,6 +19,8 @@ BarSet: TypeAlias = Literal["tool", "base"]
 # What the display shows at the stops of the transducer, beyond anything within its range.
 _AT_STOP = 1.05
 _ENDS = 2
+# A hand that plays with the bar: mostly run out to its end, now and then through its range.
+_SWAY_RANGES, _SWAY_S = 1.5, 0.8  # about twice the range, either way, and how long one to and fro takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,12 @@ class OnCalibrator:
     """The ballbar lies on its calibrator."""
 
 
-Seat: TypeAlias = Span | OnCalibrator
+@dataclass(frozen=True, slots=True)
+class InHand:
+    """The person holds the ballbar, which moves as a hand does."""
+
+
+Seat: TypeAlias = Span | OnCalibrator | InHand
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +89,7 @@ class Ballbar:
         self.setup = setup
         self.bars: BarSet | None = None
         self.plugged = True
+        self.switched_on = True
         self._around = around
         self._noise = noise
         self._handling = handling
@@ -124,6 +132,11 @@ class Ballbar:
         self._snap(1)
         self._seat = None
 
+    def take_in_hand(self) -> None:
+        """Be held by the person, off every ball."""
+        self._snap(1)
+        self._sit(InHand())
+
     def come_off(self, time_s: float) -> None:
         """Lose a ball at a cell time, now or later: a magnet lets go."""
         self._comes_off_s = time_s
@@ -133,7 +146,7 @@ class Ballbar:
         self._sequence += 1
         temperature_c = self._around.temperature_c(time_s)
         seat = self.seat(time_s)
-        if seat is None or not self.plugged:
+        if seat is None or not self.plugged or not self.switched_on:
             return BallbarSample(math.nan, "none", temperature_c, self._sequence)
         shown = self._length_mm(seat, time_s) - self.nominal_mm + self._offset_mm + self._walk_mm
         if self._noise is not None:
@@ -148,6 +161,9 @@ class Ballbar:
         """Return the length before zero and noise; the calibrator is as long as its certificate says."""
         if isinstance(seat, OnCalibrator):
             return self.nominal_mm
+        if isinstance(seat, InHand):
+            sway = _SWAY_RANGES * (1.0 + math.sin(2.0 * math.pi * time_s / _SWAY_S))
+            return self.nominal_mm + sway * self.setup.range_mm
         true = self._around.distance_mm(seat, time_s)
         age_s = time_s - self._initialised_s
         return true + seat.wild_mm + self._around.error_mm(true, self._initialisation, age_s, time_s)

@@ -11,7 +11,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from simulators.ballbar import Ball, Ballbar, BarSet, OnCalibrator, Span
+from simulators.ballbar import Ball, Ballbar, BarSet, Span
 from simulators.errors import HandsError, ScenarioError
 from simulators.fixture import Fixture
 from simulators.physics.rigid import FloatArray, placed
@@ -121,12 +121,15 @@ class Hands:
             "connect": (_Leg, self._connect),
             "side": (_Side, self._side),
             "detach": (_Nothing, self._detach),
+            "hold": (_Nothing, self._hold),
             "place_base": (_Placement, self._place_base),
             "fit_ball": (_Nothing, self._fit_ball),
             "remove_ball": (_Nothing, self._remove_ball),
             "clamp": (_Cup, self._clamp),
             "pull_cable": (_Nothing, self._pull_cable),
             "plug_cable": (_Nothing, self._plug_cable),
+            "switch_off": (_Nothing, self._switch_off),
+            "switch_on": (_Nothing, self._switch_on),
         })
 
     def do(self, action: str, details: Mapping[str, Detail]) -> None:
@@ -201,6 +204,9 @@ class Hands:
             raise HandsError("the ballbar is not attached to anything")
         self._ballbar.take_off()
 
+    def _hold(self, _: _Nothing) -> None:
+        self._ballbar.take_in_hand()
+
     def _place_base(self, wish: _Placement) -> None:
         if wish.placement < 1:
             raise HandsError(f"placements count from 1, not {wish.placement}")
@@ -240,6 +246,16 @@ class Hands:
         if self._ballbar.plugged:
             raise HandsError("the cable of the ballbar is in already")
         self._ballbar.plugged = True
+
+    def _switch_off(self, _: _Nothing) -> None:
+        if not self._ballbar.switched_on:
+            raise HandsError("the ballbar is switched off already")
+        self._ballbar.switched_on = False
+
+    def _switch_on(self, _: _Nothing) -> None:
+        if self._ballbar.switched_on:
+            raise HandsError("the ballbar is switched on already")
+        self._ballbar.switched_on = True
 
     def _put_between(self, first: Ball, second: Ball) -> None:
         """Connect two balls, of a nest the one that is truly taken for it."""
@@ -296,7 +312,7 @@ class Hands:
 
     def _need_ballbar_aside(self, deed: str) -> None:
         seat = self._ballbar.seat(self._workplace.now_s)
-        if seat is not None and not isinstance(seat, OnCalibrator):
+        if isinstance(seat, Span):
             raise HandsError(
                 f"the ballbar is between {seat.first} and {seat.second}: detach it before {deed}"
             )

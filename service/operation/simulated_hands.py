@@ -20,9 +20,12 @@ ACTIONS: Final = (
     "clamp",
     "pull_cable",
     "plug_cable",
+    "hold",
+    "switch_off",
+    "switch_on",
 )
 _TAKES: Final = frozenset({"calibrator", "connect", "side"})
-_LEAVES: Final = frozenset({"detach"})
+_LEAVES: Final = frozenset({"detach", "hold"})
 
 
 class HandsDesk:

@@ -110,7 +110,11 @@ class ActRequest(Request):
     tablet: Annotated[str, AfterValidator(tidy_name)] = Field(
         min_length=1, max_length=100, pattern=NAME_PATTERN, examples=["tablet-1"]
     )
-    reason: str = Field("", max_length=2000, description="Of a skip, a pause, a stop.")
+    reason: str = Field(
+        "",
+        max_length=2000,
+        description="Of a skip, a pause, a stop; how one knows that a ballbar that cannot be read is off.",
+    )
     answer: Annotated[Answer | None, Field(strict=False)] = Field(None, description="To a suspicion.")
     seen_time_s: float | None = Field(
         None,
@@ -132,7 +136,7 @@ class HandsRequest(Request):
 
     action: Literal[
         "calibrator", "connect", "side", "detach", "place_base", "fit_ball", "remove_ball", "clamp",
-        "pull_cable", "plug_cable",
+        "pull_cable", "plug_cable", "hold", "switch_off", "switch_on",
     ]  # fmt: skip
     bars: Literal["tool", "base"] | None = Field(None, description="calibrator: made up with these.")
     base: BasePoint | None = Field(None, description="connect: cup of the base.")

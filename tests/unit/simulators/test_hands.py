@@ -534,3 +534,34 @@ def test_the_new_parts_of_the_cell_leave_the_tracker_as_it_was(make_cell):
 
     assert np.array_equal(plain.plant.motions, other.plant.motions)
     assert np.array_equal(plain.tracker.frame, other.tracker.frame)
+
+
+async def test_a_ballbar_in_a_hand_moves_and_is_mostly_out_of_range(posed):
+    cell = await posed(noise=False)
+    cell.hands.do("connect", LEG)
+
+    cell.hands.do("hold", {})
+
+    seen = [cell.ballbar.sample(cell.clock.now_s + 0.05 * n) for n in range(40)]
+    assert {sample.signal for sample in seen} == {"good", "out_of_range"}
+    assert sum(sample.signal == "good" for sample in seen) < 20
+    inside = [sample.deviation_mm for sample in seen if sample.signal == "good"]
+    assert max(inside) - min(inside) > 0.5
+    await move(cell, OTHER_POSE)
+    assert (cell.hands.accidents, cell.hands.motions_attached) == (0, 0)
+
+
+async def test_a_ballbar_that_is_switched_off_says_nothing_and_is_torn_off_all_the_same(posed):
+    cell = await posed(ballbar=wide())
+    cell.hands.do("connect", LEG)
+
+    cell.hands.do("switch_off", {})
+
+    assert shown(cell).signal == "none"
+    with pytest.raises(HandsError, match="off already"):
+        cell.hands.do("switch_off", {})
+    await move(cell, OTHER_POSE)
+    assert cell.hands.accidents == 1
+    cell.hands.do("switch_on", {})
+    cell.hands.do("calibrator", {"bars": "base"})
+    assert shown(cell).signal == "good"
