@@ -187,7 +187,16 @@ class LedgerEntry:
     identity: IdentityTaken | None = None
 
 
-SuspicionKind: TypeAlias = Literal["same_pair", "other_pair", "exchanged", "unlikely"]
+SuspicionKind: TypeAlias = Literal[
+    "same_pair",
+    "other_pair",
+    "exchanged",
+    "unlikely",
+    "calibrator",  # the ballbar seems to be on the calibrator, where a pair was asked for
+    "same_connection",  # it was not let go since a length was taken that is not what is asked for
+    "not_calibrator",  # a zero so far from the one before that one of them was not read on the calibrator
+    "same_bars",  # the zero is that of the other bars
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ class Permission:
 
 _LOOK_TWICE_S: Final = 0.5  # between two looks; 0.02 deg/s is then seen in a reply rounded to 0.01 deg
 
-AskPermission: TypeAlias = Callable[[], Permission]
+AskPermission: TypeAlias = Callable[[float], Permission]  # at a cell time
 
 
 class Arm:
@@ -104,7 +104,7 @@ class Arm:
             raise MotionForbiddenError("The arm is still moving; nothing is sent before it is at rest.")
 
     def _require_permission(self, target_rad: tuple[float, ...], reading: JointReading, now_s: float) -> None:
-        permission = self._ask_permission()
+        permission = self._ask_permission(now_s)
         conditions = MotionConditions(
             state=permission.state,
             stop_requested=permission.stop_requested,

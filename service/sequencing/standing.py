@@ -45,7 +45,7 @@ class Standing:
         """Whether the session has ended, or the end was asked for."""
         return has_ended(self.state) or self.wish is SessionState.ABORTING
 
-    def permission(self) -> Permission:
+    def permission(self, _: float) -> Permission:
         """Return what the session says at this moment about motion."""
         return Permission(self.state, self.wish is not None, self.desk.question, self.trouble)
 

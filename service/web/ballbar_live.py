@@ -33,6 +33,11 @@ _SAMPLE: Final = {
     "spread_mm": 0.0012,
     "robot_still": True,
     "sampled_at_ms": 1777885953125.0,
+    "ballbar": "connected",
+    "reason_needed": False,
+    "can_store": True,
+    "why_not": None,
+    "let_go": True,
 }
 _EXAMPLE: Final = f"event: sample\ndata: {json.dumps(_SAMPLE)}\n\n"
 _STREAM: Final = {"text/event-stream": {"schema": {"type": "string"}, "example": _EXAMPLE}}
@@ -144,4 +149,9 @@ def _document(sample: LiveSample) -> dict[str, object]:
         "spread_mm": sample.spread_mm,
         "robot_still": sample.robot_still,
         "sampled_at_ms": sample.sampled_at_ms,
+        "ballbar": sample.ballbar,
+        "reason_needed": sample.reason_needed,
+        "can_store": sample.can_store,
+        "why_not": sample.why_not,
+        "let_go": sample.let_go,
     }

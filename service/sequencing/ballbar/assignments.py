@@ -2,21 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import Protocol
 
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
 from service.domain.errors import ConfigurationError
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.acts import Answer
-from service.sequencing.ballbar.lengths import bars_of
+from service.sequencing.ballbar.misplaced import NO_PAIR, calibrator_doubt, contact_doubt
 from service.sequencing.ballbar.situation import Situation
 from service.validation.connections import judge_leg, judge_pose
-
-NO_PAIR: Final[Leg] = (0, 0)  # of the calibrator
-# The zero of the same bars walks by some micrometres of snaps and warmth from group to group; a leg that is
-# taken for the calibrator is off by tenths of a millimetre.
-_ZERO_WALK: Final = 10.0  # times the uncertainty of a zero
 
 
 class JudgeLeg(Protocol):
@@ -70,21 +65,34 @@ class Judges:
 
 
 def doubt(
-    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+    taken: LengthTaken,
+    now: Situation,
+    step: BallbarStep,
+    kit: BallbarKit,
+    judges: Judges,
+    held_for: str | None = None,
 ) -> Suspicion | None:
-    """Return why a length should not be stored for this step unasked; None where it may."""
-    try:
-        return _doubt(taken, now, step, kit, judges)
-    except ConfigurationError:  # what cannot be judged is not stored silently either
-        return Suspicion("unlikely", step.points or NO_PAIR, None, taken.length_mm, step.expected_mm)
+    """Return why a length should not be stored for this step unasked; None where it may.
+
+    `held_for` is the step whose length the present connection gave before; None where it was let go since.
+    """
+    first = calibrator_doubt(taken, now, step, kit, held_for)
+    return first or _doubt(taken, now, step, kit, judges) or contact_doubt(taken, step, held_for)
 
 
 def _doubt(
     taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
 ) -> Suspicion | None:
+    try:
+        return _judge(taken, now, step, kit, judges)
+    except ConfigurationError:  # what cannot be judged is not stored silently either
+        return Suspicion("unlikely", step.points or NO_PAIR, None, taken.length_mm, step.expected_mm)
+
+
+def _judge(
+    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit, judges: Judges
+) -> Suspicion | None:
     match step.kind:
-        case StepKind.INITIALISE:
-            return _doubt_about_zero(taken, now, step, kit)
         case StepKind.MEASURE_SIDE if step.artefact == "base":
             # The sides of the tool triangle are equal by make; those of the base are as the robot errs.
             return _judge_unforeseen(taken, now, step, kit, judges)
@@ -129,17 +137,6 @@ def leg_taken_for(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
     legs = replace(suspicion, asked=suspicion.suspected or suspicion.asked)
     read = legs_to_read_again(now, legs)
     return tuple(step_id for step_id in read if now.outcomes[step_id].text != Answer.RIGHT_PAIR)
-
-
-def _doubt_about_zero(
-    taken: LengthTaken, now: Situation, step: BallbarStep, kit: BallbarKit
-) -> Suspicion | None:
-    before = now.zero_before
-    if before is None or abs(taken.zero_mm - before.zero_mm) <= _ZERO_WALK * kit.zero_u_mm:
-        return None
-    calibrator_mm = bars_of(step, kit).calibrator_mm
-    seen_mm = calibrator_mm + taken.zero_mm - before.zero_mm
-    return Suspicion("unlikely", NO_PAIR, None, seen_mm, calibrator_mm)
 
 
 def _judge_leg(

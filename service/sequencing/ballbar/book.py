@@ -66,10 +66,12 @@ class Book:
         return steps(self._plan, self._kit)
 
     @property
-    def last_length(self) -> LengthTaken | None:
-        """The length that was read last, stored or under suspicion; None where none was."""
-        lengths = (entry.length for entry in reversed(self._entries) if entry.length is not None)
-        return next(lengths, None)
+    def last_length(self) -> tuple[LengthTaken, str] | None:
+        """The length that was read last, and the step it was stored for ("": it was not); None: none was."""
+        entry = next((entry for entry in reversed(self._entries) if entry.length is not None), None)
+        if entry is None or entry.length is None:
+            return None
+        return entry.length, entry.step_id if entry.kind is EntryKind.MEASURED else ""
 
     async def open(self) -> None:
         """Record, once, that the service was started anew where an earlier run had begun the session."""

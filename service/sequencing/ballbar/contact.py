@@ -17,6 +17,7 @@ class Contact:
 
     def __init__(self) -> None:
         self._taken_mm: float | None = None
+        self._taken_for = ""
         self._lost = True
         self._jumped = False
         self._before_mm: float | None = None
@@ -29,9 +30,10 @@ class Contact:
             self._jumped = True
         self._before_mm = deviation_mm
 
-    def take(self, deviation_mm: float) -> None:
-        """Remember that a length was taken here, or that what is connected now is not what is asked for."""
+    def take(self, deviation_mm: float, step_id: str) -> None:
+        """Remember that a length was taken here for a step; "" where it is not what was asked for."""
         self._taken_mm = deviation_mm
+        self._taken_for = step_id
         self._lost = self._jumped = False
 
     def distrust(self) -> None:
@@ -42,6 +44,10 @@ class Contact:
     def forget(self) -> None:
         """Let the present connection be read again: a person wants that."""
         self._lost = True
+
+    def held_for(self, deviation_mm: float) -> str | None:
+        """Return the step for which what is connected was taken already; None where it is new."""
+        return None if self.is_new(deviation_mm) else self._taken_for
 
     def is_new(self, deviation_mm: float) -> bool:
         """Whether a length that stands at this deviation belongs to another connection."""

@@ -14,7 +14,7 @@ from service.domain.ballbar import EntryKind, LengthTaken, StepKind, Suspicion
 from service.domain.errors import RecordRefusedError
 from service.domain.identities import IdentityTaken
 from service.domain.session import SessionState
-from service.sequencing.ballbar import control
+from service.sequencing.ballbar import control, step_ids
 from service.sequencing.ballbar.acquaintances import Acquaintances
 from service.sequencing.ballbar.acts import Act
 from service.sequencing.ballbar.assignments import Judges, doubt
@@ -27,6 +27,7 @@ from service.sequencing.errors import ForeignRobotError, NotNowError
 from service.sequencing.identities import accepted, same_number, sentence
 
 _PUT_IT_RIGHT = "Put it right."
+_SEEN_ON = "The ballbar read a length within its range."
 _NO_WAY = "The pre-calibration found no clear way to this pose."
 
 
@@ -87,10 +88,11 @@ class Floor:
         now, step = self.now, self.now.step
         if step is None:
             return 0, None
-        suspicion = doubt(taken, now, step, self.kit, self.judges)
+        held_for = self.readings.contact.held_for(taken.deviation_mm)
+        suspicion = doubt(taken, now, step, self.kit, self.judges, held_for)
         kind = EntryKind.MEASURED if suspicion is None else EntryKind.SUSPECTED
         number = await self.book.append(kind, step.id, act, length=taken, suspicion=suspicion)
-        self.readings.contact.take(taken.deviation_mm)
+        self.readings.contact.take(taken.deviation_mm, step.id if suspicion is None else held_for or "")
         self.readings.begin_anew()
         return number, suspicion
 
@@ -150,6 +152,12 @@ class Floor:
         await self.settle()
         raise NotNowError(f"Nothing was stored. {sentence(found)}")
 
+    async def note_attached(self) -> None:
+        """Reopen that the ballbar is off, where a length was seen against it: it is asked for again."""
+        step = self.now.step
+        if step is not None and step.kind is StepKind.MOVE and not self.now.attached:
+            await self.book.append(EntryKind.REOPENED, step_ids.detach(step.id), text=_SEEN_ON)
+
     async def lose_stop(self, reason: str) -> None:
         """Reopen what was done at a stop where the arm no longer stands."""
         if self.now.stop is not None:
@@ -169,8 +177,8 @@ class Floor:
             return None
         return self.stand.moved_from(arrival, reading)
 
-    async def require_stop(self) -> None:
-        """See for oneself that the arm still is where a reading was taken; raises NotNowError."""
+    async def require_stop(self, otherwise: str = "Nothing was stored") -> None:
+        """See for oneself that the arm still is where it came to rest; raises NotNowError."""
         if self.now.stop is None:
             return
         try:
@@ -178,11 +186,11 @@ class Floor:
         except DriverError as error:
             await self.stand.close()
             await self.hold(str(error))
-            raise NotNowError(f"Nothing was stored: {error}") from error
+            raise NotNowError(f"{otherwise}: {error}") from error
         if moved is not None:
             await self.lose_stop(moved)
             await self.hold(moved)
-            raise NotNowError(f"Nothing was stored: {moved}")
+            raise NotNowError(f"{otherwise}: {moved}")
 
     async def _enter_cell(self) -> bool:
         """Open the robot and see whether it stands where the session left it; returns whether it answers."""

@@ -9,13 +9,14 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias
 
 from drivers.api import Clock
-from service.domain.ballbar import EntryKind, StepKind, Suspicion
+from service.domain.ballbar import EntryKind, StepKind, Suspicion, SuspicionKind
 from service.domain.errors import RecordRefusedError
 from service.domain.people import tidy_name
 from service.domain.session import SessionState
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import HALTS, Act, ActName, ActOutcome, Answer
 from service.sequencing.ballbar.assignments import leg_taken_for, legs_to_read_again
+from service.sequencing.ballbar.evidence import NOTHING_KNOWN, STILL_ON
 from service.sequencing.ballbar.floor import Floor
 from service.sequencing.desk import require_person
 from service.sequencing.errors import NotNowError, ReasonMissingError, WatchingTabletError
@@ -35,11 +36,16 @@ _OF_A_STEP: Final = frozenset({
 _SEEN_AGE_S: Final = 2.0  # a confirmation that was under way for longer says nothing of the cell now
 _ITS_PAIR_CAME: Final = "It may have been read of the pair that came now; it is read once more."
 _END_OF_MOTION: Final = "the motion under way ends first"
-_SUSPICIONS: Final = {
+NEEDS_BALLBAR_OFF: Final = frozenset({StepKind.DETACH, StepKind.MOVE})
+_SUSPICIONS: Final[dict[SuspicionKind, str]] = {
     "same_pair": "this looks like a pair that was read already",
     "other_pair": "this looks like another pair than the one asked for",
     "exchanged": "two legs seem to be exchanged",
     "unlikely": "this is far from what was to be expected",
+    "calibrator": "the ballbar seems to be on the calibrator still",
+    "same_connection": "the ballbar was not let go since a length was read that is not this one",
+    "not_calibrator": "this is no length of the calibrator, or the zero before was none",
+    "same_bars": "this is the zero of the other bars",
 }
 
 
@@ -152,14 +158,39 @@ class ActHandlers:
             self._require_may_go_on()
             await self._floor.answer_about_ballbar(act.accepted_serial, tidy_name(act.person))
             return await self._go_on(act, "confirmed that the cell is clear")
-        step_id = act.step_id or ""
-        if now.step is None or now.step.kind is not StepKind.MOVE:
-            return ActOutcome("Done.", await self._floor.book.append(EntryKind.CONFIRMED, step_id, act))
-        self._floor.motion.require_within_limits(now.step)
+        step = now.step
+        if step is not None and step.kind is StepKind.CLAMP_CUP:  # the cup is where the arm holds the ball
+            await self._floor.require_stop("The cup does not count as clamped")
+        if step is None or step.kind not in NEEDS_BALLBAR_OFF:
+            return ActOutcome("Done.", await self._keep_confirmed(act))
+        word = await self._word_that_it_is_off(act)
+        if step.kind is not StepKind.MOVE:
+            return ActOutcome("Done.", await self._keep_confirmed(act, word))
+        self._floor.motion.require_within_limits(step)
         await self._require_present_look(act)
         self._floor.motion.confirmed_s = await self._clock.now_s()
-        number = await self._floor.book.append(EntryKind.CONFIRMED, step_id, act)
-        return ActOutcome("Confirmed; the robot moves.", number)
+        return ActOutcome("Confirmed; the robot moves.", await self._keep_confirmed(act, word))
+
+    async def _keep_confirmed(self, act: Act, word: str = "") -> int:
+        number = await self._floor.book.append(EntryKind.CONFIRMED, act.step_id or "", act, text=word)
+        if word:
+            self._floor.readings.evidence.believe()
+        return number
+
+    async def _word_that_it_is_off(self, act: Act) -> str:
+        """Return the person's reason where nothing shows that the ballbar is off; "" where samples do.
+
+        Raises NotNowError where it reads a length, ReasonMissingError.
+        """
+        evidence, now_s = self._floor.readings.evidence, await self._clock.now_s()
+        if evidence.says(now_s) == "connected":
+            raise NotNowError(STILL_ON)
+        if not evidence.needs_reason(now_s):
+            return ""
+        reason = act.reason.strip()
+        if not reason:
+            raise ReasonMissingError(NOTHING_KNOWN)
+        return reason
 
     async def _require_present_look(self, act: Act) -> None:
         if act.seen_time_s is None:
@@ -213,7 +244,7 @@ class ActHandlers:
         if suspected is not None:
             return await self._read_again(act, suspected.suspicion)
         number = await self._floor.show(act, text=ActName.RETRY.value)
-        self._floor.readings.contact.forget()
+        self._floor.readings.let_read_again(act.step_id or "")
         return ActOutcome("The step begins again.", number)
 
     async def _skip(self, act: Act) -> ActOutcome:
@@ -224,12 +255,13 @@ class ActHandlers:
         return ActOutcome("Skipped; what is read already stays.", number)
 
     async def _back(self, act: Act) -> ActOutcome:
-        floor = self._floor
-        sample = floor.readings.sample
+        floor, left = self._floor, act.step_id or ""
+        sample, contact = floor.readings.sample, floor.readings.contact
         connected_mm = sample.deviation_mm if sample else None
         number = await floor.book.append(
             EntryKind.REOPENED, floor.now.back_to or "", act, text=act.reason.strip()
         )
         if connected_mm is not None:  # what is connected now is not what the reopened step asks for
-            floor.readings.contact.take(connected_mm)
+            held_for = contact.held_for(connected_mm)
+            contact.take(connected_mm, left if held_for is None else held_for)
         return ActOutcome("Back; what was kept there counts no more.", number)

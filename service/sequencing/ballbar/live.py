@@ -8,9 +8,11 @@ from typing import Final, Literal, TypeAlias
 from drivers.api import BallbarReading
 
 LiveState: TypeAlias = Literal["in_range", "out_low", "out_high", "unstable", "no_signal"]
+Seen: TypeAlias = Literal["connected", "in_hand", "off", "unknown"]  # what is known of the ballbar
+WhyNot: TypeAlias = Literal["no_length_here", "no_signal", "out_low", "out_high", "unstable"]
 
 # The ballbar of the thesis read up to 0.025 mm beyond its range (section 3.6): a good signal counts so far.
-_BEYOND_RANGE_MM: Final = 0.05
+BEYOND_RANGE_MM: Final = 0.05
 _FEWEST: Final = 3  # samples that can show a scatter at all
 _SURE: Final = 8  # differences from the mean from which a scatter can be judged; two samples differ by chance
 _ROUNDING_S: Final = 1e-6  # twenty steps of 0.05 s are a second
@@ -28,6 +30,11 @@ class LiveSample:
     spread_mm: float | None  # twice the standard deviation since it stands still
     robot_still: bool
     sampled_at_ms: int  # wall clock, when the driver had it
+    ballbar: Seen = "unknown"
+    reason_needed: bool = False  # to confirm that the ballbar is off: nothing is known of it
+    can_store: bool = False  # by the button
+    why_not: WhyNot | None = None  # where it cannot be stored
+    let_go: bool = True  # since a length was last taken; else a stored length is put to a person
 
 
 class Window:
@@ -113,6 +120,6 @@ def live_state(
     if reading is None or reading.signal == "none" or not math.isfinite(reading.deviation_mm):
         return "no_signal"
     off = reading.deviation_mm if off_nominal_mm is None else off_nominal_mm
-    if reading.signal == "out_of_range" or abs(off) > range_mm + _BEYOND_RANGE_MM:
+    if reading.signal == "out_of_range" or abs(off) > range_mm + BEYOND_RANGE_MM:
         return "out_high" if off > 0 else "out_low"
     return "unstable" if unsteady else "in_range"

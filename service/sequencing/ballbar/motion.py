@@ -1,8 +1,9 @@
 """The one place from which a ballbar session moves the arm, and what forbids it on top of the interlocks.
 
 A motion takes a person's confirmation that is fresh, a ballbar that is known to be off and no doubt that
-waits for an answer. The arm's own interlocks look at state, wishes, age of the robot's statement, joints
-and limits, before every segment of the way.
+waits for an answer. The ballbar's samples are watched to the end: where they show a length while the arm
+moves, nothing more is sent. The arm's own interlocks look at state, wishes, age of the robot's statement,
+joints and limits, before every segment of the way.
 """
 
 from typing import Final
@@ -14,6 +15,7 @@ from service.sequencing.arm import Arm, Permission
 from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_motion
+from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.stand import Stand, joint_away
 from service.sequencing.errors import ForeignRobotError, MotionForbiddenError
 from service.sequencing.identities import judge, sentence
@@ -25,7 +27,13 @@ class Motion:
     """Moves the arm to the stop of a step and reads where it came to rest."""
 
     def __init__(
-        self, plan: BallbarPlan, cell: BallbarCell, limits: tuple[JointRange, ...], book: Book, stand: Stand
+        self,
+        plan: BallbarPlan,
+        cell: BallbarCell,
+        limits: tuple[JointRange, ...],
+        book: Book,
+        stand: Stand,
+        readings: Readings,
     ) -> None:
         self._plan = plan
         self._robot = cell.robot
@@ -34,6 +42,7 @@ class Motion:
         self._clock = cell.clock
         self._book = book
         self._stand = stand
+        self._readings = readings
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
@@ -43,6 +52,7 @@ class Motion:
             plan.state_age_s,
         )
         self.moving = False
+        self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
         self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
         self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
 
@@ -75,11 +85,16 @@ class Motion:
             await self._require_same_robot()
             left = await self._left_of((*step.via_rad, step.target_rad))
             self._stand.forget()
+            await self._require_ballbar_off()
+            self._readings.evidence.watch_motion()
             for joints in left:
                 await self._arm.move(joints)
+                await self._require_ballbar_off()
             await self._clock.sleep(self._plan.settle_s)
             return await self._arrival(step.target_rad)
         finally:
+            self.saw_ballbar = self._readings.evidence.proves_attached
+            self._readings.evidence.end_motion()
             self.moving = False
             self.confirmed_s = None
 
@@ -114,10 +129,17 @@ class Motion:
         if self.confirmed_s is None or not abs(now_s - self.confirmed_s) <= _CONFIRMATION_AGE_S:
             raise MotionForbiddenError("It is too long ago that somebody looked whether the cell is clear.")
 
-    def _permission(self) -> Permission:
-        return Permission(self._book.situation.state, self.wish is not None, None, self._obstacle())
+    async def _require_ballbar_off(self) -> None:
+        """Look at samples that were taken from now on; raises MotionForbiddenError."""
+        await self._readings.settle()
+        seen = self._readings.evidence.against_motion(await self._clock.now_s())
+        if seen is not None:
+            raise MotionForbiddenError(seen)
 
-    def _obstacle(self) -> str | None:
+    def _permission(self, now_s: float) -> Permission:
+        return Permission(self._book.situation.state, self.wish is not None, None, self._obstacle(now_s))
+
+    def _obstacle(self, now_s: float) -> str | None:
         now = self._book.situation
         if self._book.trouble is not None:
             return self._book.trouble
@@ -129,4 +151,4 @@ class Motion:
             return "A doubt about a reading waits for its answer; nothing moves before."
         if now.step is None or now.step.kind is not StepKind.MOVE or not now.confirmed:
             return "Nobody has confirmed that the cell is clear for this motion."
-        return None
+        return self._readings.evidence.against_motion(now_s)

@@ -1,17 +1,29 @@
 """The ballbar as the session follows it: samples for whoever watches, and lengths ready to be kept."""
 
 import asyncio
+import contextlib
 import math
 from collections.abc import AsyncIterator, Callable
+from typing import Final
 
 from drivers.api import BallbarReading, Clock, DeviceIdentity
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, LengthTaken, StepKind
+from service.sequencing.ballbar.acts import ActName
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.contact import Contact
+from service.sequencing.ballbar.evidence import Evidence
 from service.sequencing.ballbar.gauge import Gauge
 from service.sequencing.ballbar.lengths import Shown, bars_of, length_taken
-from service.sequencing.ballbar.live import LiveSample, Window, is_usable, live_state
+from service.sequencing.ballbar.live import (
+    BEYOND_RANGE_MM,
+    LiveSample,
+    LiveState,
+    WhyNot,
+    Window,
+    is_usable,
+    live_state,
+)
 from service.sequencing.ballbar.papers import papers_of
 from service.sequencing.ballbar.record import READINGS
 from service.sequencing.ballbar.situation import Situation
@@ -23,10 +35,15 @@ _RECENT_S = 1.0  # a length that was shown longer ago is not what the person see
 _FRESH = 3  # samples that a length stored by hand rests on, all taken after the button was pressed
 _MOST_POLLS = 40  # of a ballbar that is slower than the polling
 
-_WHY_NOT = {
+_SETTLES = 10  # polls after which a bar that was taken off, or is held in a hand, has shown it
+_IN_HAND = 5  # polls that a bar that was just put on is not taken for one in a hand
+_PATIENCE_S = 2.0  # wall time, of a ballbar whose driver does not return
+
+_REFUSALS: Final[dict[WhyNot, str]] = {
     "no_signal": "The ballbar gives no signal; is it connected and switched on?",
     "out_low": "The two balls are too close together for the ballbar; skip with that reason, or read again.",
     "out_high": "The two balls are too far apart for the ballbar; skip with that reason, or read again.",
+    "unstable": "The length still changes; let go of the ballbar and wait until it stands still.",
 }
 
 
@@ -49,6 +66,7 @@ class Readings:
         self._polled = asyncio.Event()
         self._closed = False
         self.contact = Contact()
+        self.evidence = Evidence(kit.range_mm)
         self.sample: LiveSample | None = None
 
     @property
@@ -66,7 +84,11 @@ class Readings:
             self._heard("ballbar", self._gauge.identity)
         sampled_at_ms = self._wall_ms()
         time_s = await self._clock.now_s() if reading is None else reading.time_s
-        self._take(reading)
+        off_mm = _off_nominal_mm(reading, now, self._kit)
+        self.evidence.note(reading, off_mm)
+        if self.evidence.is_stale(time_s):
+            reading = None  # what a device only repeats is no length
+        self._take(reading, off_mm)
         self.sample = self._sample(reading, now, time_s, robot_still, sampled_at_ms)
         for queue in self._watchers:
             _put(queue, self.sample)
@@ -95,6 +117,18 @@ class Readings:
                 return
             await self._polled.wait()
 
+    async def settle(self) -> None:
+        """Return once it shows whether the ballbar is off: after one sample, or half a second of samples."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_PATIENCE_S):
+                for polls in range(1, _SETTLES + 1):
+                    if self._closed:
+                        return
+                    await self._polled.wait()
+                    seen = self.sample.ballbar if self.sample is not None else "unknown"
+                    if seen == "off" or (seen == "in_hand" and polls >= _IN_HAND):
+                        return
+
     async def watch(self) -> AsyncIterator[LiveSample]:
         """Yield every sample from now on, until the session ends."""
         if self._closed:
@@ -115,6 +149,12 @@ class Readings:
         for queue in self._watchers:
             _put(queue, None)
         await self._gauge.close()
+
+    def let_read_again(self, step_id: str) -> None:
+        """Let a connection that was taken for this step count as new; another is not what is asked for."""
+        shown_mm = None if self.sample is None else self.sample.deviation_mm
+        if shown_mm is not None and self.contact.held_for(shown_mm) == step_id:
+            self.contact.forget()
 
     def begin_anew(self) -> None:
         """Forget the samples: what follows belongs to another prompt."""
@@ -138,9 +178,10 @@ class Readings:
         if now.step is None or now.step.kind not in READINGS:
             raise NotNowError("No length is read at this step.")
         if reading is None or sample is None or abs(now_s - reading.time_s) > _RECENT_S:
-            raise NotNowError(_WHY_NOT["no_signal"])
-        if sample.state in _WHY_NOT:
-            raise NotNowError(_WHY_NOT[sample.state])
+            raise NotNowError(_REFUSALS["no_signal"])
+        why_not = _why_not(sample.state)
+        if why_not is not None:
+            raise NotNowError(_REFUSALS[why_not])
         if not self._window.count:
             raise NotNowError("The ballbar has only just been asked; wait for its next reading.")
         temperature_c = math.nan if reading.temperature_c is None else reading.temperature_c
@@ -148,7 +189,7 @@ class Readings:
         shown = Shown(self._window, reading.time_s, temperature_c, papers, by_hand)
         return length_taken(shown, now, now.step, self._kit)
 
-    def _take(self, reading: BallbarReading | None) -> None:
+    def _take(self, reading: BallbarReading | None, off_mm: float | None) -> None:
         before = self._latest
         self._latest = reading
         if reading is None or not is_usable(reading):
@@ -156,7 +197,8 @@ class Readings:
             if reading is not None:  # without a link nobody knows whether it left its cups
                 self.contact.note(None)
             return
-        self.contact.note(reading.deviation_mm)
+        beyond = off_mm is not None and abs(off_mm) > self._kit.range_mm + BEYOND_RANGE_MM
+        self.contact.note(None if beyond else reading.deviation_mm)
         same = before is not None and reading.sequence is not None and before.sequence == reading.sequence
         if not same:  # a device that is slower than the polling repeats itself
             self._window.add(reading.time_s, reading.deviation_mm)
@@ -169,30 +211,49 @@ class Readings:
         robot_still: bool,
         sampled_at_ms: int,
     ) -> LiveSample:
-        length_mm, off_mm = self._length_mm(reading, now)
         usable = is_usable(reading)
         deviation_mm = None if reading is None else reading.deviation_mm
+        off_mm = _off_nominal_mm(reading, now, self._kit)
+        reads_zero = now.step is not None and now.step.kind is StepKind.INITIALISE
+        state = live_state(
+            reading, None if reads_zero else off_mm, self._kit.range_mm, unsteady=self._window.unsteady
+        )
+        why_not: WhyNot | None = "no_length_here" if ActName.STORE not in now.acts else _why_not(state)
         return LiveSample(
             time_s=time_s,
-            length_mm=length_mm,
+            length_mm=self._length_mm(reading, now) if usable else None,
             deviation_mm=deviation_mm if deviation_mm is None or math.isfinite(deviation_mm) else None,
-            state=live_state(reading, off_mm, self._kit.range_mm, unsteady=self._window.unsteady),
+            state=state,
             stable_share=self._window.share if usable else 0.0,
             spread_mm=self._window.spread_mm if usable else None,
             robot_still=robot_still,
             sampled_at_ms=sampled_at_ms,
+            ballbar=self.evidence.says(time_s),
+            reason_needed=self.evidence.needs_reason(time_s),
+            can_store=why_not is None,
+            why_not=why_not,
+            let_go=not usable or self.contact.is_new(self._window.mean_mm),
         )
 
-    def _length_mm(self, reading: BallbarReading | None, now: Situation) -> tuple[float | None, float | None]:
-        """Return the length and how far it is off the nominal one; None where it cannot be told."""
-        if reading is None or now.step is None or now.zero is None or not math.isfinite(reading.deviation_mm):
-            return None, None
-        if now.step.kind is StepKind.INITIALISE:
-            return None, None
-        bars = bars_of(now.step, self._kit)
-        length_mm = bars.calibrator_mm + reading.deviation_mm - now.zero.zero_mm
-        off_mm = length_mm - bars.nominal_mm
-        return (length_mm if is_usable(reading) else None), off_mm
+    def _length_mm(self, reading: BallbarReading | None, now: Situation) -> float | None:
+        """Return the length; None where it cannot be told."""
+        if reading is None or now.step is None or now.zero is None or now.step.kind is StepKind.INITIALISE:
+            return None
+        return bars_of(now.step, self._kit).calibrator_mm + reading.deviation_mm - now.zero.zero_mm
+
+
+def _off_nominal_mm(reading: BallbarReading | None, now: Situation, kit: BallbarKit) -> float | None:
+    """Return how far the length is off the nominal one with the bars that are on; None where nobody knows."""
+    if reading is None or now.zeroed is None or not math.isfinite(reading.deviation_mm):
+        return None
+    artefact, zero = now.zeroed
+    bars = kit.tool_bars if artefact == "tool" else kit.base_bars
+    return bars.calibrator_mm + reading.deviation_mm - zero.zero_mm - bars.nominal_mm
+
+
+def _why_not(state: LiveState) -> WhyNot | None:
+    """Return why what is shown is no length that could be kept."""
+    return None if state == "in_range" else state
 
 
 def _put(queue: "asyncio.Queue[LiveSample | None]", sample: LiveSample | None) -> None:

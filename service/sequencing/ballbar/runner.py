@@ -30,7 +30,7 @@ from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_plan, check_pose, check_structure, motion_limits
 from service.sequencing.ballbar.floor import Floor
 from service.sequencing.ballbar.foresight import Foresight
-from service.sequencing.ballbar.handlers import ActHandlers
+from service.sequencing.ballbar.handlers import NEEDS_BALLBAR_OFF, ActHandlers
 from service.sequencing.ballbar.ledger import Ledger
 from service.sequencing.ballbar.live import LiveSample
 from service.sequencing.ballbar.motion import Motion
@@ -38,7 +38,7 @@ from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.situation import Situation
 from service.sequencing.ballbar.stand import Stand
 from service.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
-from service.sequencing.states import has_ended
+from service.sequencing.states import has_ended, words
 
 POLL_S: Final = 0.05  # of the ballbar: 20 Hz
 _LOOK_S: Final = 0.5  # at the robot while it stands
@@ -88,7 +88,7 @@ class BallbarRunner:
         self._book = Book(plan, kit, ledger, cell.clock, entries)
         self._stand = Stand(cell, plan)
         self._readings = Readings(plan, kit, cell, wall_ms)
-        self._motion = Motion(plan, cell, self._limits, self._book, self._stand)
+        self._motion = Motion(plan, cell, self._limits, self._book, self._stand, self._readings)
         self._floor = Floor(
             kit,
             judges or Judges(),
@@ -103,7 +103,8 @@ class BallbarRunner:
         self._arrears = Arrears(self._floor, self.act, lambda: self._after_motion(None))
         last = self._book.last_length
         if last is not None:  # it may still be connected where it was stored
-            self._readings.contact.take(last.deviation_mm)
+            length, step_id = last
+            self._readings.contact.take(length.deviation_mm, step_id)
 
     @property
     def situation(self) -> Situation:
@@ -146,6 +147,7 @@ class BallbarRunner:
         same and is kept as soon as that is possible, of anything else nothing was done.
         """
         wished = self._wish_at_once(act)
+        was_running = self._runs
         try:
             await self._gather_samples(act)
             async with self._floor.changing:
@@ -154,6 +156,11 @@ class BallbarRunner:
                 if earlier is not None:
                     return earlier
                 self._handlers.require(act)
+                if act.name is ActName.CONFIRM and was_running != self._runs:
+                    state = words(self.situation.state)  # what was confirmed is not what is asked now
+                    raise NotNowError(
+                        f"The session became {state} meanwhile; look at the cell, confirm anew."
+                    )
                 return self._book.keep_outcome(act.key, await self._handlers.do(act))
         except RecordRefusedError:
             if wished:
@@ -196,6 +203,10 @@ class BallbarRunner:
     def _ended(self) -> bool:
         return has_ended(self.situation.state)
 
+    @property
+    def _runs(self) -> bool:
+        return self.situation.state is SessionState.RUNNING
+
     def _wish_at_once(self, act: Act) -> bool:
         """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""
         if act.name not in _HALTS or self._book.knows(act.key) or self._motion.wish is not None:
@@ -208,13 +219,21 @@ class BallbarRunner:
         return True
 
     async def _gather_samples(self, act: Act) -> None:
-        """Have a length that is stored by hand rest on samples that were taken since the button was pressed.
+        """Have what is done rest on samples that were taken since the button was pressed.
 
-        The floor is not taken meanwhile: the loop that brings the samples may be waiting for it.
+        A length that is stored by hand does, and so does the word that the ballbar is off. The floor is not
+        taken meanwhile: the loop that brings the samples may be waiting for it.
         """
-        if act.name is ActName.STORE and not self._book.knows(act.key):
+        if self._book.knows(act.key):
+            return
+        if act.name is ActName.STORE:
             self._handlers.require(act)
             await self._readings.fresh()
+        step = self.situation.step
+        asks_for_off = step is not None and step.kind in NEEDS_BALLBAR_OFF
+        if act.name is ActName.CONFIRM and self._runs and asks_for_off:
+            self._handlers.require(act)
+            await self._readings.settle()
 
     # motion and computation
 
@@ -244,6 +263,8 @@ class BallbarRunner:
             if arrival is not None:
                 await self._book.append(EntryKind.MOVED, step.id, arrival=arrival)
                 arrival = None
+            elif self._motion.saw_ballbar:
+                await self._floor.note_attached()
             await self._after_motion(failure)
             await self._floor.settle()
 

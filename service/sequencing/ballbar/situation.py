@@ -15,6 +15,7 @@ from service.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     BallbarStep,
+    BarSet,
     LedgerEntry,
     LengthTaken,
     PoseForecast,
@@ -50,6 +51,7 @@ class Situation:
     initialisations: int  # so far
     zero: LengthTaken | None  # the initialisation that the present reading counts from
     zero_before: LengthTaken | None  # of an initialisation: the last one with the same bars
+    zeroed: tuple[BarSet, LengthTaken] | None  # the bars that are on, and their zero; None: not known
     forecast: PoseForecast | None  # of the present configuration
     has_no_way: bool  # the present motion: the last pre-calibration found no clear way to its pose
     arm_at: str | None  # the step that brought the arm where it stands; None: not known
@@ -140,6 +142,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         initialisations=record.initialisations,
         zero=_zero(step, record),
         zero_before=_zero_before(step, record),
+        zeroed=_zeroed(record),
         forecast=forecast_of(record.precalibration, step.config if step else None),
         has_no_way=step is not None and _has_no_way(step, record),
         arm_at=record.arm_at,
@@ -169,7 +172,7 @@ def _course(record: Record) -> Course:
 def _present_index(agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record) -> int:
     """Return the place of the first open step, or of the one whose reading is under suspicion."""
     if record.suspicion is not None:
-        suspected = record.suspicion.step_id
+        suspected = step_ids.listed(record.suspicion.step_id)  # a zero in between is no step of the agenda
         return next(i for i, step in enumerate(agenda) if step.id == suspected)
     return next((i for i, step in enumerate(agenda) if outcomes[step.id].kind == "open"), len(agenda))
 
@@ -180,7 +183,7 @@ def _present(
     if index == len(agenda):
         return None
     step = agenda[index]
-    if record.suspicion is not None:
+    if record.suspicion is not None and record.suspicion.step_id == step.id:
         return step
     if step.kind is StepKind.MOVE and record.attached:
         return _before(step, step_ids.detach(step.id), StepKind.DETACH)
@@ -241,11 +244,22 @@ def _zero(step: BallbarStep | None, record: Record) -> LengthTaken | None:
 
 
 def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None:
-    if step is None or step.kind is not StepKind.INITIALISE or record.last_zero is None:
+    zeroed = _zeroed(record)
+    if step is None or step.kind is not StepKind.INITIALISE or zeroed is None:
+        return None
+    bars, taken = zeroed
+    return taken if bars == _bars_at(step.id) else None
+
+
+def _zeroed(record: Record) -> tuple[BarSet, LengthTaken] | None:
+    if record.last_zero is None:
         return None
     step_id, taken = record.last_zero
-    same_bars = step_id.startswith(step_ids.TOOL) == step.id.startswith(step_ids.TOOL)
-    return taken if same_bars else None
+    return _bars_at(step_id), taken
+
+
+def _bars_at(step_id: str) -> BarSet:
+    return "tool" if step_id.startswith(step_ids.TOOL) else "base"
 
 
 def _skipped_poses(agenda: tuple[BallbarStep, ...], record: Record) -> int:

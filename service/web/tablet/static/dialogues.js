@@ -65,6 +65,19 @@ export class Dialogues {
     this.#put({ title, text: inPose ? "skip.text" : null, parts: () => this.#reasons(offered, given), does: "skip.do", submitted });
   }
 
+  // Nothing shows that the ballbar is off: a person says how they know.
+  off(written) {
+    const field = () =>
+      element("label", { class: "field" }, this.#texts.say("off.write"), element("input", { name: "written", maxlength: 300, required: true }));
+    const submitted = (form) => {
+      const said = form.elements.written.value.trim();
+      if (!said) return form.elements.written.focus();
+      this.#leave();
+      return written(said);
+    };
+    this.#put({ title: "off.title", text: "off.text", parts: () => [field()], does: "off.do", submitted });
+  }
+
   abort(meant) {
     this.#put({ title: "abort.title", text: "abort.text", parts: () => [], does: "abort.do", danger: true,
       submitted: () => (this.#leave(), meant()) });

@@ -11,7 +11,7 @@ import { Hands } from "./hands.js";
 import { Live } from "./live.js";
 import { Queue } from "./queue.js";
 import { Sender } from "./sender.js";
-import { READ, hasEnded, onlyNow, screenOf, stepOf } from "./situation.js";
+import { READ, hasEnded, onlyNow, screenOf, stepOf, takesReason } from "./situation.js";
 import { Sound } from "./sound.js";
 import { Stage } from "./stage.js";
 import { Storage, Tablet } from "./tablet.js";
@@ -139,6 +139,7 @@ class SessionPage {
     const { session, sample } = this.model;
     const tap = { act, step_id: stepOf(session, act), person: this.tablet.person, tablet: this.tablet.id, ...more };
     if (!tap.person) return this.#askName();
+    if (!tap.reason && takesReason(session, sample, act)) return this.dialogues.off((reason) => this.act(act, { ...more, reason }));
     if (onlyNow(session, act)) return this.sender.now(act === "confirm" ? { ...tap, seen_time_s: sample?.time_s } : tap);
     if (!this.sender.queue(tap)) this.say(this.texts.say("queue.full"));
     if (act === "retry") this.#connection.renew(); // the service reads at once then

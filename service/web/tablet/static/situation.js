@@ -32,6 +32,11 @@ export function onlyNow(session, act) {
   return ONLY_NOW.includes(act) || (act === "confirm" && ["move", "interrupted"].includes(screenOf(session)));
 }
 
+// Nothing shows that the ballbar is off where it has to be: a person says how they know.
+export function takesReason(session, sample, act) {
+  return act === "confirm" && ["detach", "move"].includes(screenOf(session)) && sample?.reason_needed === true;
+}
+
 function offered(session, act) {
   if (act === "start") return session.state === "planned";
   return session.acts.includes(act);

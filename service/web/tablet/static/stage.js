@@ -30,6 +30,10 @@ function doubtInWords({ step, suspicion }, texts) {
     same_pair: pair ? "doubt.same_pair" : "doubt.same_pair_unknown",
     other_pair: "doubt.other_pair",
     exchanged: "doubt.exchanged",
+    calibrator: "doubt.calibrator",
+    same_connection: pair ? "doubt.same_connection" : "doubt.same_connection_unknown",
+    not_calibrator: "doubt.not_calibrator",
+    same_bars: "doubt.same_bars",
     unlikely: expected ? "doubt.unlikely" : "doubt.unlikely_plain",
   };
   const read = { pair: asked, length: texts.number(suspicion.length_mm, 3) };

@@ -80,18 +80,30 @@ class Hands:
         self.at: tuple[str, tuple[int, int]] | None = None  # ("calibrator" | "side" | "leg", points)
         self.connections = 0
         self.offset_mm = 0.0  # added to every true deviation
+        self.bars = ""  # "tool" or "base": what is screwed on
+        self.connected_s = 0.0
+        self.sways = False  # held in the hand, near its range
 
     def connect(self, what: str, points: tuple[int, int] = (0, 0)) -> None:
         self.at = (what, points)
+        self.sways = False
         self.connections += 1
+        self.connected_s = self._robot.clock.time_s
 
     def detach(self) -> None:
         self.at = None
+        self.sways = False
+
+    def hold(self) -> None:
+        """Take the ballbar in the hand, which plays with it within its range."""
+        self.detach()
+        self.sways = True
 
     def do_as_asked(self, step_id: str) -> None:
         """Connect the ballbar, or take it off, as a step asks."""
         match step_ids.kind_of(step_id):
             case StepKind.INITIALISE:
+                self.bars = "tool" if step_id.startswith(step_ids.TOOL) else "base"
                 self.connect("calibrator")
             case StepKind.MEASURE_SIDE:
                 self.connect("side", step_ids.points_of(step_id))
@@ -105,11 +117,13 @@ class Hands:
     @property
     def deviation_mm(self) -> float:
         """Off the nominal length; every pair and every stop has its own."""
+        if self.sways:
+            return 0.7 * math.sin(2.0 * math.pi * self._robot.clock.time_s / 0.7)
         if self.at is None:
             return math.nan
         what, (a, b) = self.at
         if what == "calibrator":
-            return 0.002 + self.offset_mm
+            return (0.022 if self.bars == "tool" else 0.002) + self.offset_mm
         stop = self._robot.joints[0] if what == "leg" else 0.3
         return 0.8 * math.sin(7.0 * a + 3.0 * b + 11.0 * stop) + self.offset_mm
 
@@ -164,7 +178,7 @@ class Robot:
     can_stop_motion = False
 
     def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+        self.clock = clock
         self.joints = HOME
         self.connected = False
         self.plugged = True
@@ -201,7 +215,7 @@ class Robot:
         self.joints = target_rad  # also where the program dies on the way: the controller goes on
         self.under_way = True
         try:
-            await self._clock.sleep(self.motion_s)
+            await self.clock.sleep(self.motion_s)
         finally:
             self.under_way = False
 
@@ -209,7 +223,7 @@ class Robot:
         if not self.plugged or not self.connected:
             self.connected = False
             raise ConnectionLostError("the link to the robot is down")
-        self.told_s = self._clock.time_s - self.state_age_s
+        self.told_s = self.clock.time_s - self.state_age_s
         return JointReading(self.joints, math.radians(0.01), self.told_s)
 
 

@@ -2,8 +2,10 @@
 
 A thousand sessions, each taken up somewhere in its middle by persons who press anything at any time on two
 tablets, with requests that come twice, wrong connections, pulled cables, an arm that others move, and a
-program that dies. Persons keep to two things only: who says that the ballbar is off has taken it off, and
-nobody attaches it before the session has asked for that. That the cell is clear they say at any time.
+program that dies. Persons say at any time that the ballbar is off and that the cell is clear, and attach the
+ballbar whenever they like, also after they said that it is off. They keep to two things only: nobody attaches
+it within the last samples before the arm is sent on, and who gives a reason why it is off, where it cannot be
+read, has taken it off and leaves it off until it can.
 """
 
 import asyncio
@@ -27,6 +29,8 @@ SESSIONS = 1000
 GROUPS = 20  # of sessions, so that a failure names few
 DEEDS = 14  # of a person in each session
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.1, settle_s=0.0)
+SEEN_S = 0.16  # three samples: a ballbar attached that shortly before, from out of a hand, cannot be told
+NEEDS_IT_OFF = {StepKind.DETACH, StepKind.MOVE}
 NEWS = frozenset(EntryKind) - {EntryKind.CONTROL}
 HALTS = frozenset({ActName.PAUSE, ActName.STOP, ActName.ABORT})
 
@@ -54,6 +58,7 @@ class Guard:
         self.retries = 0
         self.acknowledged: dict[int, str] = {}  # line -> key
         self.taken_by_itself: Counter[tuple[int, int]] = Counter()
+        self.lies = 0  # that the ballbar is off while it is on
         self.wrong: list[str] = []
         bench.robot.judge = self.motion
         bench.disk.on_append = self.line
@@ -63,7 +68,8 @@ class Guard:
         bench = self.bench
         last = next(entry for entry in reversed(bench.disk.entries) if self._matters(entry))
         is_move = step_ids.kind_of(last.step_id) is StepKind.MOVE
-        self._require(bench.hands.at is None, "the ballbar is attached")
+        unseen = bench.clock.time_s - bench.hands.connected_s < SEEN_S
+        self._require(bench.hands.at is None or unseen, "the ballbar is attached")
         self._require(
             last.kind is EntryKind.CONFIRMED and is_move, f"{last.kind} of {last.step_id} came last"
         )
@@ -105,7 +111,7 @@ class Crowd:
             (self.go_on, 24),
             (self.press_anything, 7),
             (self.press_two_at_once, 3),
-            (self.connect_something, 4),
+            (self.connect_something, 6),
             (self.wait, 2),
             (self.repeat_a_request, 2),
             (self.trouble_with_the_ballbar, 1),
@@ -131,6 +137,8 @@ class Crowd:
             case _ if ActName.CONFIRM in bench.now.acts:
                 await self.press(ActName.CONFIRM)
                 await bench.clock.advance(self.rng.choice((0.1, 0.9)))
+                if self.rng.random() < 0.1:  # while the arm moves, perhaps
+                    await self.connect_something()
             case _:
                 self.attach()
                 await bench.clock.advance(self.rng.choice((0.06, 0.25)))
@@ -138,13 +146,15 @@ class Crowd:
                     await self.press(ActName.STORE)
 
     def attach(self) -> None:
-        """Connect what is asked for, but only where something is."""
+        """Connect what is asked for, where it can be read and something is asked for."""
         now = self.bench.now
-        if now.state is SessionState.RUNNING and now.shown and now.step and now.step.kind in READINGS:
+        reads = now.step is not None and now.step.kind in READINGS
+        if now.state is SessionState.RUNNING and now.shown and reads and self.can_be_read:
             self.bench.hands.do_as_asked(now.step.id)
 
     async def connect_something(self) -> None:
-        if self.bench.now.attached:  # it was asked for and is not known to be off
+        """Attach the ballbar somewhere, asked for or not, unless it cannot be read."""
+        if self.can_be_read:
             what = self.rng.choice(("leg", "calibrator"))
             self.bench.hands.connect(what, (0, 0) if what == "calibrator" else self.rng.choice(LEGS))
         await self.bench.clock.advance(self.rng.choice((0.05, 0.3)))
@@ -173,8 +183,6 @@ class Crowd:
 
     def act(self, name: ActName) -> Act:
         bench, rng = self.bench, self.rng
-        if name is ActName.CONFIRM and bench.now.step and bench.now.step.kind is StepKind.DETACH:
-            bench.hands.detach()
         if name is ActName.RETRY:
             self.guard.retries += 1
         acting = bench.now.acting.tablet if bench.now.acting else "one"
@@ -187,9 +195,8 @@ class Crowd:
 
     async def send(self, act: Act) -> None:
         bench, guard = self.bench, self.guard
-        is_detach = act.step_id is not None and step_ids.kind_of(act.step_id) is StepKind.DETACH
-        if act.name is ActName.CONFIRM and is_detach and act.step_id == bench.present:
-            bench.hands.detach()
+        if act.name is ActName.CONFIRM and step_ids.kind_of(act.step_id or "") in NEEDS_IT_OFF:
+            self.take_off()
         stops = act.name is ActName.STOP and bench.now.state is SessionState.RUNNING
         stops = stops and not any(entry.key == act.key for entry in bench.disk.entries)
         guard.stops_open += stops
@@ -200,6 +207,17 @@ class Crowd:
                     guard.acknowledged[outcome.entry] = act.key
         finally:
             guard.stops_open -= stops
+
+    def take_off(self) -> None:
+        """Take the ballbar off before one says so, or forget to where it can be read."""
+        hands = self.bench.hands
+        if not self.can_be_read or self.rng.random() < 0.7:
+            self.rng.choice((hands.detach, hands.detach, hands.hold))()
+        self.guard.lies += hands.at is not None
+
+    @property
+    def can_be_read(self) -> bool:
+        return self.bench.bar.plugged and self.bench.bar.connected
 
     async def trouble_with_the_ballbar(self) -> None:
         self.bench.bar.plugged = False
@@ -290,7 +308,7 @@ def doubled(entries: list[LedgerEntry]) -> list[str]:
 
 @pytest.mark.parametrize("group", range(GROUPS))
 def test_nothing_moves_that_must_not_and_no_reading_is_lost_or_doubled(whole, group):
-    motions = 0
+    motions = lies = 0
     for seed in range(group * SESSIONS // GROUPS, (group + 1) * SESSIONS // GROUPS):
         guard = asyncio.run(random_session(whole, seed))
 
@@ -299,5 +317,6 @@ def test_nothing_moves_that_must_not_and_no_reading_is_lost_or_doubled(whole, gr
         assert doubled(guard.bench.disk.entries) == [], f"seed {seed}"
         assert not guard.taken_by_itself or max(guard.taken_by_itself.values()) == 1, f"seed {seed}"
         motions += guard.motions
+        lies += guard.lies
 
-    assert motions > 0  # else this test could not fail
+    assert motions > 0 and lies > 0  # else this test could not fail

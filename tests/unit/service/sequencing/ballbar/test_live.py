@@ -90,7 +90,7 @@ def test_a_length_that_moves_is_shown_as_such():
 def after(*samples):
     contact = Contact()
     contact.note(0.3)
-    contact.take(0.3)
+    contact.take(0.3, "leg")
     for sample in samples:
         contact.note(sample)
     return contact
