@@ -171,7 +171,8 @@ class LaserTracker:
         """Read the weather station."""
         await self._require_prepared()
         air = await self._ask(Command.GET_ENVIRONMENT_PARAMS)
-        await self._require_settled()
+        if self._conversation.take_changes() & TELLING_CHANGES:
+            await self._require_settled(everything=True)
         return Environment(air.number("temperature"), air.number("pressure"), air.number("humidity"))
 
     async def _ask(self, command: Command, values: Record | None = None) -> Record:

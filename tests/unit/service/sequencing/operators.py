@@ -12,16 +12,20 @@ _TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer w
 
 
 class PatientOperator:
-    """Confirms and resumes whatever is asked, at most `patience` times; then ends the session."""
+    """Confirms and resumes whatever is asked, at most `patience` times; then ends the session.
 
-    def __init__(self, patience: int = 3) -> None:
+    Looks for a question every `look_s`; at 0 in every turn of the event loop, which keeps a processor busy.
+    """
+
+    def __init__(self, patience: int = 3, *, look_s: float = 0.0) -> None:
         self._patience = patience
+        self._look_s = look_s
         self.questions: list[str] = []
         self.before_answer: Callable[[str], None] | None = None
 
     async def attend(self, runner: SessionRunner, running: asyncio.Task[SessionState]) -> SessionState:
         while not running.done():
-            await asyncio.sleep(0)
+            await asyncio.sleep(self._look_s)
             if runner.question is None or runner.state not in (
                 SessionState.PAUSED,
                 SessionState.AWAITING_CONFIRMATION,
