@@ -9,7 +9,7 @@ Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
 
 import contextlib
 from collections.abc import Awaitable, Callable
-from typing import Protocol, TypeVar, cast, runtime_checkable
+from typing import Any, Protocol, TypeVar, cast, runtime_checkable
 
 from drivers.api import (
     AnyDevice,
@@ -54,6 +54,10 @@ class GuardedDevice:
         self._name = name
         self._device = device
         self._last_s: float | None = None  # time stamp of the last reading of this connection
+
+    def __getattr__(self, name: str) -> Any:
+        """Pass on what a driver offers beyond its kind, and what a Protocol of it asks for."""
+        return getattr(self._device, name)
 
     @property
     def connected(self) -> bool:

@@ -38,6 +38,7 @@ from service.sequencing.ballbar.runner import BallbarRunner
 from service.sequencing.ballbar.situation import Situation, situation
 from service.sequencing.errors import NotNowError
 from service.sequencing.states import has_ended, words
+from service.sequencing.watchful_robot import WatchfulRobot
 from service.storage.ballbar_ledger import BallbarLedger
 from service.storage.errors import NotFoundError
 from service.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
@@ -328,7 +329,7 @@ class BallbarDesk:
         cell = self._present.bound(setup.cell)
         return BallbarCell(
             ballbar=self._rack.ballbar,
-            robot_controller=self._rack.robot,
+            robot_controller=WatchfulRobot(self._rack.robot, cell.robot.joint_limits),
             clock=self._rack.clock,
             robot=cell.robot,
             joint_limits=cell.limits.joints,

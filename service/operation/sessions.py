@@ -26,6 +26,7 @@ from service.sequencing.journal import SessionHistory
 from service.sequencing.plans import extended_plan
 from service.sequencing.runner import SessionRunner
 from service.sequencing.states import after_restart, has_ended, words
+from service.sequencing.watchful_robot import WatchfulRobot
 from service.storage.added_stops import AddedStopsRepository
 from service.storage.journal import StoredJournal
 from service.storage.readings import ReadingRepository
@@ -273,7 +274,7 @@ class SessionDesk:
         cell = self._present.bound(setup.cell)
         return SessionCell(
             tracker=self._rack.tracker,
-            robot_controller=self._rack.robot,
+            robot_controller=WatchfulRobot(self._rack.robot, cell.robot.joint_limits),
             clock=self._rack.clock,
             robot=cell.robot,
             base=cell.base_nominal,

@@ -286,6 +286,15 @@ async def test_a_time_that_is_none_is_refused(now_s):
         await guarded("acme", "clock", Instrument(now_s)).now_s()
 
 
+def test_what_a_driver_offers_beyond_its_kind_is_reached():
+    class Talkative(Instrument):
+        stops_unheard_s = 0.5
+
+    assert guarded("acme", "robot", Talkative()).stops_unheard_s == 0.5
+    with pytest.raises(AttributeError):
+        _ = guarded("acme", "robot", Instrument()).stops_unheard_s
+
+
 def test_a_reading_that_is_none_is_nonsense_of_the_device():
     assert issubclass(ImplausibleReadingError, RemoteProtocolError)
 
