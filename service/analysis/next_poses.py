@@ -11,6 +11,7 @@ from collections.abc import Collection
 import numpy as np
 
 from service.analysis.ballbar_assembly import Counting, Standing
+from service.analysis.early_forecasts import EarlyForeseen
 from service.analysis.forecasts import Foreseen
 from service.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
 from service.planning.ballbar.again import aimed_again, coded_or_kept
@@ -24,7 +25,7 @@ def next_poses(
     counting: Counting,
     standing: Standing,
     exchanged: Collection[int],
-    foreseen: Foreseen,
+    foreseen: Foreseen | EarlyForeseen,
 ) -> tuple[PlannedPose, ...]:
     """Return what is to be measured from now on, in order.
 
@@ -60,7 +61,7 @@ def _here(
     placement: PlannedPlacement,
     left: list[PlannedPose],
     standing: Standing,
-    foreseen: Foreseen,
+    foreseen: Foreseen | EarlyForeseen,
 ) -> tuple[PlannedPose, ...]:
     if not left:
         return ()

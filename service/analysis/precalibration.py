@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from service.analysis.ballbar_assembly import Counting, assemble_ballbar_campaign
+from service.analysis.early_forecasts import EarlyForeseen
 from service.analysis.errors import NothingMeasuredError
 from service.analysis.forecasts import Foreseen
 from service.analysis.next_poses import next_poses
@@ -15,10 +16,13 @@ from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
 from service.domain.results import Identification, Status
 from service.identification import identify
+from service.planning.ballbar.beforehand import known_beforehand
 from service.planning.ballbar.plan import ballbar_cell
 from service.storage.records import SessionSetup
 from service.validation.connections import judge_pose
 
+_FEWEST_LEGS: Final = 24  # from four poses on something is foreseen
+_TIMES_UNKNOWNS: Final = 2
 _ROUNDS: Final = 3  # of identifying without the poses whose legs turned out exchanged
 _EFFECTS: Final = (None, ("geometry",), ("joint_offset",))  # None: what a whole campaign is given
 _WELL_FORESEEN_MM: Final = 0.06  # a wrong pair can be named then; between that and the range, less is better
@@ -44,22 +48,51 @@ def precalibrate(setup: SessionSetup, plan: BallbarPlan, counting: Counting) -> 
     standing = counting.standing
     if standing is None:
         raise NothingMeasuredError("The arm has not moved yet; measure a few poses first.")
-    exchanged: tuple[int, ...] = ()
-    for _ in range(_ROUNDS):
-        found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
-        more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
-        if more <= set(exchanged):
-            break
-        exchanged = tuple(sorted({*exchanged, *more}))
+    early = _foreseen_early(setup, plan, kit, counting)
+    refuted = set() if early is None else {k.config for k in counting.legs if k.stop in early.refuted()}
+    foreseen: Foreseen | EarlyForeseen
+    if early is not None and _are_few(counting, early):
+        foreseen, rms_mm, exchanged = early, early.rms_mm(_without(counting, refuted)), refuted
+    else:
+        foreseen, rms_mm, exchanged = _fitted(setup, plan, kit, counting, refuted)
     poses = next_poses(ballbar_cell(setup.cell), plan, counting, standing, exchanged, foreseen)
     planned = {pose.config: pose for placement in plan.placements for pose in placement.poses}
     return PreCalibration(
         poses=poses,
         forecasts=foreseen.forecasts([*{**planned, **{pose.config: pose for pose in poses}}.values()]),
-        rms_mm=found.calibration.identified.rms_mm if found.calibration else float("nan"),
-        configurations=found.counts.configurations,
-        exchanged=exchanged,
+        rms_mm=rms_mm,
+        configurations=len({kept.stop for kept in counting.legs if kept.config not in exchanged}),
+        exchanged=tuple(sorted(exchanged)),
     )
+
+
+def _foreseen_early(
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting
+) -> EarlyForeseen | None:
+    known = known_beforehand(setup.cell, plan, kit)
+    return None if known is None else EarlyForeseen(known, kit, counting)
+
+
+def _are_few(counting: Counting, early: EarlyForeseen) -> bool:
+    """Whether a fit would hardly have more lengths than unknowns, and claim more than it knows."""
+    return _FEWEST_LEGS <= len(counting.legs) < _TIMES_UNKNOWNS * early.fitted
+
+
+def _fitted(
+    setup: SessionSetup, plan: BallbarPlan, kit: BallbarKit, counting: Counting, refuted: Collection[int]
+) -> tuple[Foreseen, float, set[int]]:
+    """Return what a fit foresees, what it leaves of the legs, and the poses whose legs were exchanged.
+
+    Poses that all readings together speak against are left out from the start: a fit bends to them.
+    """
+    exchanged = set(refuted)
+    for _ in range(_ROUNDS):
+        found, foreseen = _identified(setup, plan, kit, _without(counting, exchanged))
+        more = _exchanged(counting, foreseen.forecasts(_measured_poses(counting)), kit)
+        if more <= exchanged:
+            break
+        exchanged |= more
+    return foreseen, found.calibration.identified.rms_mm if found.calibration else float("nan"), exchanged
 
 
 def _identified(

@@ -63,6 +63,7 @@ class BallbarPlan:
 
     placements: tuple[PlannedPlacement, ...]
     precalibrate_after: int = 12  # measured poses after which targets are aimed by what was found
+    check_at_end: bool = False  # whether one more pre-calibration tests what was measured since the last
     settle_s: float = 2.0
     stable_s: float = 1.0  # so long a length must stand still before it is stored by itself
     stable_mm: float = 0.002  # spread that counts as standing still: four times the reading's scatter

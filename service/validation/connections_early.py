@@ -52,13 +52,13 @@ def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspici
     return _suspicion(after, taken[other], asked, wrong, length_mm)
 
 
-def doubtful_stops(accounts: Accounts) -> tuple[int, ...]:
-    """Return the stops, counted from 0, of which another account is likely by now than what was asked."""
+def refuted_stops(accounts: Accounts) -> tuple[int, ...]:
+    """Return the stops, counted from 0, of which another account is likelier by now than what was asked."""
     found = []
     for stop in range(len(accounts.stops)):
         taken, odds, asked = accounts.of_stop(stop)
         as_asked = (taken == asked).all(axis=1)
-        if not as_asked.all() and odds[~as_asked].max() >= _OTHER + _total(odds[as_asked]):
+        if not as_asked.all() and odds[~as_asked].max() > _total(odds[as_asked]):
             found.append(stop)
     return tuple(found)
 

@@ -18,10 +18,14 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, Leg
+from service.domain.cell import Cell
+from service.domain.errors import ConfigurationError
 from service.domain.linear_lengths import ArmKind, StopLengths
 from service.kinematics.frames import cross_matrix
 from service.planning.ballbar.bodies import BallbarCell, chain_of
 from service.planning.ballbar.information import arm_model
+from service.planning.ballbar.plan import ballbar_cell
+from service.planning.errors import WorkSpaceError
 
 _LEVER_MM: Final = 100.0  # at which a turn of the tool is counted as a shift
 _LINK_MM: Final = 0.2  # standard deviation of a length of a link
@@ -57,6 +61,11 @@ class Beforehand:
     def unknowns(self) -> int:
         """Number of what is unknown."""
         return self._arm + 3 * len(self._cups)
+
+    @property
+    def fitted(self) -> int:
+        """Number of what a fit to lengths would find: arm and cups."""
+        return self._model.parameters + 3 * len(self._cups)
 
     @property
     def _arm(self) -> int:
@@ -134,6 +143,16 @@ class Beforehand:
         mean[: self._model.parameters] = structure.prior_means / structure.prior_widths
         mean[self._arm :] = held @ mean[: self._arm]
         return ArmKind(share, mean, covariance, float(np.hypot(scatter, tool_mm)))
+
+
+def known_beforehand(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Beforehand | None:
+    """Return what is known of the lengths of a plan; None where too little is of robot, tool or cups."""
+    if not plan.placements or not all(placement.setups for placement in plan.placements):
+        return None
+    try:
+        return Beforehand(ballbar_cell(cell), plan, kit)
+    except (ConfigurationError, WorkSpaceError):
+        return None
 
 
 def _directions(between_mm: FloatArray) -> tuple[FloatArray, FloatArray]:

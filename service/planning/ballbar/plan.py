@@ -24,6 +24,7 @@ from service.planning.ballbar.tours import Tour, tour
 from service.planning.ballbar.ways import way
 from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
+_LEGS: Final = 6  # of a pose
 _IN_THE_WAY: Final = (
     "The arm would be in the way while the base fixture is put to placement {}: place it further from the "
     "placement before."
@@ -110,7 +111,8 @@ def plan_at(
     the times, speeds and the number of poses after which targets are aimed.
     """
     rng = np.random.default_rng(seed)
-    model, template = arm_model(cell), template or BallbarPlan(())
+    model = arm_model(cell)
+    template = template or _with_precalibration(poses, model.parameters)
     held = [setups(cell, fixture) for fixture in fixtures]
     offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
     chosen = choose(model, offers, poses, rng, work_space_sample(model, SPACE_POINTS, rng))
@@ -121,6 +123,20 @@ def plan_at(
                 "fixture elsewhere, or let the program suggest a place."
             )
     return replace(template, placements=_Session(cell, model, rng, template).planned(offers, held, chosen))
+
+
+def _with_precalibration(poses: int, parameters: int) -> BallbarPlan:
+    """Return an empty plan whose pre-calibration comes where it helps.
+
+    The more poses it rests on, the better it aims; the more follow, the more have legs that differ. A short
+    plan has it halfway, but not before there are as many lengths as the arm has parameters: the pose at which
+    that comes about is the first of which much is foreseen.
+    """
+    usual = BallbarPlan(())
+    if poses >= 2 * usual.precalibrate_after:
+        return usual
+    early = max(-(-parameters // _LEGS), poses // 2)
+    return BallbarPlan((), precalibrate_after=early, check_at_end=early < poses)
 
 
 @dataclass(frozen=True, slots=True)

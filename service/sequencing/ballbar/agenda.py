@@ -9,6 +9,7 @@ every pose is taken to succeed, which is the listing beforehand.
 - A fixture that is taken up cannot be measured again. So the end of a placement asks for a
   pre-calibration too where poses were skipped, or measured while no length could be foreseen. Poses skipped
   once more get a further one where others were measured meanwhile: it aims better than the last.
+- A short plan has its first one early, on few lengths; so it ends with one that tests all of them.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -154,6 +155,8 @@ class _Poses:
             return True
         if self._progress.measured == 0:
             return False
+        if self._learnt and self._plan.check_at_end and self._number == self._plan.placements[-1].number:
+            return True
         never_aimed = any(attempt.number == 1 for attempt in self._skipped)
         return self._untested or never_aimed or (bool(self._skipped) and self._learnt)
 

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from service.validation.connections_early import alike, doubtful_stops
+from service.validation.connections_early import alike, refuted_stops
 from tests.early_sessions import EarlySession
 
 FIRST, LATER = 0, 8  # poses: of which nothing is foreseen, and of which much is
@@ -92,7 +92,7 @@ def test_an_exchange_that_could_not_be_seen_is_found_by_the_poses_after_it(sessi
 
     others = [session.pose(pose) for pose in poses[1:]]
 
-    assert doubtful_stops(session.accounts) == (stop,)
+    assert refuted_stops(session.accounts) == (stop,)
     assert not any(any(asked.values()) for asked in others[4:])  # it has not spoilt what is foreseen
 
 

@@ -170,3 +170,17 @@ def test_without_any_range_nothing_is_planned():
 
     with pytest.raises(WorkSpaceError, match="how far the joints"):
         cell_for(unlimited)
+
+
+@pytest.mark.parametrize(("poses", "after"), [(6, 5), (8, 5), (14, 7)])
+def test_a_short_plan_has_its_pre_calibration_halfway_and_ends_with_a_test(poses, after):
+    plan = plan_at(ballbar_cell(), [fixture_before_the_arm()], poses, seed=1)
+
+    # The LR Mate has 25 parameters: five poses have 30 lengths.
+    assert (plan.precalibrate_after, plan.check_at_end) == (after, True)
+
+
+def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_it_was():
+    plan = plan_at(ballbar_cell(), [fixture_before_the_arm()], 24, seed=1)
+
+    assert (plan.precalibrate_after, plan.check_at_end) == (12, False)

@@ -192,3 +192,30 @@ def test_the_first_thing_of_every_group_of_readings_is_the_calibrator():
             open_group = step_ids.group_of(step.id)
         if step.kind in {StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG}:
             assert step_ids.group_of(step.id) == open_group
+
+
+def test_a_short_plan_ends_with_a_test_of_what_was_measured_since():
+    plan = make_plan((1, 2, 3), precalibrate_after=2, check_at_end=True)
+
+    listed = ids(plan)
+
+    assert listed[-1] == "placement-1/precalibrate-2"
+    assert ids(plan, Course(found={"placement-1/precalibrate-2": found()})) == listed
+
+
+def test_poses_that_the_last_test_finds_exchanged_are_measured_and_tested_again():
+    plan = make_plan((1, 2, 3), precalibrate_after=2, check_at_end=True)
+    results = {"placement-1/precalibrate-2": found(make_pose(3), exchanged=(3,))}
+
+    listed = ids(plan, Course(found=results))
+
+    assert "placement-1/pose-3/again/leg-1-1" in listed
+    assert listed[-1] == "placement-1/precalibrate-3"
+
+
+def test_a_last_test_comes_once_for_all_placements():
+    plan = make_plan((1, 2), (3, 4), precalibrate_after=1, check_at_end=True)
+
+    listed = [name for name in ids(plan) if "precalibrate" in name]
+
+    assert listed == ["placement-1/precalibrate-1", "placement-2/precalibrate-1"]
