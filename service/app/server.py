@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import functools
 import json
 import logging
 import signal
@@ -14,6 +15,10 @@ import uvicorn
 
 from drivers.errors import DriverError
 from service.app.composition import allowed_hosts, open_context, program_version, stop_streams
+from service.app.connections.census import Census, Limits, looked_after
+from service.app.connections.descriptors import connection_limit
+from service.app.connections.log_lines import FewRepeats
+from service.app.connections.protocol import WatchedProtocol
 from service.app.errors import PortInUseError, ScenarioRefusedError
 from service.domain.errors import TrueposeError
 from service.exchange.errors import ExchangeError
@@ -24,6 +29,8 @@ from service.web.door.errors import UnusableHostError
 _UNUSABLE_INPUT: Final = 2
 _SERVICE_FAILED: Final = 3
 _GRACE_S: Final = 5  # for requests under way when the service ends
+_AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
+_QUEUE: Final = 1024  # connections that wait in the system to be taken up
 
 
 def serve(settings: Settings) -> int:
@@ -33,6 +40,8 @@ def serve(settings: Settings) -> int:
     allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
     """
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    for handler in logging.getLogger().handlers:
+        handler.addFilter(FewRepeats())
     logging.getLogger("alembic").setLevel(logging.WARNING)
     try:
         asyncio.run(_serve(settings))
@@ -54,9 +63,17 @@ async def _serve(settings: Settings) -> None:
     hosts = allowed_hosts(settings)
     # The port first: a service that nobody can reach must not hold the database or start a cell.
     with _listening(settings.host, settings.port) as listener:
-        async with open_context(settings) as context:
+        census = Census(Limits(connection_limit()))
+        async with open_context(settings) as context, looked_after(census):
             config = uvicorn.Config(
                 create_application(program_version(), lambda: contextlib.nullcontext(context), hosts),
+                # The server calls it like the class that it wants.
+                http=functools.partial(WatchedProtocol, census),  # type: ignore[arg-type]
+                ws="none",
+                backlog=_AT_ONCE,
+                proxy_headers=False,  # whoever asks could say anything in them
+                server_header=False,
+                access_log=False,
                 log_config=None,
                 log_level=logging.WARNING,
                 timeout_graceful_shutdown=_GRACE_S,
@@ -76,6 +93,8 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
+        for listener in sockets or ():
+            listener.listen(_QUEUE)
         sys.stdout.write(json.dumps({"url": self._url}) + "\n")
         sys.stdout.flush()
 
