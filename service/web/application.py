@@ -32,6 +32,7 @@ from service.web import (
 from service.web.context import Context
 from service.web.door.hosts import AllowedHosts
 from service.web.door.middleware import Door
+from service.web.lanes import Lanes
 from service.web.limits import RequestLimits
 from service.web.tablet import routes as tablet
 
@@ -107,6 +108,7 @@ def create_application(
     app.include_router(pages.router)
     app.include_router(tablet.router)
     problems.install(app)
+    app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)
     _complete_openapi(app)
     return app

@@ -36,7 +36,7 @@ class RequestLimits:
             await self._app(scope, receive, send)
             return
         request = Request(scope)
-        limit = UPLOAD_LIMIT_BYTES if scope["path"] == UPLOAD_PATH else JSON_LIMIT_BYTES
+        limit = UPLOAD_LIMIT_BYTES if is_upload(request) else JSON_LIMIT_BYTES
         refusal = _refused_type(request)
         if refusal is not None:
             await problem_response(request, 415, refusal)(scope, receive, send)
@@ -68,6 +68,16 @@ class RequestLimits:
             await problem_response(request, 413, _too_large(limit))(request.scope, receive, send)
 
 
+def is_upload(request: Request) -> bool:
+    """Return whether a request brings an archive, not JSON as all others do."""
+    at_uploads = request.method == "POST" and request.scope["path"] == UPLOAD_PATH
+    return at_uploads and _sent_type(request) != "application/json"
+
+
+def _sent_type(request: Request) -> str:
+    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+
+
 def _declared_length(request: Request) -> int:
     declared = request.headers.get("content-length", "0")
     return int(declared) if declared.isdecimal() else 0
@@ -78,7 +88,7 @@ def _too_large(limit: int) -> str:
 
 
 def _refused_type(request: Request) -> str | None:
-    sent = request.headers.get("content-type", "").split(";")[0].strip().lower()
+    sent = _sent_type(request)
     has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
     upload = request.scope["path"] == UPLOAD_PATH
     understood = UPLOAD_TYPES if upload else ("application/json",)

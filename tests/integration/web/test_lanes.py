@@ -1,0 +1,146 @@
+"""Who goes first: what stops the robot, however many look, stream or send slowly."""
+
+import asyncio
+import contextlib
+import re
+
+import httpx
+import pytest
+from fastapi.responses import StreamingResponse
+
+from service.web import lanes
+from service.web.application import create_application
+from service.web.lanes import Lanes
+from tests.routes import paths_of
+
+APP = create_application("test", contextlib.nullcontext)
+PAUSE, LOOK = "/api/v1/sessions/1/pause", "/api/v1/sessions"
+
+
+class Held:
+    """An application whose ordinary requests last until they are let go."""
+
+    def __init__(self):
+        self.go = asyncio.Event()
+        self.under_way = 0
+
+    async def __call__(self, scope, receive, send):
+        await receive()
+        self.under_way += 1
+        if scope["path"] not in (PAUSE, "/health"):
+            await self.go.wait()
+        self.under_way -= 1
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b""})
+
+
+@pytest.fixture
+def held():
+    return Held()
+
+
+@pytest.fixture
+async def client(held):
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(Lanes(held)), base_url="http://h") as opened:
+        yield opened
+        held.go.set()
+
+
+@pytest.fixture
+async def asking(client):
+    """Ask so often at once without waiting for answers."""
+    tasks = []
+
+    def ask(path, times, **more):
+        tasks.extend(asyncio.create_task(client.request("GET", path, **more)) for _ in range(times))
+        return tasks
+
+    yield ask
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def test_a_flood_of_readers_waits_and_a_pause_does_not(client, held, asking, monkeypatch):
+    monkeypatch.setattr(lanes, "_WAIT_S", 0.05)
+    flood = asking(LOOK, 400)
+    while held.under_way < 16:
+        await asyncio.sleep(0)
+
+    stopped = [(await client.post(path)).status_code for path in (PAUSE, PAUSE)]
+    health = (await client.get("/health")).status_code
+    refused, _ = await asyncio.wait(flood, timeout=5, return_when=asyncio.ALL_COMPLETED)
+
+    assert [*stopped, health] == [200, 200, 200]
+    assert held.under_way == 16
+    assert len(refused) == 400 - 16
+    assert {task.result().status_code for task in refused} == {503}
+    assert all(task.result().headers["retry-after"] for task in refused)
+
+
+async def test_those_that_wait_are_answered_when_it_is_their_turn(held, asking):
+    many = asking(LOOK, 100)
+    while held.under_way < 16:
+        await asyncio.sleep(0)
+
+    held.go.set()
+
+    assert {answer.status_code for answer in await asyncio.gather(*many)} == {200}
+
+
+async def test_streams_take_no_place_of_others(client, held, asking):
+    asking("/api/v1/events", 384)
+    while held.under_way < 384:
+        await asyncio.sleep(0)
+
+    assert (await client.get("/api/v1/ballbar-sessions/1/live")).status_code == 503
+    held.go.set()
+    assert (await client.get(LOOK)).status_code == 200
+
+
+async def test_who_sends_slowly_takes_no_place():
+    never = asyncio.Event()
+
+    async def receive():
+        await never.wait()
+
+    async def drop(message):
+        raise AssertionError(message)
+
+    door = Lanes(Held())
+    scope = {"type": "http", "method": "POST", "path": LOOK, "headers": [], "query_string": b""}
+    senders = [asyncio.create_task(door(scope, receive, drop)) for _ in range(100)]
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(door), base_url="http://h") as other:
+        assert (await other.get("/health")).status_code == 200
+    for sender in senders:
+        sender.cancel()
+    await asyncio.gather(*senders, return_exceptions=True)
+
+
+async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, held, asking, monkeypatch):
+    monkeypatch.setattr(lanes, "_BODIES_BYTES", 2**20)
+    asking(LOOK, 1, content=b" " * 2**20)
+    while not held.under_way:
+        await asyncio.sleep(0)
+
+    assert (await client.post(LOOK, content=b" " * 2**17)).status_code == 503
+    assert (await client.post(PAUSE, content=b" " * 2**15)).status_code == 200
+
+
+def test_every_route_that_stops_something_is_urgent():
+    stopping = [path for path in paths_of(APP) if re.search(r"/(pause|abort|acts|health)$", path)]
+
+    assert len(stopping) == 4
+    assert all(lanes._URGENT.fullmatch(path) for path in stopping)
+
+
+def test_every_stream_goes_in_the_lane_of_streams():
+    left, streams = list(APP.routes), set()
+    while left:
+        route = left.pop()
+        left += getattr(route, "effective_candidates", list)()
+        if getattr(route, "response_class", None) is StreamingResponse:
+            streams.add(route.path)
+
+    assert streams
+    assert {path for path in paths_of(APP) if lanes._STREAMS.fullmatch(path)} == streams
