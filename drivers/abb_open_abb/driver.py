@@ -179,6 +179,11 @@ class OpenAbbRobot:
                     f"the robot replied to request {reply.code}, not to {int(code)}: connect again"
                 )
             _require_text(reply, words)
+            behind = await self._link.receive(0.0)
+            if behind is not None and behind.strip():
+                raise OpenAbbProtocolError(
+                    f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
+                )
         if reply.status != ReplyStatus.OK:
             raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
         return reply

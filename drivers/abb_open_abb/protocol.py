@@ -280,7 +280,9 @@ def _number(word: str) -> float:
 
 
 def _decimals(word: bytes) -> int:
-    return len(word.partition(b".")[2])
+    """Return how many decimals a number has; 0 of a word that is none, such as a version in an identity."""
+    whole, _, decimals = word.partition(b".")
+    return len(decimals) if decimals.isdigit() and whole.lstrip(b"+-").isdigit() else 0
 
 
 def _is_count(word: str) -> bool:

@@ -83,7 +83,7 @@ async def _receive_answer(link: Link, timeout_s: float) -> Answer:
         if data is None:
             raise NoReplyError(f"the cell's clock at {link.address} says nothing for {timeout_s:g} s")
         reader.receive_data(data)
-    if reader.inside_line:
+    if reader.inside_line or await link.receive(0.0) is not None:
         raise ClockProtocolError(f"the cell's clock at {link.address} answered more than was asked")
     return decode_answer(line)
 

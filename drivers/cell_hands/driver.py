@@ -84,7 +84,7 @@ class CellHands:
                     f" for {self._answer_timeout_s:g} s: check that the simulated cell runs"
                 )
             reader.receive_data(data)
-        if reader.inside_line:
+        if reader.inside_line or await self._link.receive(0.0) is not None:
             raise HandsProtocolError("the simulated hands answered more than was asked")
         return decode_answer(line)
 

@@ -151,7 +151,19 @@ class HeidenhainCounter:
                     f"the counter at {self._link.address} does not tell its status indicators (A0800):"
                     " it is none of the ND 2xx B or ND 287"
                 )
+        await self._require_end()
         return answers, decode_lamps(lamps)
+
+    async def _require_end(self) -> None:
+        """See that nothing but prints stands behind the last answer; raises NdProtocolError."""
+        while (data := await self._link.receive(0.0)) is not None and not self._reader.overflows:
+            self._reader.receive_data(data)
+        while (reply := self._reader.next_reply()) is not None:
+            if not isinstance(reply, Line) or reply.opened:
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} answered more than was asked:"
+                    " one answer is left from before, and nobody knows which"
+                )
 
     @contextlib.asynccontextmanager
     async def _turn(self) -> AsyncIterator[None]:

@@ -247,6 +247,11 @@ class ReplyReader:
         """Append what the line delivered; flow control is no reply."""
         self._buffer += bytes(character for character in data if character not in (DC1, DC3))
 
+    @property
+    def overflows(self) -> bool:
+        """Whether more stands here than a counter sends in one go."""
+        return len(self._buffer) > 2 * BUFFER_CHARACTERS
+
     def next_reply(self) -> Reply | None:
         """Take the oldest whole reply, None until more characters arrive; raises NdProtocolError."""
         if not self._buffer:

@@ -203,6 +203,14 @@ async def test_a_reply_without_its_trailing_space_is_taken():
     await robot.move_joints(TARGET)
 
 
+@pytest.mark.parametrize("chunk_bytes", [1, 7, 16, 4096])
+async def test_an_identity_is_read_to_its_end_whatever_the_line_does_to_it(chunk_bytes):
+    fake = FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6")
+    robot = await connected_robot(fake, chunk_bytes)
+
+    assert (await robot.identify()).model == "IRB 120-3/0.6"
+
+
 async def test_the_identity_names_serial_version_and_type():
     robot = await connected_robot(FakeController(code_98="98 1 120-500123*6.08.01*IRB 120-3/0.6"))
 

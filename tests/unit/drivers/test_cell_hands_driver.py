@@ -16,7 +16,6 @@ async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():
 
     hands = CellHands(MemoryLink(serve))
     await hands.connect()
-    await hands.do("detach", {})
 
     with pytest.raises(RemoteProtocolError, match="more than was asked"):
         await hands.do("connect", {"base": 1, "tool": 1})

@@ -177,6 +177,18 @@ async def test_a_line_that_is_not_whole_is_no_value_and_closes_the_link(value):
     assert not driver.connected
 
 
+async def test_answers_to_an_earlier_question_before_those_to_this_one_are_no_reading():
+    counter = FakeCounter()
+    driver = await counter.connected()
+    earlier = [Refused(), value_line(9999), lamps_line(Lamps(inside=True))]
+    counter.answers["A0301"] = [b"".join(map(encode_reply, [*earlier, Refused(), value_line(1234)]))]
+    counter.answers |= {"A0200": None}
+
+    with pytest.raises(RemoteProtocolError, match="left from before"):
+        await driver.read()
+    assert not driver.connected
+
+
 async def test_replies_that_were_late_are_passed_over_when_connecting():
     late = [value_line(9999), lamps_line(Lamps(inch=True)), Refused(), *identity_lines("ND-1", "2", "3")[:2]]
     counter = FakeCounter(A0000=[*late, *identity_lines("ND-287", "349797-04", "2001-05-04")])
