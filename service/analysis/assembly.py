@@ -1,5 +1,6 @@
 """From sessions to a campaign: pure, no storage, no clock."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -73,7 +74,11 @@ def judged_by(campaign: Campaign, calibration: MeasuredSession, validation: Meas
         validation=point_readings(validation.points),
         reference=_reference(validation.fixed_nests),
         tracker_position_mm=_tracker_position(validation.registration),
-        notes=(*campaign.notes, f"Validation readings are those of session {validation.id}."),
+        notes=(
+            *campaign.notes,
+            f"Validation readings are those of session {validation.id}.",
+            *_trackers([validation]),
+        ),
     )
 
 
@@ -152,7 +157,32 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
         yield f"Validation readings are those of session {validation.id}."
     if cell.simulated is not None:
         yield "SIMULATED: no robot and no instrument took part."
+    yield from _trackers([calibration] if validation is None else [calibration, validation])
     for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
         if text:
             yield f"{what}: {text}"
     yield from cell.conditions.notes
+
+
+def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:
+    """Say which trackers measured, and what that means where there were several."""
+    counts = Counter(point.instrument_serial for session in sessions for point in session.points)
+    if set(counts) <= {""}:
+        return  # it tells no serial number, or is one of before that was kept
+    if len(counts) == 1:
+        (serial,) = counts
+        yield f"Tracker: {_tracker_paper(serial, sessions)}"
+        return
+    yield (
+        "More than one tracker measured: each was placed in the world by a registration of its own, and the "
+        "uncertainty of the world frame is that of the latest one only."
+    )
+    for serial, count in counts.items():
+        yield f"Tracker: {_tracker_paper(serial, sessions)} Readings: {count}."
+
+
+def _tracker_paper(serial: str, sessions: Sequence[MeasuredSession]) -> str:
+    """Return serial number and certificate: a certificate holds for the number it was stated with."""
+    entries = [entry for session in sessions for entry in session.setup.cell.devices]
+    found = (entry.certificate for entry in entries if serial and entry.serial_number == serial)
+    return f"serial number {serial or 'not told'}, certificate {next(found, '') or 'not stated'}."

@@ -1,5 +1,6 @@
 """From what counts of a ballbar session to a campaign: pure, no storage, no clock."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -160,8 +161,8 @@ def _notes(name: str, setup: SessionSetup, kit: BallbarKit, counting: Counting) 
     yield f"The legs are those of {name} on {cell.name}."
     if setup.simulated:
         yield "SIMULATED: no robot and no instrument took part."
-    serials = sorted({kept.length.instrument_serial for kept in counting.legs} - {""})
-    yield f"Ballbar: {_paper(kit.instrument, ', '.join(serials))}"
+    lengths = [side.length for side in counting.sides] + [leg.length for leg in counting.legs]
+    yield from _ballbars(kit.instrument, lengths)
     yield f"Calibrator: {_paper(kit.calibrator)}"
     for bars in (kit.tool_bars, kit.base_bars):
         yield (
@@ -173,6 +174,34 @@ def _notes(name: str, setup: SessionSetup, kit: BallbarKit, counting: Counting) 
         yield f"Left out, because their legs had been exchanged: poses {numbers}."
     yield from counting.skipped
     yield from cell.conditions.notes
+
+
+def _ballbars(owner: Artefact, lengths: Sequence[LengthTaken]) -> Iterator[str]:
+    """Say which ballbars measured: the paper of the owner's own, and of another what is not known of it."""
+    kept_with = Counter((length.instrument_serial, _has_paper(length, owner)) for length in lengths)
+    if len(kept_with) > 1:
+        yield "More than one ballbar measured; each length counts from a zero of its own instrument."
+    for (serial, has_paper), count in kept_with.items():
+        if has_paper:
+            yield f"Ballbar: {_paper(owner, serial)}"
+            continue
+        u_mm = max(
+            length.standard_uncertainty_mm
+            for length in lengths
+            if length.instrument_serial == serial and not _has_paper(length, owner)
+        )
+        yield (
+            f"Ballbar without a certificate, serial number {serial or 'not told'}: how true its lengths are "
+            f"is not known. {count} of them count with a standard uncertainty of up to {u_mm:.4f} mm."
+        )
+
+
+def _has_paper(length: LengthTaken, owner: Artefact) -> bool:
+    """Whether a length was kept with the paper of the owner's ballbar."""
+    if owner.certificate:
+        return length.certificate == owner.certificate
+    own = owner.serial_number.casefold()
+    return not own or length.instrument_serial.casefold() == own
 
 
 def _paper(artefact: Artefact, serial: str = "") -> str:

@@ -8,7 +8,7 @@ import pytest
 from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from service.analysis.errors import NothingMeasuredError, SessionsDifferError
 from service.domain.campaign import Campaign
-from service.domain.cell import Conditions, SimulatedCell
+from service.domain.cell import Conditions, DeviceEntry, SimulatedCell
 from service.domain.robot import FramePlacement
 from service.domain.session import Registration
 from service.storage.records import SessionSetup
@@ -110,3 +110,30 @@ def test_a_tracker_session_of_another_robot_judges_nothing():
 
     with pytest.raises(SessionsDifferError, match="robot"):
         judged_by(legs, measured(3, points=()), other)
+
+
+def of_tracker(serial, *configs):
+    return tuple(dataclasses.replace(make_point(config), instrument_serial=serial) for config in configs)
+
+
+def with_tracker(serial, certificate):
+    entry = DeviceEntry("tracker", "leica_emscon", {}, serial, certificate)
+    return changed_cell(devices=(entry,))
+
+
+def test_a_certificate_is_stated_of_the_tracker_whose_number_it_names():
+    own = measured(setup=with_tracker("390003", "KZ-4711"), points=of_tracker("390003", 1))
+    other = measured(setup=with_tracker("390003", "KZ-4711"), points=of_tracker("777777", 1))
+
+    assert "Tracker: serial number 390003, certificate KZ-4711." in assemble_campaign(own).notes
+    assert "Tracker: serial number 777777, certificate not stated." in assemble_campaign(other).notes
+
+
+def test_readings_of_two_trackers_are_told_apart_with_what_that_means():
+    points = of_tracker("390003", 1, 2) + of_tracker("777777", 3)
+
+    notes = assemble_campaign(measured(setup=with_tracker("390003", "KZ-4711"), points=points)).notes
+
+    assert any("registration of its own" in note for note in notes)
+    assert "Tracker: serial number 390003, certificate KZ-4711. Readings: 2." in notes
+    assert "Tracker: serial number 777777, certificate not stated. Readings: 1." in notes

@@ -108,3 +108,27 @@ def test_its_folder_is_read_back_as_it_was_written():
     assert back.setup.base_point.tolist() == campaign.setup.base_point.tolist()
     assert back.notes == campaign.notes
     assert back.ignored == ()
+
+
+def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_uncertainty():
+    kit = replace(BallbarKit(), instrument=Artefact("QC20-W", "L20042", "report 7", "2027-01-31"))
+    foreign = make_length(
+        300.1, instrument_serial="B-9", certificate="", certificate_expires="", standard_uncertainty_mm=0.0052
+    )
+    legs = (*LEGS, LegKept(1, 5, 1, (3, 1), foreign, ARRIVAL))
+
+    campaign = assemble(kit=kit, counting=Counting(legs))
+
+    assert campaign.legs.standard_uncertainty_mm.tolist() == [0.0017, 0.0017, 0.0052]
+    notes = " ".join(campaign.notes)
+    assert "More than one ballbar measured" in notes
+    assert "Ballbar: QC20-W, serial number L20042, certificate report 7, valid until 2027-01-31." in notes
+    assert "Ballbar without a certificate, serial number B-9" in notes
+    assert "0.0052 mm" in notes
+
+
+def test_a_ballbar_of_which_no_paper_was_ever_stated_is_named_and_no_more():
+    notes = " ".join(assemble(counting=Counting((LegKept(1, 4, 1, (1, 1), make_length(), ARRIVAL),))).notes)
+
+    assert "without a certificate" not in notes
+    assert "serial number L20042" in notes
