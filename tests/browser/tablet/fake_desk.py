@@ -117,6 +117,7 @@ class FakeDesk:
             "ledger_number": 1,
             "step": leg(),
             "suspicion": None,
+            "ballbar_in_question": None,
             "swaps_can_be_seen": True,
             "ballbar_attached": True,
             "robot_moving": False,

@@ -8,6 +8,13 @@ from tests.browser.tablet.fake_desk import ARM_BEFORE, leg, move, sample, scene,
 
 SUSPICION = {"kind": "other_pair", "asked": ["B2", "T3"], "suspected": ["B1", "T2"]}
 DOUBT = {**SUSPICION, "length_mm": 300.1004, "expected_mm": 300.42}
+FOREIGN = {
+    "device": "ballbar",
+    "finding": "foreign",
+    "serial_number": "QC20-12A345",
+    "expected_serial_number": "QC20-98B761",
+    "person": None,
+}
 STORED = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.8612, "text": ""}
 SCREENS = {
     "connect_leg": {"step": leg(), "swaps_can_be_seen": False, "last_outcome": STORED},
@@ -26,6 +33,7 @@ SCREENS = {
     "paused": {"state": "paused", "reason": "The pre-calibration was not possible: measure more poses."},
     "pausing": {"state": "pausing"},
     "interrupted": {"state": "awaiting_confirmation"},
+    "foreign": {"state": "awaiting_confirmation", "ballbar_in_question": FOREIGN},
     "finished": {"state": "finished", "step": None},
     "aborted": {"state": "aborted", "step": None},
     "failed": {"state": "failed", "step": None, "reason": "The disk is full."},
@@ -107,6 +115,7 @@ def shown(page, desk, screen):
     moving = screen in {"move", "moving"}
     desk.scene = scene(before=ARM_BEFORE if moving else None)
     dull = {"state": "running", "step": leg(), "suspicion": None, "robot_moving": False}
+    dull["ballbar_in_question"] = None
     desk.show(**{**dull, **SCREENS[screen]})
     page.locator(f"body[data-screen={screen}]").wait_for()
     page.wait_for_timeout(120)  # the picture is fetched after the words

@@ -2,7 +2,7 @@
 
 import { element } from "./elements.js";
 import { holdButton } from "./hold.js";
-import { can, stepOf } from "./situation.js";
+import { answeredBy, can, stepOf } from "./situation.js";
 import { pairInWords } from "./words.js";
 
 const DONE = { act: "confirm", key: "act.done" };
@@ -19,6 +19,8 @@ const OFFERED = {
   detach: [DONE],
   move: [{ act: "confirm", key: "act.hold", held: true }],
   interrupted: [{ act: "confirm", key: "act.looked" }],
+  // Held, like a motion: no tap by habit, or meant for the screen before, must accept another instrument.
+  foreign: [{ act: "confirm", key: "foreign.accept", held: true }],
   moving: [{ key: "act.moving" }],
   precalibrate: [{ key: "act.wait" }],
   waiting: [{ key: "act.wait" }],
@@ -40,7 +42,8 @@ function label(offer, model, texts) {
   if (offer.act && model.queue.holds(offer.act, stepOf(model.session, offer.act))) return texts.say("queue.waits");
   const { step, suspicion } = model.session ?? {};
   const key = (suspicion && offer[suspicion.kind]) || offer.key;
-  return texts.say(key, { pair: step?.points ? pairInWords(step.points) : texts.say("initialise.names") });
+  const pair = step?.points ? pairInWords(step.points) : texts.say("initialise.names");
+  return texts.say(key, { pair, answered: answeredBy(model.session) });
 }
 
 // A second tap of a gloved hand, meant for the screen before, must not answer the next one.
@@ -62,8 +65,8 @@ export class Actions {
   show(screen, model, texts) {
     const offers = OFFERED[screen];
     // Built anew for a new step only: a finger may rest on a button while the rest of the page changes.
-    const shown = `${screen} ${model.session?.step?.id}`;
-    if (shown !== this.#shown) this.#begin(shown, offers, texts);
+    const shown = `${screen} ${model.session?.step?.id} ${answeredBy(model.session) ?? ""}`;
+    if (shown !== this.#shown) this.#begin(shown, offers, texts, answeredBy(model.session));
     const fresh = performance.now() - this.#shown_ms < FRESH_MS;
     offers.forEach((offer, i) => {
       const button = this.#buttons[i];
@@ -77,21 +80,22 @@ export class Actions {
     });
   }
 
-  #begin(shown, offers, texts) {
+  #begin(shown, offers, texts, answered) {
     this.#shown = shown;
     this.#shown_ms = performance.now();
-    this.#buttons = offers.map((offer) => this.#button(offer, texts));
+    this.#buttons = offers.map((offer) => this.#button(offer, texts, answered));
     this.#place.replaceChildren(...this.#buttons);
     setTimeout(() => this.#on.settled(), FRESH_MS + 1);
   }
 
-  #button(offer, texts) {
+  #button(offer, texts, answered) {
     const kind = offer.held ? "main hold" : `main${offer.plain ? " plain" : ""}`;
     const fill = element("i", { class: "fill", "aria-hidden": "true" });
     const button = element("button", { type: "button", class: kind, "data-act": offer.act }, fill, element("span"));
     const tapped = () => this.#on.tapped(offer.act, { answer: offer.answer });
+    const text = (holding) => texts.say(holding ? "act.hold_more" : offer.key, { answered });
     if (!offer.held) button.addEventListener("click", tapped);
-    else holdButton(button, { held: tapped, changed: (holding) => (button.lastChild.textContent = texts.say(holding ? "act.hold_more" : "act.hold")) });
+    else holdButton(button, { held: tapped, changed: (holding) => (button.lastChild.textContent = text(holding)) });
     return button;
   }
 }

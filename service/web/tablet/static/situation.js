@@ -14,7 +14,7 @@ export function screenOf(session, missing = false) {
   if (RESTING.includes(session.state)) return session.state;
   if (session.robot_moving) return "moving";
   // After a stop or a restart of the service: nothing goes on before a person has looked.
-  if (session.state === "awaiting_confirmation") return "interrupted";
+  if (session.state === "awaiting_confirmation") return session.ballbar_in_question ? "foreign" : "interrupted";
   if (session.suspicion) return "doubt";
   return session.step?.kind ?? "waiting";
 }
@@ -29,7 +29,7 @@ export function actsHere(session, tablet) {
 
 // An old confirmation must not move a robot.
 export function onlyNow(session, act) {
-  return ONLY_NOW.includes(act) || (act === "confirm" && ["move", "interrupted"].includes(screenOf(session)));
+  return ONLY_NOW.includes(act) || (act === "confirm" && ["move", "interrupted", "foreign"].includes(screenOf(session)));
 }
 
 // Nothing shows that the ballbar is off where it has to be: a person says how they know.
@@ -53,4 +53,9 @@ export function can({ session, up, tablet, queue }, act) {
 
 export function stepOf(session, act) {
   return OF_STEP.includes(act) ? (session.step?.id ?? null) : null;
+}
+
+// The serial number of a ballbar that waits to be accepted.
+export function answeredBy(session) {
+  return session?.ballbar_in_question?.serial_number;
 }

@@ -1,5 +1,7 @@
 // What each screen says: the small line, the large names, the sentence.
 
+import { answeredBy } from "./situation.js";
+
 const PLAIN = {
   loading: ["loading.title", "loading.names", "loading.text"],
   missing: ["missing.title", "missing.names", "missing.text"],
@@ -8,6 +10,7 @@ const PLAIN = {
   paused: ["paused.title", "paused.names", "paused.text"],
   pausing: ["paused.title", "pausing.names", "pausing.text"],
   interrupted: ["interrupted.title", "interrupted.names", "interrupted.text"],
+  foreign: ["foreign.title", "foreign.names", "foreign.text"],
   moving: ["moving.title", "move.names", "moving.text"],
   move: ["move.away", "move.names", "move.text"],
   initialise: ["initialise.title", "initialise.names", "initialise.text"],
@@ -46,6 +49,8 @@ function values(session, texts) {
     bars: barsInWords(step?.bars_mm, texts),
     readings: session?.progress.readings,
     reason: session?.reason ?? "",
+    answered: answeredBy(session),
+    wanted: session?.ballbar_in_question?.expected_serial_number,
   };
 }
 

@@ -1,0 +1,69 @@
+"""Another ballbar answers: the tablet says which, and accepts it by a held button that names it."""
+
+from playwright.sync_api import expect
+
+from tests.browser.tablet.fake_desk import move
+
+FOREIGN = {
+    "device": "ballbar",
+    "finding": "foreign",
+    "serial_number": "B-9",
+    "expected_serial_number": "B-7",
+    "person": None,
+}
+
+
+def ask(desk, **changed):
+    desk.show(
+        state="awaiting_confirmation", acts=["confirm", "abort"], ballbar_in_question={**FOREIGN, **changed}
+    )
+
+
+def test_the_question_names_both_and_a_held_button_accepts_the_one_that_it_names(desk, tablet):
+    ask(desk)
+    expect(tablet.locator("body")).to_have_attribute("data-screen", "foreign")
+    asked = tablet.locator("#instruction").inner_text()
+    button = tablet.get_by_role("button", name="Hold: go on with B-9")
+    button.hover()
+
+    tablet.mouse.down()
+    tablet.wait_for_timeout(1700)
+    tablet.mouse.up()
+    tablet.wait_for_timeout(300)
+
+    assert "B-7" in asked
+    assert [(act["act"], act["accept_serial_number"]) for act in desk.acts] == [("confirm", "B-9")]
+
+
+def test_a_tap_accepts_nothing(desk, tablet):
+    ask(desk)
+
+    tablet.get_by_role("button", name="Hold: go on with B-9").click()
+    tablet.wait_for_timeout(300)
+
+    assert desk.acts == []
+
+
+def test_a_hold_for_one_ballbar_does_not_accept_a_third(desk, tablet):
+    ask(desk)
+    tablet.get_by_role("button", name="Hold: go on with B-9").hover()
+
+    tablet.mouse.down()
+    tablet.wait_for_timeout(900)
+    ask(desk, serial_number="B-11")
+    tablet.wait_for_timeout(1200)
+    tablet.mouse.up()
+
+    assert desk.acts == []
+
+
+def test_a_motion_is_confirmed_without_a_number(desk, tablet):
+    desk.show(step=move(), ballbar_attached=False)
+    tablet.get_by_role("button", name="Hold").hover()
+
+    tablet.mouse.down()
+    tablet.wait_for_timeout(1700)
+    tablet.mouse.up()
+    tablet.wait_for_timeout(300)
+
+    assert ["accept_serial_number" in act for act in desk.acts] == [False]
