@@ -1,6 +1,7 @@
 """The diagnosis of a campaign, from its readings to the answer: the one function that others call."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from service.diagnosis.answer import answered, unanswerable
 from service.diagnosis.scene import scene_of
@@ -10,6 +11,7 @@ from service.domain.campaign import Campaign
 from service.domain.diagnosis import Diagnosis
 from service.effects.causes import Candidate, Scene
 from service.effects.registry import CAUSES
+from service.identification.reach import within_reach
 from service.identification.robust import RobustFit
 
 Progress = Callable[[float, str], None]
@@ -46,7 +48,8 @@ def diagnose(
     """
     tell = progress or _silent
     tell(0.02, "fitting the present model")
-    start = started(campaign, effects, relabel="label_swap" not in without)
+    reached = within_reach(campaign)
+    start = started(reached.campaign, effects, relabel="label_swap" not in without)
     if isinstance(start, str):
         return unanswerable(campaign, effects or (), start)
 
@@ -56,7 +59,8 @@ def diagnose(
     tell(0.1, "screening the ways in which the model may be wrong")
     selected = select(start.fit, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
     tell(0.6, "judging on points that were not seen")
-    return answered(start, selected, propose, without, tell)
+    answer = answered(start, selected, propose, without, tell)
+    return replace(answer, message=f"{answer.message} {reached.sentence}".rstrip())
 
 
 def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:

@@ -36,6 +36,7 @@ from service.identification.problem import (
     position_block,
 )
 from service.identification.pure_error import pure_error
+from service.identification.reach import WithinReach, within_reach
 from service.identification.robust import RobustFit, fit, robust_fit
 from service.identification.rows import sites
 from service.identification.solver import posterior_covariance
@@ -77,6 +78,8 @@ def identify(
     too_few = verdict.too_few_data(campaign, chosen)
     if too_few:
         return _unfitted(campaign, chosen, Status.TOO_FEW_DATA, too_few)
+    reached = within_reach(campaign)
+    campaign = reached.campaign
     problem = build(campaign, chosen)
     collapsed = verdict.before_fitting(campaign, problem)
     if collapsed:
@@ -85,7 +88,18 @@ def identify(
     identified = robust_fit(problem.structure, problem.blocks, problem.start)
     nominal = nominal_fit(problem, identified)
     tell(0.5, "judging the model on configurations it has not seen")
-    return _answer(campaign, problem, identified, nominal, tell)
+    return _with_set_aside(_answer(campaign, problem, identified, nominal, tell), reached)
+
+
+def _with_set_aside(answer: Identification, reached: WithinReach) -> Identification:
+    """Return the answer with the readings that took no part in it, by their rows in the table."""
+    outliers = reached.with_rows_of_table(answer.outliers)
+    return replace(
+        answer,
+        message=f"{answer.message} {reached.sentence}".rstrip(),
+        outliers=outliers,
+        counts=replace(answer.counts, outliers=len(outliers)),
+    )
 
 
 def _silent(_fraction: float, _doing: str) -> None:

@@ -123,7 +123,7 @@ class IndependentReadings:
 
     def whitening(self) -> Whitener:
         """Return the weights of the readings as they stand."""
-        return Whitener((), np.sqrt(np.maximum(self.weights, 1e-12) / self.component_variance()))
+        return Whitener((), np.sqrt(self.weights / self.component_variance()))
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from service.identification.conventions import (
     plausible_mm,
     reach_mm,
 )
-from service.identification.problem import Problem
+from service.identification.problem import NOMINAL_EFFECTS, NUISANCE, Problem
 from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 from service.identification.setting import known_placement, setting_of
@@ -29,6 +29,7 @@ _IMPLAUSIBLE_WIDTHS = 10.0
 _IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
 _SUSPICIOUS_CHI2 = 2.0
 _CERTAINLY_NEGATIVE = 5.0  # standard uncertainties; at 3 a spring that is hardly loaded would be accused
+_ONE_PARAMETER = 1.0  # what is learnt of all, each from 0 for its prior to 1 for the data alone
 _FAR_WIDTHS = 3.0  # of the base's prior
 
 
@@ -109,6 +110,9 @@ def judge(
             f"{how_many} not fit the others: no model can be trusted; "
             "check reflectors, nest labels and the order of the rows first."
         )
+    nothing = _nothing_learnt(campaign, problem, identified)
+    if nothing:
+        return Status.TOO_FEW_DATA, nothing
     wrong = _wrong_model(campaign, problem, identified, typical)
     if wrong:
         return Status.WRONG_NOMINAL_MODEL, wrong
@@ -118,6 +122,26 @@ def judge(
             "ask for fewer effects, or measure configurations that differ more."
         )
     return Status.CONVERGED, _converged_message(problem, identified, gross)
+
+
+def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> str | None:
+    """Return the sentence for readings that by their own word say less than one parameter's worth."""
+    if identified.blocks[0].discrepancy > 0.0:
+        return None  # it is the model that says little of them
+    structure = problem.structure
+    asked = [name for name in structure.effects if name not in (*NOMINAL_EFFECTS, *NUISANCE)]
+    wanted = np.isin(structure.owners, asked or list(NOMINAL_EFFECTS))
+    left = np.diag(identified.solution.covariance) / identified.structure.prior_widths**2
+    learnt = float(np.clip(1.0 - left[wanted], 0.0, 1.0).sum())
+    if learnt >= min(_ONE_PARAMETER, 0.5 * wanted.sum()):
+        return None
+    readings = campaign.calibration or campaign.legs
+    u_mm = float("nan") if readings is None else float(np.median(readings.standard_uncertainty_mm))
+    return (
+        f"The readings say nothing of {', '.join(asked or NOMINAL_EFFECTS)} that was not known before: with "
+        f"a standard uncertainty of {u_mm:.3g} mm each (u_mm) they are too coarse or too few; check u_mm, "
+        "or measure more configurations."
+    )
 
 
 def _typical(fit: RobustFit) -> float:

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.domain.arrays import FloatArray, IntArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 
-_NO_WEIGHT = 1e12  # variance factor of a reading that gets no weight
+# A weight below this is none at all: however far off a reading is, it has no part in what is whitened.
+_LEAST_WEIGHT = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     covariance : ndarray, shape (n, d, d)
         Of each reading on its own [mm2 or rad2].
     weights : ndarray, shape (n,)
-        1 for a full reading, 0 for one that gets no weight.
+        1 for a full reading, 0 for one that counts for nothing.
     stop : ndarray, shape (n,)
         Readings with equal numbers belong to one stop.
     shared : ndarray, shape (n, d, k)
@@ -53,41 +54,41 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     -------
     Whitener
     """
-    inflated = covariance / np.maximum(weights, 1.0 / _NO_WEIGHT)[:, None, None]
+    counts = (weights > _LEAST_WEIGHT)[:, None, None]
+    share = np.where(counts, weights[:, None, None], 1.0)
+    inflated = covariance / share
     _, inverse, sizes = np.unique(stop, return_inverse=True, return_counts=True)
     if not shared.any() or sizes.max(initial=1) == 1:
-        total = inflated + shared @ np.swapaxes(shared, 1, 2) / _floor(weights)
-        return _of_single(total)
+        return _of_single(inflated + shared @ np.swapaxes(shared, 1, 2) / share, counts)
     order = np.argsort(inverse, kind="stable")
     ends = np.cumsum(sizes)
     groups = []
     for size in np.unique(sizes):
         starts = (ends - sizes)[sizes == size]
         rows = order[starts[:, None] + np.arange(size)]
-        groups.append((rows, _factors(inflated, shared, rows)))
+        groups.append((rows, _factors(inflated, shared, counts, rows)))
     return Whitener(tuple(groups), None)
 
 
-def _floor(weights: FloatArray) -> FloatArray:
-    return np.maximum(weights, 1.0 / _NO_WEIGHT)[:, None, None]
-
-
-def _of_single(total: FloatArray) -> Whitener:
+def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
     diagonal = total[:, 0, 0]
     if np.allclose(total, diagonal[:, None, None] * np.eye(total.shape[1]), rtol=1e-12, atol=0.0):
-        return Whitener((), 1.0 / np.sqrt(diagonal))
+        return Whitener((), counts[:, 0, 0] / np.sqrt(diagonal))
     rows = np.arange(len(total))[:, None]
-    return Whitener(((rows, _inverse_cholesky(total)),), None)
+    return Whitener(((rows, counts * _inverse_cholesky(total)),), None)
 
 
-def _factors(inflated: FloatArray, shared: FloatArray, rows: IntArray) -> FloatArray:
+def _factors(inflated: FloatArray, shared: FloatArray, counts: BoolArray, rows: IntArray) -> FloatArray:
     stops, size = rows.shape
     d = inflated.shape[1]
     blocks = np.zeros((stops, size, d, size, d))
     for k in range(size):
         blocks[:, k, :, k, :] = inflated[rows[:, k]]
-    arms = shared[rows].reshape(stops, size * d, -1)
-    return _inverse_cholesky(blocks.reshape(stops, size * d, size * d) + arms @ np.swapaxes(arms, 1, 2))
+    # What does not count shares nothing with the others either.
+    arms = (counts * shared)[rows].reshape(stops, size * d, -1)
+    covariance = blocks.reshape(stops, size * d, size * d) + arms @ np.swapaxes(arms, 1, 2)
+    kept = np.repeat(counts[rows].reshape(stops, size), d, axis=1)
+    return kept[:, :, None] * _inverse_cholesky(covariance)
 
 
 def _inverse_cholesky(covariance: FloatArray) -> FloatArray:
