@@ -22,7 +22,7 @@ from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
-from service.operation.early_judges import early_judge
+from service.operation.early_judges import Sight
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.operation.requests_under_way import RequestsUnderWay
@@ -30,7 +30,6 @@ from service.operation.session_ledger import SessionLedger
 from service.operation.watching import Watching
 from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import HALTS, LETS_MOVE, Act, ActName
-from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_plan, motion_limits
 from service.sequencing.ballbar.foresight import Foresight
@@ -65,6 +64,7 @@ class BallbarView:
     question: str | None
     newest_entry: int | None
     robot_moving: bool
+    sight: Sight
     watching: int  # tablets that follow it
     trouble: str | None = None  # why the session waits for the disk
 
@@ -89,6 +89,7 @@ class _Fixed:
     name: str
     setup: SessionSetup
     plan: BallbarPlan
+    sight: Sight
 
 
 class BallbarDesk:
@@ -302,7 +303,7 @@ class BallbarDesk:
             ledger,
             self._make_foresight(fixed.setup),
             entries=tuple(record.entry for record in kept),
-            judges=Judges(early=early_judge(fixed.setup, fixed.plan, kit_of(fixed.setup))),
+            judges=fixed.sight.judges,
         )
         self._rack.lend(session_id)
         task = asyncio.create_task(self._run(session_id, runner), name=f"ballbar session {session_id}")
@@ -363,6 +364,7 @@ class BallbarDesk:
             newest_entry=newest_entry,
             robot_moving=robot_moving,
             trouble=trouble,
+            sight=fixed.sight,
             watching=self.watching.count(session_id),
         )
 
@@ -375,11 +377,10 @@ class BallbarDesk:
     async def _what_is_fixed(self, session_id: int) -> _Fixed:
         if session_id not in self._fixed:
             record = await self._require(session_id)
-            setup, plan = (
-                await self._sessions.setup(session_id),
-                await self._sessions.ballbar_plan(session_id),
-            )
-            self._fixed[session_id] = _Fixed(record.name, setup, plan)
+            setup = await self._sessions.setup(session_id)
+            plan = await self._sessions.ballbar_plan(session_id)
+            sight = await asyncio.to_thread(Sight, setup, plan, kit_of(setup))
+            self._fixed[session_id] = _Fixed(record.name, setup, plan, sight)
         return self._fixed[session_id]
 
     def _of(self, session_id: int) -> _UnderWay | None:

@@ -69,14 +69,20 @@ def alike(here: Accounts) -> tuple[tuple[Leg, Leg], ...]:
     To exchange them does not show. Only pairs that the ballbar can be put between are looked at.
     """
     length, covariance = here.forecast()
-    shown = [row for row in range(len(length)) if _is_shown(here, row)]
-    return tuple(
-        (here.here.pairs[a], here.here.pairs[b])
-        for a, b in combinations(shown, 2)
-        if (length[a] - length[b]) ** 2
-        < _TOLD_APART**2
-        * (covariance[a, a] + covariance[b, b] - 2.0 * covariance[a, b] + 2.0 * here.noise_mm2)
-    )
+    pairs = here.here.pairs
+    shown = [row for row in range(len(pairs)) if _is_shown(here, row)]
+    close = indistinct(length[shown], covariance[np.ix_(shown, shown)], here.noise_mm2)
+    return tuple((pairs[shown[a]], pairs[shown[b]]) for a, b in close)
+
+
+def indistinct(
+    length_mm: FloatArray, covariance_mm2: FloatArray, noise_mm2: float
+) -> tuple[tuple[int, int], ...]:
+    """Return which two of n foreseen lengths are closer than their difference is foreseen."""
+    variance = np.diag(covariance_mm2)
+    unsure = variance[:, None] + variance - 2.0 * covariance_mm2 + 2.0 * noise_mm2
+    close = (length_mm[:, None] - length_mm) ** 2 < _TOLD_APART**2 * unsure
+    return tuple((a, b) for a, b in combinations(range(len(length_mm)), 2) if close[a, b])
 
 
 def _is_shown(here: Accounts, row: int) -> bool:

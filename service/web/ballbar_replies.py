@@ -3,7 +3,15 @@
 import dataclasses
 
 from service.domain.artefacts import Bars
-from service.domain.ballbar import ArrivalTaken, BallbarStep, LengthTaken, PreCalibration, StepKind, Suspicion
+from service.domain.ballbar import (
+    ArrivalTaken,
+    BallbarStep,
+    Leg,
+    LengthTaken,
+    PreCalibration,
+    StepKind,
+    Suspicion,
+)
 from service.operation.ballbar_sessions import BallbarView
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.record import Outcome
@@ -44,7 +52,10 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         ledger_number=view.newest_entry,
         step=_present_step(view),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),
-        swaps_can_be_seen=found.forecast is not None,
+        swaps_can_be_seen=view.sight.sees_swaps(found),
+        legs_alike=[[_leg(first), _leg(second)] for first, second in view.sight.alike(found)],
+        unseen_swaps_poses=list(unseen := view.sight.unseen(found)),
+        unseen_swaps=_unseen_swaps(unseen),
         ballbar_attached=found.attached,
         robot_moving=view.robot_moving,
         acts=sorted(found.acts),
@@ -54,6 +65,20 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         last_outcome=_last_outcome(found),
         ballbar_in_question=None if found.ballbar.foreign is None else identity_reply(found.ballbar.foreign),
         identities=[identity_reply(taken) for taken in found.identities],
+    )
+
+
+def _leg(leg: Leg) -> list[str]:
+    return [f"B{leg[0]}", f"T{leg[1]}"]
+
+
+def _unseen_swaps(poses: tuple[int, ...]) -> str:
+    if not poses:
+        return ""
+    where = f"pose {poses[0]}" if len(poses) == 1 else f"poses {', '.join(str(pose) for pose in poses)}"
+    return (
+        f"In {where} two legs that change places can hardly be seen when they are read: read both names. The "
+        "pre-calibration tests these poses, and those it finds exchanged are measured again."
     )
 
 

@@ -12,13 +12,13 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import BallbarStep, Leg, LengthTaken, StepKind, Suspicion
+from service.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
 from service.planning.ballbar.beforehand import Beforehand
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.acts import Answer
 from service.sequencing.ballbar.situation import Situation
 from service.validation.connections_accounts import Accounts, begin
-from service.validation.connections_early import alike, judge_early
+from service.validation.connections_early import alike, indistinct, judge_early
 
 _KEPT: Final = 16  # accounts: of the present stop, and the one before
 
@@ -51,6 +51,9 @@ class EarlyJudge:
         self._beforehand = beforehand
         self._kit = kit
         self._path: list[tuple[tuple[_Line, ...], Accounts]] = []  # the last few, each with all lines so far
+        self._alike: tuple[tuple[_Line, ...], tuple[tuple[Leg, Leg], ...]] | None = (
+            None  # what was found last
+        )
 
     def doubt(self, taken: LengthTaken, now: Situation, step: BallbarStep) -> Suspicion | None:
         """Return why a length does not go with the pair that a step asks for; None where it does."""
@@ -63,20 +66,26 @@ class EarlyJudge:
     def alike(self, now: Situation) -> tuple[tuple[Leg, Leg], ...]:
         """Return the pairs of legs of the present pose whose exchange would not show; empty elsewhere."""
         step = now.step
-        if step is None or step.kind is not StepKind.CONNECT_LEG or now.forecast is not None:
+        if step is None or step.kind is not StepKind.CONNECT_LEG:
             return ()
+        if now.forecast is not None:
+            return _alike_foreseen(now.forecast, step_ids.group_of(step.id), now, self._kit)
         begun = _lines(now, step)
         last = max(place for place, line in enumerate(begun) if isinstance(line, _Stop))
-        return alike(self._after(begun[: last + 1]))
+        begun = begun[: last + 1]
+        if self._alike is None or self._alike[0] != begun:
+            self._alike = begun, alike(self._after(begun))
+        return self._alike[1]
 
     def _after(self, lines: tuple[_Line, ...]) -> Accounts:
         """Return the accounts after these lines, from the longest part of them that is known."""
-        self._path = [(known, accounts) for known, accounts in self._path if known == lines[: len(known)]]
-        known, accounts = self._path[-1] if self._path else ((), begin(self._beforehand.kinds(), self._kit))
+        self._path = [step for step in self._path if _is_on_one_way(step[0], lines)]
+        before = [step for step in self._path if len(step[0]) <= len(lines)]
+        known, accounts = before[-1] if before else ((), begin(self._beforehand.kinds(), self._kit))
         for end in range(len(known) + 1, len(lines) + 1):
             accounts = self._next(accounts, lines[end - 1])
             self._path.append((lines[:end], accounts))
-        self._path = self._path[-_KEPT:]
+        self._path = sorted(self._path, key=lambda step: len(step[0]))[-_KEPT:]
         return accounts
 
     def _next(self, accounts: Accounts, line: _Line) -> Accounts:
@@ -85,6 +94,26 @@ class EarlyJudge:
         if line.joints_rad is None:
             return accounts.at(self._beforehand.sides(line.placement))
         return accounts.at(self._beforehand.poses(line.placement, np.array([line.joints_rad]))[0])
+
+
+def _is_on_one_way(one: tuple[_Line, ...], other: tuple[_Line, ...]) -> bool:
+    """Whether one of two courses goes on where the other ends."""
+    return one[: len(other)] == other[: len(one)]
+
+
+def _alike_foreseen(
+    forecast: PoseForecast, group: str, now: Situation, kit: BallbarKit
+) -> tuple[tuple[Leg, Leg], ...]:
+    legs = {
+        step.points
+        for step in now.steps
+        if step.kind is StepKind.CONNECT_LEG and step_ids.group_of(step.id) == group
+    }
+    rows = [row for row, leg in enumerate(forecast.legs) if leg in legs]
+    covariance = np.array(forecast.covariance_mm2)[np.ix_(rows, rows)]
+    noise = kit.reading_u_mm**2 + kit.zero_u_mm**2
+    close = indistinct(np.array(forecast.length_mm)[rows], covariance, noise)
+    return tuple((forecast.legs[rows[a]], forecast.legs[rows[b]]) for a, b in close)
 
 
 def _lines(now: Situation, step: BallbarStep) -> tuple[_Line, ...]:

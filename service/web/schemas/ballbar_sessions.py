@@ -104,7 +104,18 @@ class BallbarSessionReply(Reply):
     ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
     step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
     suspicion: SuspicionReply | None
-    swaps_can_be_seen: bool = Field(description="Lengths of this pose are foreseen: exchanged legs show.")
+    swaps_can_be_seen: bool = Field(
+        description="Lengths of this pose are foreseen well enough that exchanged legs show."
+    )
+    legs_alike: list[list[list[PointName]]] = Field(
+        description="Pairs of legs of the present pose whose exchange would not show.",
+        examples=[[[["B1", "T1"], ["B2", "T2"]]]],
+    )
+    unseen_swaps_poses: list[int] = Field(
+        description="Poses ahead in which an exchange of legs is hardly seen when it is made.",
+        examples=[[1, 2, 3, 4]],
+    )
+    unseen_swaps: str = Field(description="What that means and what helps, as a sentence; empty: nothing.")
     ballbar_attached: bool = Field(description="As far as known; nothing moves meanwhile.")
     robot_moving: bool
     acts: list[ActName] = Field(description="What may be pressed now.")

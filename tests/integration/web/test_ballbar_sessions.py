@@ -53,6 +53,15 @@ async def test_a_planned_session_lists_its_steps_before_the_start(client, tablet
     assert {tuple(leg["bars_mm"]) for leg in legs} == {(150.0, 50.0)}
 
 
+async def test_a_planned_session_says_beforehand_where_swaps_are_hardly_seen(client, tablet):
+    session = await tablet.see()
+
+    poses = session["unseen_swaps_poses"]
+    assert set(poses) <= {1, 2}
+    assert bool(session["unseen_swaps"]) == bool(poses)
+    assert session["legs_alike"] == []
+
+
 async def test_the_list_of_sessions_has_both_kinds(client, tablet):
     await client.post("/api/v1/sessions", json=session_request())
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.ballbar import EntryKind, StepKind
+from service.domain.ballbar import EntryKind, PoseForecast, StepKind
 from service.planning.ballbar.beforehand import Beforehand
 from service.sequencing.ballbar.assignments import Judges, doubt
 from service.sequencing.ballbar.early import EarlyJudge
@@ -134,3 +134,26 @@ def test_a_reading_far_from_everything_is_unlikely(arm, plan, judge):
     taken = replace(story.taken(story.now.step.points), length_mm=300.9)
 
     assert judge.doubt(taken, story.now, story.now.step).kind == "unlikely"
+
+
+def test_to_look_for_swaps_costs_the_judge_nothing(arm, plan, judge):
+    story = TrueStory(arm, plan).to(leg_of(plan, 2, 3))
+    before = doubted(judge, story, plan.placements[0].poses[1].legs[0])
+
+    judge.alike(story.now)
+
+    assert doubted(judge, story, plan.placements[0].poses[1].legs[0]) == before is not None
+
+
+def test_coded_lengths_that_are_foreseen_are_told_apart_and_equal_ones_are_not(arm, plan, judge):
+    story = TrueStory(arm, plan).to(leg_of(plan, 1, 0))
+    legs = plan.placements[0].poses[0].legs
+    covariance = tuple(tuple(0.0036 * (a == b) for a in range(6)) for b in range(6))
+    coded = tuple(299.3 + 0.28 * level for level in range(6))
+    forecast = PoseForecast(1, legs, coded, covariance)
+
+    apart = judge.alike(replace(story.now, forecast=forecast))
+    equal = judge.alike(replace(story.now, forecast=replace(forecast, length_mm=(300.0,) * 6)))
+
+    assert apart == ()
+    assert len(equal) == 15

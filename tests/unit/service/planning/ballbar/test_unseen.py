@@ -1,0 +1,28 @@
+"""Before anything is measured it is said at which poses an exchange hardly shows."""
+
+from dataclasses import replace
+
+import pytest
+
+from service.planning.ballbar.beforehand import Beforehand
+from service.planning.ballbar.unseen import unseen_swaps
+from tests.ballbar_cells import ballbar_cell
+from tests.early_sessions import KIT, plan_of
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return plan_of(ballbar_cell(), poses=12)
+
+
+def test_the_first_poses_are_named_and_later_ones_are_not(plan):
+    unseen = unseen_swaps(Beforehand(ballbar_cell(), plan, KIT), plan, KIT)
+
+    assert unseen[:3] == (1, 2, 3)
+    assert 12 not in unseen
+
+
+def test_poses_after_the_pre_calibration_are_coded_and_never_named(plan):
+    early = replace(plan, precalibrate_after=2)
+
+    assert unseen_swaps(Beforehand(ballbar_cell(), plan, KIT), early, KIT) == (1, 2)
