@@ -36,7 +36,7 @@ from service.sequencing.ballbar.foresight import Foresight
 from service.sequencing.ballbar.runner import BallbarRunner
 from service.sequencing.ballbar.situation import Situation, situation
 from service.sequencing.errors import NotNowError
-from service.sequencing.states import has_ended, words
+from service.sequencing.states import after_restart, has_ended, words
 from service.sequencing.watchful_robot import WatchfulRobot
 from service.storage.ballbar_ledger import BallbarLedger
 from service.storage.errors import NotFoundError
@@ -172,7 +172,7 @@ class BallbarDesk:
             at_hand = runner.situation, runner.question, under_way.ledger.newest, runner.robot_moving
             return self._view(session_id, fixed, *at_hand, trouble=runner.trouble)
         kept = await self._ledger.page(session_id)
-        found = situation(fixed.plan, kit_of(fixed.setup), [record.entry for record in kept])
+        found = _run_by_nobody(fixed, [record.entry for record in kept])
         newest = kept[-1].id if kept else None
         return self._view(session_id, fixed, found, None, newest, False)
 
@@ -386,6 +386,18 @@ class BallbarDesk:
     def _of(self, session_id: int) -> _UnderWay | None:
         under_way = self._under_way
         return under_way if under_way is not None and under_way.session_id == session_id else None
+
+
+def _run_by_nobody(fixed: _Fixed, entries: list[LedgerEntry]) -> Situation:
+    """Return where a session stands that nobody runs: it never says that it runs."""
+    kit = kit_of(fixed.setup)
+    found = situation(fixed.plan, kit, entries)
+    if found.state not in {SessionState.RUNNING, SessionState.PAUSING}:
+        return found
+    text = control.state_text(after_restart(found.state), control.NOBODY_RUNS)
+    return situation(
+        fixed.plan, kit, [*entries, LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=text)]
+    )
 
 
 async def _change(news: asyncio.Event, under_way: _UnderWay | None, version: int | None) -> None:

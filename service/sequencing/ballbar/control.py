@@ -6,6 +6,7 @@ from service.domain.session import SessionState
 
 HAND_OVER: Final = "hand_over"
 ZERO_LOST: Final = "zero_lost"  # the ballbar was without supply; what it shows is counted from elsewhere now
+NOBODY_RUNS: Final = "The program failed and does not run this session now; nothing moves."
 RESTARTED: Final = "The service was started anew."
 
 

@@ -180,7 +180,8 @@ class BallbarRunner:
     async def run(self) -> SessionState:
         """Run to the end and return the state it ended in; first a person has to `start`, or to `confirm`.
 
-        Raises what the ledger raises. Every fault of the devices becomes a state with a sentence.
+        Raises what the ledger raises. Every fault of the devices becomes a state with a sentence; so does a
+        mistake of the program, which ends this run: the next act finds a session that awaits a person.
         """
         await self._floor.keep(self._book.open)
         loops = [asyncio.create_task(loop) for loop in self._loops()]
@@ -193,8 +194,14 @@ class BallbarRunner:
             await self._readings.close()
         for result in results:
             if isinstance(result, Exception):
+                await self._note_failure(result)
                 raise result
         return self.situation.state
+
+    async def _note_failure(self, error: Exception) -> None:
+        with contextlib.suppress(RecordRefusedError):  # then whoever shows it says that nobody runs it
+            async with self._floor.changing:
+                await self._floor.hold(f"The program failed ({type(error).__name__}): {error}")
 
     def _loops(self) -> tuple[Coroutine[Any, Any, None], ...]:
         return self._conduct(), self._follow_ballbar(), self._follow_robot(), self._arrears.follow()

@@ -6,13 +6,14 @@ from dataclasses import replace
 import pytest
 
 from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import EntryKind
+from service.domain.ballbar import EntryKind, LedgerEntry
 from service.domain.cell import DeviceEntry
 from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish
 from service.operation.ballbar_sessions import BallbarDesk
 from service.operation.devices import MountedDevice, Rack
 from service.operation.errors import DeviceInUseError
+from service.sequencing.ballbar import control
 from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from service.sequencing.ballbar.situation import situation
 from service.sequencing.errors import NotNowError, PlanRefusedError
@@ -165,6 +166,25 @@ async def test_a_runner_that_fails_gives_the_devices_back(scene):
         await asyncio.sleep(0.001)
 
     assert (await scene.act(second, key="k2")).entry is not None
+
+
+async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene):
+    session_id = await scene.planned()
+    await scene.act(session_id)
+    running = control.state_text(SessionState.RUNNING, "Ada started the session.")
+    entry = LedgerEntry("", EntryKind.CONTROL, 2.0, "Ada", text=running)
+    await scene.ledger.append(session_id, entry, (SessionState.RUNNING, "Ada started the session."))
+
+    scene.runners[0].failure.set()
+    while scene.desk.runner(session_id) is not None:
+        await asyncio.sleep(0.001)
+
+    found = (await scene.desk.view(session_id)).situation
+    assert found.state is SessionState.AWAITING_CONFIRMATION
+    assert found.reason == control.NOBODY_RUNS
+    assert ActName.CONFIRM in found.acts
+    await scene.act(session_id, ActName.CONFIRM, key="k2")  # somebody runs it again
+    assert scene.desk.runner(session_id) is scene.runners[1]
 
 
 async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
