@@ -142,7 +142,9 @@ class Bar:
         self.wobble_mm = 0.0003
         self.temperature_c: float | None = 22.5
         self.out_of_range_mm: float | None = None
+        self.frozen = False  # it repeats its last count
         self._samples = count()
+        self._number = 0
         self.read_at: tuple[str, tuple[int, int]] | None = None  # where it was at the last reading
 
     async def connect(self) -> None:
@@ -160,7 +162,7 @@ class Bar:
     async def read(self) -> BallbarReading:
         if not self.plugged or not self.connected:
             raise self.lost("the ballbar is gone; check the cable")
-        number = next(self._samples)
+        self._number = number = self._number if self.frozen else next(self._samples)
         self.read_at = self._hands.at
         shown, signal = self._hands.deviation_mm, "good"
         if math.isnan(shown):
