@@ -8,6 +8,7 @@ import pytest
 from service.exchange.campaign_zip import read_campaign_zip
 from service.showcase.ballbar_person import PersonAtTablet
 from service.showcase.killed_service import KilledService, standing_cell
+from tests.integration.web.ballbar_bench import PLACEMENT
 
 
 @pytest.fixture
@@ -54,3 +55,34 @@ async def test_a_session_with_simulated_hands_becomes_a_campaign_that_identifies
 
     job = await service.post("/api/v1/identifications", json={"campaign_id": stored.json()["id"]})
     assert (await ended(service, job.headers["Location"]))["state"] == "succeeded"
+
+
+async def test_what_the_ballbar_shows_outranks_what_the_person_says(service):
+    wanted = {"name": "in a hurry", "placements": [PLACEMENT]}
+    created = await service.post("/api/v1/ballbar-sessions", json=wanted)
+    assert created.status_code == 201, created.text
+    person = PersonAtTablet(service, created.json()["id"])
+
+    async def said(act, **more):
+        step = (await person.session())["step"]
+        return await person.act(act, step["id"], **more)
+
+    await person.walk("tool/side-1-2")
+    assert (await said("store")).is_success  # on the calibrator still
+    assert (await person.session())["suspicion"]["kind"] == "calibrator"
+    await said("answer", answer="reconnected")
+
+    await person.walk("tool/detach")
+    left_on = await said("confirm")
+    assert left_on.status_code == 409
+    assert "within its range" in left_on.json()["detail"]
+    await person.hands("hold")
+    assert (await said("confirm")).is_success
+
+    move = "placement-1/cup-1/move"
+    await person.walk(move)
+    await person.hands("calibrator", bars="base")
+    assert (await said("confirm")).status_code == 409
+    await person.hands("detach")
+    assert (await said("confirm")).is_success
+    await person.walk("placement-1/cup-1/clamp")

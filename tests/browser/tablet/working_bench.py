@@ -56,7 +56,7 @@ class BusyHands(FakeHands):
     async def do(self, action, details):
         await super().do(action, details)
         taken = {
-            "calibrator": lambda: 0.002,
+            "calibrator": lambda: 0.022 if details["bars"] == "tool" else 0.002,
             "side": lambda: 0.05 * details["a"] - 0.03 * details["b"],
             "connect": lambda: 0.31 * details["base"] - 0.17 * details["tool"],
             "detach": lambda: None,
