@@ -84,7 +84,8 @@ class Accounts:
         stop, own = self.here, self.here.pairs.index(leg)
         pairs, first = len(stop.pairs), self.first[-1]
         slips = next_slips(own, pairs, self.asked[first:], self.taken[:, first:], affirmed=affirmed)
-        near = np.flatnonzero(np.abs(stop.nominal_mm - length_mm) < _OFF_MM)
+        far_mm = np.abs(stop.nominal_mm - length_mm)
+        near = np.flatnonzero((far_mm < _OFF_MM) | (far_mm == far_mm.min()))  # one at least, however far
         slope = np.concatenate([stop.slope, stop.motion], axis=1)[near]  # (q, S + 6)
         shared = self.covariance @ slope.T  # (m, S + 6, q)
         variance = np.einsum("qs,msq->mq", slope, shared) + self.noise_mm2

@@ -52,6 +52,15 @@ def test_lengths_are_foreseen_from_the_poses_before_as_well_as_is_said(session):
     assert off @ np.linalg.solve(covariance, off) / len(off) < 4.0
 
 
+def test_a_reading_that_is_far_from_every_pair_breaks_nothing(session):
+    stop = session.beforehand.poses(1, np.array([session.plan.placements[0].poses[FIRST].joints_rad]))[0]
+    here = session.accounts.at(stop)
+
+    after = here.read(stop.pairs[0], 350.0)
+
+    assert np.isfinite(after.forecast()[0]).all()
+
+
 def test_a_wrong_pair_is_named_when_it_is_read_once_lengths_are_foreseen(session):
     poses = session.plan.placements[0].poses
     for pose in poses[:LATER]:
