@@ -5,14 +5,13 @@ on their connections. Measuring goes on meanwhile: nothing of this runs on the s
 """
 
 import asyncio
-import contextlib
 import functools
-from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager
 from typing import Final, cast
 
-from service.analysis.errors import BusyError
 from service.analysis.jobs import Perform
 from service.analysis.tasks import CampaignRead, ReadCampaignTask
+from service.analysis.turns import Turns
 from service.analysis.worker_process import TaskRefusedError, perform_in_worker
 
 # Four times what the largest campaign takes that the limits of `exchange` let pass.
@@ -29,32 +28,12 @@ class Uploads:
 
     def __init__(self, perform: Perform = read_in_worker, patience_s: float = _PATIENCE_S) -> None:
         self._perform = perform
-        self._patience_s = patience_s
-        self._places = asyncio.Semaphore(_AT_ONCE)
+        self._turns = Turns("uploads", at_once=_AT_ONCE, waiting=_WAITING, patience_s=patience_s)
         self._reading = asyncio.Lock()
-        self._present = 0
 
-    @contextlib.asynccontextmanager
-    async def turn(self) -> AsyncIterator[None]:
+    def turn(self) -> AbstractAsyncContextManager[None]:
         """Wait for a turn to receive and read an upload; raises BusyError where too many wait already."""
-        if self._present >= _AT_ONCE + _WAITING:
-            raise BusyError("Too many uploads wait already; nothing was stored, send it again later.")
-        self._present += 1
-        try:
-            async with contextlib.AsyncExitStack() as held:
-                await self._wait(held)
-                yield
-        finally:
-            self._present -= 1
-
-    async def _wait(self, held: contextlib.AsyncExitStack) -> None:
-        try:
-            async with asyncio.timeout(self._patience_s):
-                await held.enter_async_context(self._places)
-        except TimeoutError as error:
-            raise BusyError(
-                "Other uploads are still being read; nothing was stored, send it again later."
-            ) from error
+        return self._turns.taken()
 
     async def read(self, archive: bytes, name: str) -> CampaignRead:
         """Return what an archive holds; cancelling it ends the worker.

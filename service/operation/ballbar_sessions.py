@@ -47,6 +47,7 @@ _LOG: Final = logging.getLogger(__name__)
 _UNDER_WAY: Final = tuple(
     state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
 )
+_PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
 MakeForesight: TypeAlias = Callable[[SessionSetup], Foresight]
 ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
@@ -115,7 +116,7 @@ class BallbarDesk:
         self._under_way: _UnderWay | None = None
         self._fixed: dict[int, _Fixed] = {}
         self._acts = RequestsUnderWay[ActAnswer]()
-        self._plans = RequestsUnderWay[int]()
+        self._plans = RequestsUnderWay[int](kept_s=_PLAN_KEPT_S)
         self.watching = Watching()
         self._turn = asyncio.Lock()  # two acts that start at once must not start two sessions
 
@@ -124,7 +125,8 @@ class BallbarDesk:
     ) -> int:
         """Store a planned session and return its number.
 
-        To choose poses takes a while: a request that is repeated meanwhile waits for the same choice.
+        To choose poses takes a while: a request that is repeated meanwhile waits for the same choice. Once
+        nobody waits it ends; that of a key goes on a little, for whoever asks again.
         Raises NoBallbarError, PlanRefusedError, KeyReusedError, and what the choice of poses raises.
         """
         if key is None:
@@ -138,7 +140,8 @@ class BallbarDesk:
         kit = kit_of(setup)
         plan = wish.given or await self._choose(setup, wish)
         cell = setup.cell
-        check_plan(plan, kit, cell.robot, motion_limits(cell.robot, cell.limits.joints))
+        limits = motion_limits(cell.robot, cell.limits.joints)
+        await asyncio.to_thread(check_plan, plan, kit, cell.robot, limits)
         return await self._sessions.add(name, setup, plan, key)
 
     async def recover(self) -> None:

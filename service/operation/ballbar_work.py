@@ -1,25 +1,34 @@
 """What is computed for a ballbar session, in a worker process: its plan, its pre-calibration."""
 
-from typing import cast
+from typing import Final, cast
 
 from service.analysis.jobs import Perform
 from service.analysis.tasks import BallbarPlanTask, PrecalibrateTask
+from service.analysis.turns import Turns
 from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
 from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.storage.records import SessionSetup
 
+_WAITING: Final = 4  # of plans
+_PATIENCE_S: Final = 300.0  # a plan takes a minute at most
+
 
 class BallbarWork:
-    """Sends tasks to a worker; what it says of its progress is nobody's here."""
+    """Sends tasks to a worker; what it says of its progress is nobody's here.
+
+    One plan is made at a time. A pre-calibration waits for none: a person stands in the cell.
+    """
 
     def __init__(self, perform: Perform) -> None:
         self._perform = perform
+        self._plans = Turns("plans", at_once=1, waiting=_WAITING, patience_s=_PATIENCE_S)
 
     async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
-        """Return the plan of a session; raises TrueposeError."""
+        """Return the plan of a session; cancelling it ends the worker. Raises TrueposeError, BusyError."""
         task = BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed)
-        return cast(BallbarPlan, await self._perform(task, _nobody))
+        async with self._plans.taken():
+            return cast(BallbarPlan, await self._perform(task, _nobody))
 
     def foresight(self, setup: SessionSetup) -> "WorkerForesight":
         """Return who pre-calibrates a session."""

@@ -11,16 +11,22 @@ from service.storage.records import RequestKey
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _UnderWay(Generic[T]):
     fingerprint: str
     task: asyncio.Task[T]
+    waiting: int = 0
+    ending: asyncio.TimerHandle | None = None
 
 
 class RequestsUnderWay(Generic[T]):
-    """Runs each once; not cancelled with its request, so that a tablet that vanished finds its answer."""
+    """Runs each once; not cancelled with its request, so that a tablet that vanished finds its answer.
 
-    def __init__(self) -> None:
+    With `kept_s` the work of a request for which nobody has waited so long is cancelled after all.
+    """
+
+    def __init__(self, kept_s: float | None = None) -> None:
+        self._kept_s = kept_s
         self._under_way: dict[Hashable, _UnderWay[T]] = {}
 
     async def shared(
@@ -31,9 +37,31 @@ class RequestsUnderWay(Generic[T]):
         if found is None:
             task = asyncio.create_task(answer())
             found = self._under_way[name] = _UnderWay(key.fingerprint, task)
-            task.add_done_callback(lambda _: self._under_way.pop(name, None))
+            task.add_done_callback(lambda _: self._forget(name, task))
         elif found.fingerprint != key.fingerprint:
             raise KeyReusedError(
                 f"The Idempotency-Key '{key.key}' was used for another act; take a new key for a new act."
             )
-        return await asyncio.shield(found.task)
+        return await self._awaited(name, found)
+
+    async def _awaited(self, name: Hashable, found: _UnderWay[T]) -> T:
+        found.waiting += 1
+        if found.ending is not None:
+            found.ending.cancel()
+            found.ending = None
+        try:
+            return await asyncio.shield(found.task)
+        finally:
+            found.waiting -= 1
+            if found.waiting == 0 and self._kept_s is not None:
+                loop = asyncio.get_running_loop()
+                found.ending = loop.call_later(self._kept_s, self._end, name, found.task)
+
+    def _end(self, name: Hashable, task: asyncio.Task[T]) -> None:
+        self._forget(name, task)  # at once: whoever asks now begins anew
+        task.cancel()  # one that has ended takes no harm from it
+
+    def _forget(self, name: Hashable, task: asyncio.Task[T]) -> None:
+        found = self._under_way.get(name)
+        if found is not None and found.task is task:
+            del self._under_way[name]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from fastapi import APIRouter, Response, status
+from fastapi import APIRouter, Request, Response, status
 
 from service.operation.ballbar_plans import kit_of
 from service.operation.ballbar_scene import scene_of
@@ -10,6 +10,7 @@ from service.storage.records import SessionSetup
 from service.web.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from service.web.context import Here
 from service.web.parameters import Id, OptionalKey, PageQuery, RequiredKey
+from service.web.presence import while_present
 from service.web.problems import problems
 from service.web.schemas.ballbar_requests import (
     ActRequest,
@@ -32,15 +33,20 @@ _ACT = problems(400, 404, 409, 413, 415, 422, 503)
 
 @router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
 async def plan_ballbar_session(
-    here: Here, wanted: BallbarSessionRequest, response: Response, key: OptionalKey
+    here: Here, request: Request, wanted: BallbarSessionRequest, response: Response, key: OptionalKey
 ) -> BallbarSessionReply:
-    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes a while."""
+    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes a while.
+
+    One plan is made at a time and a few wait (503 for further ones). It ends with the connection; with an
+    `Idempotency-Key` it goes on for half a minute, in which the same request finds it again.
+    """
     setup = SessionSetup(here.cell)
     kit = kit_of(setup)
     if wanted.base_points is not None:
         kit = replace(kit, base_points=wanted.base_points)
     setup = SessionSetup(replace(here.cell, ballbar=kit))
-    number = await here.ballbar_desk.plan(wanted.name, setup, wanted_plan(wanted), key)
+    planning = here.ballbar_desk.plan(wanted.name, setup, wanted_plan(wanted), key)
+    number = await while_present(request, planning)
     response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
     return ballbar_session_reply(await here.ballbar_desk.view(number))
 

@@ -8,6 +8,7 @@ import pytest
 from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import Bench, session_request
+from tests.integration.web.leaving import LeavingClient, Waiting
 
 
 @pytest.fixture
@@ -305,3 +306,16 @@ async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet
     assert "ballbar-sessions/1/steps" in refused.json()["detail"]
     assert (await client.get("/api/v1/sessions/1")).json()["role"] == "ballbar"
     assert (await client.get("/api/v1/sessions/1/progress")).status_code == 200
+
+
+async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, client):
+    planning = Waiting()
+    app.state.context.ballbar_desk._choose = planning
+    leaving = LeavingClient(app, SESSIONS, b'{"name": "six legs", "poses": 6}', "application/json")
+    async with asyncio.timeout(10):
+        await planning.begun.wait()
+
+    await leaving.leave()
+
+    assert planning.ended.is_set()
+    assert (await client.get("/api/v1/sessions")).json() == []

@@ -11,6 +11,7 @@ from service.analysis.uploads import Uploads
 from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from tests.builders import make_campaign
 from tests.integration.web.bench import session_request
+from tests.integration.web.leaving import LeavingClient, Waiting
 
 CAMPAIGNS = "/api/v1/campaigns"
 ZIP = {"Content-Type": "application/zip"}
@@ -167,45 +168,16 @@ async def test_sessions_that_are_not_there_make_no_campaign(client):
     assert refused.status_code == 404
 
 
-class Waiting:
-    """Reads for ever, until it is not wanted any more."""
-
-    def __init__(self):
-        self.begun, self.ended = asyncio.Event(), asyncio.Event()
-
-    async def __call__(self, task, told):
-        self.begun.set()
-        try:
-            await asyncio.Event().wait()
-        finally:
-            self.ended.set()
-
-
 async def test_a_client_that_goes_away_ends_the_reading_and_nothing_is_stored(app, client):
     waiting = Waiting()
     app.state.context.campaign_desk.uploads = Uploads(waiting)
-    sent = asyncio.Queue()
-    sent.put_nowait({"type": "http.request", "body": b"PK", "more_body": False})
-    scope = {
-        "type": "http",
-        "method": "POST",
-        "path": CAMPAIGNS,
-        "query_string": b"",
-        "headers": [(b"host", b"service"), (b"content-type", b"application/zip"), (b"content-length", b"2")],
-        "client": ("127.0.0.1", 1),
-        "server": ("127.0.0.1", 8000),
-    }
-
-    async def nobody(message):
-        pass
-
-    request = asyncio.create_task(app(scope, sent.get, nobody))
+    leaving = LeavingClient(app, CAMPAIGNS, b"PK", "application/zip")
     async with asyncio.timeout(10):
         await waiting.begun.wait()
-        sent.put_nowait({"type": "http.disconnect"})
-        await waiting.ended.wait()
-        await request
 
+    await leaving.leave()
+
+    assert waiting.ended.is_set()
     assert (await client.get(CAMPAIGNS)).json() == []
 
 
