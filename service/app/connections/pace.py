@@ -23,6 +23,10 @@ class Pace:
         """Return since how long it goes on [s]."""
         return now_s - self.since_s
 
+    def is_behind(self, now_s: float) -> bool:
+        """Return whether less has moved than should have, without any grace."""
+        return self._moved < self.lasted(now_s) * self._bytes_per_s
+
     def too_slow(self, now_s: float, moved: int | None = None) -> bool:
         """Return whether less has moved than should have."""
         late_s = self.lasted(now_s) - self._grace_s

@@ -74,10 +74,15 @@ class WatchedProtocol(H11Protocol):
         super().on_response_complete()
 
     def incomplete_since(self) -> float | None:
-        """Since when a request is waited for [s]; None while one is under way."""
+        """Since when a request is waited for [s]; None while one is under way.
+
+        A body that comes as fast as it should, or that we do not read at present, is under way.
+        """
         if self.conn.their_state is h11.IDLE:
             return self._head_since_s
-        return self._body.since_s if self.conn.their_state is h11.SEND_BODY else None
+        if self.conn.their_state is not h11.SEND_BODY or self.flow.read_paused:
+            return None
+        return self._body.since_s if self._body.is_behind(self.loop.time()) else None
 
     def too_slow(self, now_s: float) -> str | None:
         """Say why the connection has to be closed; None where it has not."""

@@ -79,6 +79,21 @@ async def test_a_stream_stays_open_and_is_not_closed_to_make_room():
             opened.close()
 
 
+async def test_a_body_that_comes_as_it_should_is_not_closed_to_make_room():
+    async with served(Limits(connections=4, head_s=60.0)) as (port, _):
+        size = 2**21
+        head = f"POST /3 HTTP/1.1\r\nHost: localhost\r\nContent-Length: {size}\r\n\r\n".encode()
+        answer, sender = await connected(port, head + b"x" * (size // 2))
+        silent = [await connected(port) for _ in range(10)]
+        closed = [await until_closed(reader) for reader, _ in silent[:6]]
+        sender.write(b"x" * (size // 2))
+
+        assert closed == [b""] * 6
+        assert (await answer.readuntil(b"xxx")).startswith(b"HTTP/1.1 200")
+        for opened in (sender, *(writer for _, writer in silent)):
+            opened.close()
+
+
 async def test_a_connection_that_is_used_again_and_again_is_kept(port):
     reader, writer = await connected(port)
     loop = asyncio.get_running_loop()

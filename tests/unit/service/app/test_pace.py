@@ -5,6 +5,7 @@ def test_nothing_is_too_slow_within_its_grace():
     pace = Pace(bytes_per_s=10.0, grace_s=5.0)
     pace.begin(100.0)
 
+    assert pace.is_behind(100.1)
     assert not pace.too_slow(105.0)
     assert pace.too_slow(105.1)
 
