@@ -13,6 +13,7 @@ from service.diagnosis.groups import grouped, names_of
 from service.diagnosis.held_out import Judged, Judging, gain_of
 from service.diagnosis.left import Left, left_by
 from service.diagnosis.next_measurements import next_measurements
+from service.diagnosis.open_shapes import with_open_shapes
 from service.diagnosis.readings_found import readings_found
 from service.diagnosis.remaining import Prepared, prepared_families
 from service.diagnosis.rivals import Weighed, weighed
@@ -272,7 +273,8 @@ def _model(answer: _Answer) -> Model:
     solution = refit(structure, blocks, values)
     plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
     nominal = nominal_fit(start.problem, start.fit)
-    fits = Fits(start.campaign, plain, nominal, considered(start.campaign, plain).total)
+    honest = with_open_shapes(plain, start.scene.turn_rad)
+    fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
     return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
 
 

@@ -32,7 +32,7 @@ class JointHarmonics:
             spec
             for joint in range(setting.robot.n_joints)
             for order in (1.0, 2.0)
-            for spec in _specs(joint, order)
+            for spec in wave_specs(joint, order)
         )
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -50,7 +50,7 @@ class JointHarmonics:
         found = []
         for joint in np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist():
             for order in orders(scene, joint):
-                specs = _specs(joint, order)
+                specs = wave_specs(joint, order)
                 if specs[0].name not in scene.present:
                     found.append(Candidate(NAME, joint_subject(joint), specs, order))
         return tuple(found)
@@ -101,7 +101,8 @@ def wave_names(joint: int, order: float) -> tuple[str, str]:
     return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
 
 
-def _specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
+def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
+    """Return sine and cosine of a wave."""
     sine, cosine = wave_names(joint, order)
     return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
 
