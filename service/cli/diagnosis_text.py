@@ -26,6 +26,12 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         yield diagnosis.remaining.sentence
     if diagnosis.remaining.depends_on:
         yield f"Depends on: {_depends_on(diagnosis.remaining)}."
+    if diagnosis.findings and diagnosis.errors is not None:
+        worst = diagnosis.errors.worst
+        yield (
+            f"Farthest off of the held-out readings: configuration {worst.config}, "
+            f"{millimetres(worst.before_mm)} mm before, {millimetres(worst.after_mm)} mm after."
+        )
     if diagnosis.noise is not None:
         yield f"Noise: {diagnosis.noise.sentence}"
     for entry in diagnosis.next_measurements:

@@ -32,6 +32,7 @@ from service.domain.diagnosis import (
     Gain,
     Remaining,
     Verdict,
+    WorstPoint,
 )
 from service.domain.results import Model
 from service.effects.causes import Candidate, Fitted, Scene, Shown
@@ -47,6 +48,7 @@ from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
 _FAR_BEYOND = 3.0  # times the stated noise: more than parameters leave that the data determine at all
+_FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
 _SMALL_PART = 0.2
 
@@ -90,7 +92,11 @@ def answered(
         selected = reselected(start.fit, tested.selected, kept, propose)
         tested = _tested(start, selected, judging, without, refuted)
     tell(0.85, "putting it into words")
-    left = replace(_with_doubts(tested), worse_unseen=_worse_unseen(tested.judged, start))
+    left = replace(
+        _with_doubts(tested),
+        worse_unseen=_worse_unseen(tested.judged, start),
+        worse_at=_worse_at(tested.judged),
+    )
     scene = scene_of(start.problem, tested.selected.fit)
     return _told(_Answer(start, replace(tested, left=left), scene), withdrawn, without)
 
@@ -115,6 +121,17 @@ def _worse_unseen(judged: Judged, start: Start) -> float:
     squared = (judged.errors.after_mm**2).sum(axis=1) / stated**2
     ratio = float(np.sqrt(np.median(squared) / chi2.median(judged.errors.after_mm.shape[1])))
     return ratio if ratio > _FAR_BEYOND else 0.0
+
+
+def _worse_at(judged: Judged) -> WorstPoint | None:
+    """Return the worst held-out point where it is far worse than the worst one was without the findings.
+
+    A mean that gets better hides it: a shape that fits where readings are may do anything in between.
+    """
+    largest_before_mm = float(np.linalg.norm(judged.errors.before_mm, axis=1).max())
+    worst = judged.errors.worst
+    limit_mm = max(_FAR_WORSE * largest_before_mm, largest_before_mm + 5.0 * judged.noise_mm)
+    return worst if worst.after_mm > limit_mm else None
 
 
 def _with_doubts(tested: _Tested) -> Left:
@@ -190,6 +207,7 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
             for one in left.depends
         ),
         sentence=remaining_sentence(left, full=selected.full),
+        worse_at=left.worse_at,
     )
     verdict = _verdict(bool(findings), left.structure)
     before = statistics(judged.errors.before_mm, judged.noise_mm)
@@ -273,7 +291,7 @@ def _model(answer: _Answer) -> Model:
     solution = refit(structure, blocks, values)
     plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
     nominal = nominal_fit(start.problem, start.fit)
-    honest = with_open_shapes(plain, start.scene.turn_rad)
+    honest = with_open_shapes(plain)
     fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
     return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
 

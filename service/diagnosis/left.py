@@ -13,7 +13,7 @@ from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
 from service.domain.arrays import FloatArray
-from service.domain.diagnosis import Cause
+from service.domain.diagnosis import Cause, WorstPoint
 from service.effects.causes import Candidate
 from service.effects.joint_harmonics import NAME as HARMONICS
 from service.effects.names import joint_of_subject
@@ -51,12 +51,14 @@ class Left:
     explained_by_repeats: bool  # revisits scatter as much
     tails: Tails
     worse_unseen: float = 0.0  # validation errors over the stated noise where far beyond it, else 0
+    worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
 
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
         lacking = self.more_than_stated and not self.explained_by_repeats
-        return bool(self.depends) or lacking or self.worse_unseen > 0.0
+        worse = self.worse_unseen > 0.0 or self.worse_at is not None
+        return bool(self.depends) or lacking or worse
 
 
 def left_by(

@@ -16,9 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.effects.joint_gain import NAME as GAIN
 from service.effects.joint_harmonics import NAME as HARMONICS
-from service.effects.joint_harmonics import wave_specs
+from service.effects.joint_harmonics import joint_of_wave, wave_specs
 from service.effects.ports import ParameterSpec
 from service.identification.observations import linearise_blocks
 from service.identification.robust import RobustFit
@@ -27,17 +26,15 @@ from service.identification.solver import Solution, posterior_covariance
 _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves leaves nothing open
 
 
-def with_open_shapes(fit: RobustFit, turn_rad: FloatArray) -> RobustFit:
+def with_open_shapes(fit: RobustFit) -> RobustFit:
     """Return a fit whose covariance holds what the readings leave open of the shapes found.
 
     Parameters
     ----------
     fit : RobustFit
-        Of a model with some waves or gains of joints; without them it comes back as it is.
-    turn_rad : ndarray, shape (n, J)
-        Where the joints were in the readings.
+        Of a model with waves of some joints; without them it comes back as it is.
     """
-    specs = _open_specs(fit, np.ptp(turn_rad, axis=0))
+    specs = _open_specs(fit)
     if not specs:
         return fit
     structure = fit.structure.extended(HARMONICS, specs)
@@ -48,11 +45,11 @@ def with_open_shapes(fit: RobustFit, turn_rad: FloatArray) -> RobustFit:
     return replace(fit, structure=structure, solution=solution)
 
 
-def _open_specs(fit: RobustFit, way_rad: FloatArray) -> tuple[ParameterSpec, ...]:
+def _open_specs(fit: RobustFit) -> tuple[ParameterSpec, ...]:
     known = set(fit.structure.names)
     return tuple(
         spec._replace(prior_width=float(width))
-        for joint, width in enumerate(_widths_rad(fit, way_rad))
+        for joint, width in enumerate(_widths_rad(fit))
         if width > 0.0
         for order in _ORDERS
         for spec in wave_specs(joint, float(order))
@@ -60,17 +57,11 @@ def _open_specs(fit: RobustFit, way_rad: FloatArray) -> tuple[ParameterSpec, ...
     )
 
 
-def _widths_rad(fit: RobustFit, way_rad: FloatArray) -> FloatArray:
+def _widths_rad(fit: RobustFit) -> FloatArray:
     """Return the standard deviation of a further wave's sine and cosine on each joint: the largest found."""
     largest = np.zeros(fit.structure.robot.n_joints)
     for name, owner, value in zip(fit.structure.names, fit.structure.owners, fit.values, strict=True):
         if owner == HARMONICS:
-            joint = int(name.split("_")[1]) - 1
-            size = abs(float(value))
-        elif owner == GAIN:
-            joint = int(name.rsplit("_", 1)[-1]) - 1
-            size = abs(float(value)) * way_rad[joint] / np.sqrt(12.0)
-        else:
-            continue
-        largest[joint] = max(largest[joint], size)
+            joint = joint_of_wave(name)
+            largest[joint] = max(largest[joint], abs(float(value)))
     return largest

@@ -26,11 +26,16 @@ def first_line(
     others = len(findings) - 1
     more = "" if others == 0 else f", and {others} more cause{'s' if others > 1 else ''}"
     surely = "" if lead.confidence == "certain" else "probably "
-    rest = "" if verdict is Verdict.EXPLAINED else " Something is left that they do not explain."
+    rest = "" if verdict is Verdict.EXPLAINED else f" {_beside(remaining)}"
     return (
         f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it, errors on "
         f"unseen points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
     )
+
+
+def _beside(remaining: Remaining) -> str:
+    """Return what is said of the rest beside a named cause: in full where a point is far worse now."""
+    return remaining.sentence if remaining.worse_at else "Something is left that they do not explain."
 
 
 def spoken(cause: Cause) -> str:
@@ -45,9 +50,16 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
         if full
         else ""
     )
-    if left.depends:
+    if left.depends and left.worse_at is None:
         listed = " and ".join(one.variable for one in left.depends[:2])
         return f"What is left depends on the {listed}.{carried}"
+    if left.worse_at is not None:
+        return (
+            f"The mean gets better, but configuration {left.worse_at.config}, which was not fitted, goes "
+            f"from {left.worse_at.before_mm:.2f} to {left.worse_at.after_mm:.2f} mm, farther off than any "
+            "point before: the readings do not hold the model there. Measure around it before the model is "
+            f"used.{carried}"
+        )
     if left.worse_unseen > 0.0:
         return (
             f"Errors on the validation points are {left.worse_unseen:.1f} times the stated noise although "

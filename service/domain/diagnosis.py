@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+import numpy as np
+
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.results import Model, Statistics
 
@@ -107,12 +109,22 @@ class Dependence:
 
 
 @dataclass(frozen=True, slots=True)
+class WorstPoint:
+    """The held-out point at which the extended model is farthest off."""
+
+    config: int
+    before_mm: float  # norm of its error with the start model
+    after_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class Remaining:
     """What the extended model leaves."""
 
     structure: bool
     depends_on: tuple[Dependence, ...]
     sentence: str
+    worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +164,13 @@ class HeldOutErrors:
     position_mm: FloatArray  # (n, 3) as measured; of legs the predicted point
     before_mm: FloatArray  # (n, d) d = 3, or 1 for legs
     after_mm: FloatArray  # (n, d)
+
+    @property
+    def worst(self) -> WorstPoint:
+        """The point that is farthest off in the end."""
+        before, after = (np.linalg.norm(errors, axis=1) for errors in (self.before_mm, self.after_mm))
+        at = int(np.argmax(after))
+        return WorstPoint(int(self.config[at]), float(before[at]), float(after[at]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,6 +101,11 @@ def wave_names(joint: int, order: float) -> tuple[str, str]:
     return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
 
 
+def joint_of_wave(name: str) -> int:
+    """Return the joint, 0-based, that a parameter is of."""
+    return int(name.split("_")[1]) - 1
+
+
 def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
     """Return sine and cosine of a wave."""
     sine, cosine = wave_names(joint, order)

@@ -41,6 +41,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:
         "before": _statistics(diagnosis.before),
         "after": _statistics(diagnosis.after),
         "held_out": diagnosis.held_out,
+        "worst": _worst(diagnosis),
         "remaining": _remaining(diagnosis.remaining),
         "next_measurements": [_next_measurement(entry) for entry in diagnosis.next_measurements],
         "ruled_out": [_ruled_out(entry) for entry in diagnosis.ruled_out],
@@ -93,6 +94,18 @@ def _gain(gain: Gain | None) -> Json:
 
 def _statistics(statistics: Statistics | None) -> Json:
     return None if statistics is None else statistics_document(statistics)
+
+
+def _worst(diagnosis: Diagnosis) -> Json:
+    """Return the held-out point at which the extended model is farthest off; null where none was fitted."""
+    if diagnosis.errors is None or not len(diagnosis.errors.config):
+        return None
+    worst = diagnosis.errors.worst
+    return {
+        "config": worst.config,
+        "before_mm": number_or_null(worst.before_mm),
+        "after_mm": number_or_null(worst.after_mm),
+    }
 
 
 def _remaining(remaining: Remaining) -> Json:

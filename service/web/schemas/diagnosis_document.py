@@ -108,6 +108,14 @@ class NoiseDocument(Document):
     sentence: str
 
 
+class WorstDocument(Document):
+    """The held-out point at which the extended model is farthest off."""
+
+    config: int = Field(examples=[57])
+    before_mm: float | None
+    after_mm: float | None
+
+
 class DiagnosisDocument(Document):
     """What `truepose diagnose --json` prints."""
 
@@ -120,6 +128,7 @@ class DiagnosisDocument(Document):
     before: StatisticsDocument | None
     after: StatisticsDocument | None
     held_out: HeldOut
+    worst: WorstDocument | None = None
     remaining: RemainingDocument
     next_measurements: list[NextMeasurementDocument]
     ruled_out: list[RuledOutDocument]

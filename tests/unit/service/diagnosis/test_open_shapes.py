@@ -1,0 +1,130 @@
+"""Where no angle was read a model with waves says that it does not know; elsewhere it says what it said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.answer import _worse_at
+from service.diagnosis.diagnose import diagnose
+from service.diagnosis.held_out import Judged
+from service.diagnosis.open_shapes import with_open_shapes
+from service.diagnosis.wording import first_line, remaining_sentence
+from service.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
+from service.domain.results import Statistics
+from service.identification.prediction import predict
+from tests.diagnosed_cells import make_finding
+from tests.scenes import START, telling_campaign
+from tests.selections import left_of, make_selected, make_start, planted
+from tests.synthetic import NOISE_MM, configurations
+
+GAP_DEG = (-40.0, 30.0)  # of joint 1
+# Two waves of which one stands for another in a gap, and a third that no whole order has.
+WAVES = {
+    "joint_harmonics": {
+        f"wave_1_{order}_{part}": np.deg2rad(size)
+        for order, size in (("2", 0.08), ("5", 0.05), ("7.6", 0.04))
+        for part in ("sin", "cos")
+    }
+}
+
+
+def at(joints_rad):
+    return telling_campaign(len(joints_rad), joints_rad=joints_rad)
+
+
+def in_gap(joints_rad):
+    low, high = np.deg2rad(GAP_DEG)
+    return (joints_rad[:, 0] > low) & (joints_rad[:, 0] < high)
+
+
+@pytest.fixture(scope="module")
+def with_gap():
+    """A diagnosis without readings in a gap of joint 1; readings of that robot there and elsewhere."""
+    joints = configurations(160, seed=3)
+    measured = planted(WAVES, at(joints[~in_gap(joints)]))
+    others = configurations(300, seed=9)
+    unseen = planted(WAVES, at(others), seed=11).calibration
+    return diagnose(measured, START), unseen
+
+
+def normalised(found, points):
+    """Errors over what is predicted for them, noise of the reading included."""
+    predicted_mm, u_mm = predict(found.model, points.stops, points.nest)
+    off_mm = np.linalg.norm(points.position_mm - predicted_mm, axis=1)
+    return off_mm, u_mm, off_mm / np.sqrt(3.0 * (u_mm**2 + NOISE_MM**2))
+
+
+def test_in_a_gap_of_the_readings_the_uncertainty_covers_the_errors(with_gap):
+    found, unseen = with_gap
+    assert {finding.effect for finding in found.findings} >= {"joint_harmonics"}
+
+    off_mm, u_mm, over = normalised(found, unseen)
+
+    there = in_gap(unseen.stops.joints_rad)
+    assert off_mm[there].max() > 3.0 * off_mm[~there].max()  # else there was nothing to say
+    assert np.sqrt((over[there] ** 2).mean()) < 1.6
+    assert over[there].max() < 4.0
+    assert np.median(u_mm[there]) > 4.0 * np.median(u_mm[~there])
+
+
+def test_where_readings_are_the_uncertainty_stays_what_it_was():
+    start = make_start({"joint_harmonics": {"wave_4_2_sin": 5e-4, "wave_4_2_cos": 0.0}}, n=120)
+    fit = make_selected(start, [("joint_harmonics", "joint 4", "wave_4_2_sin")]).fit
+
+    opened = with_open_shapes(fit)
+
+    known = len(fit.values)
+    assert opened.values[:known] == pytest.approx(fit.values)
+    assert not opened.values[known:].any()
+    told = np.sqrt(np.diag(opened.solution.covariance)[:known] / np.diag(fit.solution.covariance))
+    assert (told >= 1.0 - 1e-9).all()
+    prediction = opened.solution.final.jacobian  # whitened, at the readings themselves
+    before = np.einsum("pm,pq,qm->m", prediction[:known], fit.solution.covariance, prediction[:known])
+    after = np.einsum("pm,pq,qm->m", prediction, opened.solution.covariance, prediction)
+    assert np.sqrt(after.mean() / before.mean()) < 1.6
+
+
+def test_a_model_without_waves_is_left_as_it_is():
+    start = make_start({"joint_gain": {"gain_4": 1e-3}})
+
+    assert with_open_shapes(start.fit) is start.fit
+
+
+def judged(before_mm, after_mm):
+    n = len(before_mm)
+    errors = HeldOutErrors(
+        np.arange(1, n + 1), np.zeros((n, 3)), np.outer(before_mm, [1, 0, 0]), np.outer(after_mm, [1, 0, 0])
+    )
+    return Judged(errors, (), np.arange(n), 0.02, "validation")
+
+
+def test_a_point_that_is_far_worse_than_any_before_is_named():
+    before, after = np.full(50, 0.5), np.full(50, 0.1)
+    before[7], after[30] = 1.30, 8.58
+
+    found = _worse_at(judged(before, after))
+
+    assert (found.config, found.before_mm, found.after_mm) == (31, 0.5, 8.58)
+
+
+@pytest.mark.parametrize("largest_after", [0.6, 1.3, 1.38])
+def test_another_draw_of_the_noise_is_not_named(largest_after):
+    before, after = np.full(50, 0.5), np.full(50, 0.1)
+    before[7], after[30] = 1.30, largest_after
+
+    assert _worse_at(judged(before, after)) is None
+
+
+def test_the_first_line_names_the_point_that_got_worse():
+    worse = WorstPoint(31, 1.30, 8.58)
+    left = left_of(make_start({}), make_selected(make_start({}), []))
+    told = remaining_sentence(replace(left, worse_at=worse), full=False)
+    statistics = Statistics(50, 0.5, 0.5, 0.1, 1.3, 0.02)
+    remaining = Remaining(True, (), told, worse)
+
+    line = first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, remaining)
+
+    assert replace(left, worse_at=worse).structure
+    assert "configuration 31" in line
+    assert "from 1.30 to 8.58 mm" in line
