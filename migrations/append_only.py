@@ -3,13 +3,23 @@
 from alembic import op
 
 
+def trigger_name(table: str, action: str) -> str:
+    """Return the name of the trigger that refuses `action`."""
+    return f"{table}_no_{action}"
+
+
+def trigger(table: str, action: str) -> str:
+    """Return the trigger that refuses `action`, "update" or "delete", as the database keeps it."""
+    return (
+        f"CREATE TRIGGER {trigger_name(table, action)} BEFORE {action.upper()} ON {table} "
+        "BEGIN SELECT RAISE(ABORT, 'records are appended or superseded, never changed'); END"
+    )
+
+
 def protect(table: str) -> None:
     """Refuse UPDATE and DELETE on `table` inside the database, whoever asks."""
     for action in ("update", "delete"):
-        op.execute(
-            f"CREATE TRIGGER {table}_no_{action} BEFORE {action.upper()} ON {table} "
-            "BEGIN SELECT RAISE(ABORT, 'records are appended or superseded, never changed'); END"
-        )
+        op.execute(trigger(table, action))
 
 
 def drop_protected(table: str) -> None:
@@ -27,4 +37,4 @@ def delete_protected(table: str, condition: str) -> None:
 
 def _unprotect(table: str) -> None:
     for action in ("update", "delete"):
-        op.execute(f"DROP TRIGGER {table}_no_{action}")
+        op.execute(f"DROP TRIGGER {trigger_name(table, action)}")

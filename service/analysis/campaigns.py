@@ -50,11 +50,14 @@ class CampaignDesk:
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
     ) -> int:
-        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError.
+        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError, StorageError.
 
         The first one identifies, with a tracker or with a ballbar; the second one judges, with a tracker.
         """
         role = await self._check_roles(calibration_id, validation_id)
+        await self._sessions.require_intact(calibration_id)
+        if validation_id is not None:
+            await self._sessions.require_intact(validation_id)
         calibration = await self._measured(calibration_id)
         validation = None if validation_id is None else await self._measured(validation_id)
         if role == "ballbar":

@@ -32,6 +32,7 @@ from service.storage.campaigns import CampaignRepository
 from service.storage.database import Database
 from service.storage.diagnoses import DiagnosisRepository
 from service.storage.events import EventRepository
+from service.storage.guard import Guard
 from service.storage.jobs import JobRepository
 from service.storage.readings import ReadingRepository
 from service.storage.results import ResultRepository
@@ -117,7 +118,15 @@ async def open_context(
         stack.push_async_callback(context.session_desk.close)
         stack.push_async_callback(context.ballbar_desk.close)
         stack.callback(stop_streams, context)
+        guarding = asyncio.create_task(Guard(database).follow(), name="storage guard")
+        stack.push_async_callback(_end, guarding)
         yield context
+
+
+async def _end(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
 
 
 def stop_streams(context: Context) -> None:

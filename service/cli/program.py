@@ -14,6 +14,7 @@ from service.cli.campaigns import identify_command, predict_command, validate_co
 from service.cli.cells import demo_command, nightly_command, serve_command, simulate_command
 from service.cli.diagnoses import diagnose_command
 from service.cli.inspection import inspect_command
+from service.cli.records import verify_command
 from service.domain.errors import TrueposeError
 
 UNUSABLE_INPUT = 2
@@ -29,6 +30,7 @@ _COMMANDS: dict[str, Callable[..., int]] = {
     "validate": validate_command,
     "nightly": nightly_command,
     "inspect": inspect_command,
+    "verify": verify_command,
 }
 
 

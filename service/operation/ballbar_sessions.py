@@ -296,6 +296,7 @@ class BallbarDesk:
                 )
 
     async def _launch(self, session_id: int) -> _UnderWay:
+        await self._sessions.require_intact(session_id)
         fixed = await self._what_is_fixed(session_id)
         kept = await self._ledger.page(session_id)
         ledger = SessionLedger(session_id, self._ledger, kept[-1].id if kept else None)

@@ -228,6 +228,7 @@ class SessionDesk:
                 )
 
     async def _launch(self, record: SessionRecord) -> str:
+        await self._sessions.require_intact(record.id)
         plan = await self._sessions.plan(record.id)
         cell = self._cell(await self._sessions.setup(record.id))
         journal = StoredJournal(record.id, self._sessions, self._readings)

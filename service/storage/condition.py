@@ -1,6 +1,10 @@
 """How the storage is: whether it takes records, and what was found that should not be."""
 
 import threading
+from typing import Final, Literal, TypeAlias
+
+Integrity: TypeAlias = Literal["not_checked", "checking", "whole", "damaged"]
+FOREIGN: Final = "foreign"  # damage that a verification clears
 
 
 class Condition:
@@ -9,6 +13,8 @@ class Condition:
     def __init__(self) -> None:
         self._turn = threading.Lock()
         self._damage: dict[str, str] = {}  # by what was found, in the order of finding
+        self._checked: Integrity = "not_checked"
+        self.verified_share = 0.0  # of the verification under way, or of the last one
         self.trouble: str | None = None  # why records are refused; None while they are taken
 
     @property
@@ -22,12 +28,28 @@ class Condition:
             told.append(f"{found[0]}{more}")
         return " ".join(told) or None
 
+    @property
+    def integrity(self) -> Integrity:
+        """Whether the database is known to hold what was written."""
+        return "damaged" if self._damage else self._checked
+
+    @property
+    def damaged(self) -> bool:
+        """Whether anything was found."""
+        return bool(self._damage)
+
     def note_damage(self, what: str, sentence: str) -> None:
         """Keep what was found; once for each `what`."""
         with self._turn:
             self._damage.setdefault(what, sentence)
 
-    def damage(self, what: str) -> str | None:
-        """Return what was found under that name."""
-        with self._turn:
-            return self._damage.get(what)
+    def begin_verification(self) -> None:
+        """Say that everything is being looked through."""
+        self._checked, self.verified_share = "checking", 0.0
+
+    def end_verification(self, *, whole: bool) -> None:
+        """Say what came of it: what others wrote has changed no record where everything is whole."""
+        self._checked, self.verified_share = "whole" if whole else "damaged", 1.0
+        if whole:
+            with self._turn:
+                self._damage.pop(FOREIGN, None)

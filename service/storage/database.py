@@ -20,13 +20,17 @@ from sqlalchemy import Connection
 from sqlalchemy.exc import DatabaseError
 
 from service.storage.address import database_file
+from service.storage.arrival import note_how_it_was_left
 from service.storage.condition import Condition
 from service.storage.engine import reading_engine, writing_engine
 from service.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
+from service.storage.library import LIBRARY
 from service.storage.lock import ServiceLock
 from service.storage.place import Place
-from service.storage.refusals import translated
+from service.storage.refusals import damaged, translated
 from service.storage.schema import bring_up_to_date
+from service.storage.seal import Seal
+from service.storage.verification import stream_findings
 
 T = TypeVar("T")
 _End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it failed
@@ -51,6 +55,8 @@ class Database:
         self.file = database_file(url)
         self.condition = Condition()
         self._lock = ServiceLock(self.file)
+        self._seal = Seal(self.file)
+        self.left = self._seal.left()  # how the service before left the file; None where it did not say
         self._commit = asyncio.Event()
         self._wanted: deque[_Wanted] = deque()
         self._trial: asyncio.Task[None] | None = None
@@ -64,17 +70,23 @@ class Database:
             raise
 
     def _open(self) -> str:
+        log = self.file.with_name(f"{self.file.name}-wal")
+        log_bytes = log.stat().st_size if log.exists() else 0
         self._connect()
         try:
+            if self.left is not None and self.left.sha256 is not None:  # until the file was compared with it
+                self._raw.execute("PRAGMA wal_autocheckpoint=0")
             with self._connection.begin():
                 schema = bring_up_to_date(self._connection, str(self.file))
-        except DatabaseError as error:
+            note_how_it_was_left(self._raw, self.file, self.left, log_bytes, self.condition)
+            self._seal.break_open(self._raw)
+        except (DatabaseError, LIBRARY.DatabaseError) as error:
             self._connection.close()
             raise translated(self.file, error) from error
         except BaseException:
             self._connection.close()
             raise
-        self._place = Place(self.file)
+        self.place = Place(self.file)
         return schema
 
     def _connect(self) -> None:
@@ -106,6 +118,37 @@ class Database:
     async def read(self, work: Callable[[Connection], T]) -> T:
         """Run `work` on the last committed state; it cannot write."""
         return await asyncio.get_running_loop().run_in_executor(self._readers, self._read, work)
+
+    async def on_writer(self, work: Callable[[Any], T]) -> T:
+        """Run `work` with the library's writing connection, outside transactions, the file at its place.
+
+        Raises StorageUnavailableError.
+        """
+
+        def looked_after() -> T:
+            try:
+                self._look_after_file()
+                return work(self._raw)
+            except LIBRARY.DatabaseError as error:
+                raise self._noted(error) from error
+
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._writer, looked_after)
+        except StorageUnavailableError as error:
+            self._try_again_after(error)
+            raise
+
+    async def require_intact(self, session_id: int) -> None:
+        """Raise DamagedDatabaseError where a record of a session is not as it was written."""
+
+        def findings(connection: Connection) -> list[str]:
+            return [*stream_findings(connection.connection.dbapi_connection, session_id)]
+
+        found = await self.read(findings)
+        for finding in found:
+            self.condition.note_damage(finding, finding)
+        if found:
+            raise damaged(self.file, found[0])
 
     @property
     def next_commit(self) -> asyncio.Event:
@@ -180,18 +223,20 @@ class Database:
                 self._connect()
             self._look_after_file()
             with self._connection.begin():
-                return work(self._connection)
+                result = work(self._connection)
+            self._seal.note_newest(self._raw)
         except DatabaseError as error:
             raise self._noted(error) from error
+        return result
 
     def _look_after_file(self) -> None:
         """See that the database lies at its place with its log, and bring it back where it was removed."""
-        if self._place.removed:
-            lock = self._place.restore(self._raw)
+        if self.place.removed:
+            lock = self.place.restore(self._raw)
             self._reconnect()
             self._lock.move_to(lock)
             _LOG.warning("the database %s was removed while it was open; it was written anew", self.file)
-        elif self._place.log_removed:
+        elif self.place.log_removed:
             self._raw.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._reconnect()
             _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
@@ -209,7 +254,7 @@ class Database:
             self._read_engine.dispose()
             self._connection.close()
             self._write_engine.dispose()
-            self._place = Place(self.file)
+            self.place = Place(self.file)
             self._connect()
         finally:
             for _ in range(_READERS):
@@ -224,7 +269,7 @@ class Database:
         except DatabaseError as error:
             raise self._noted(error) from error
 
-    def _noted(self, error: DatabaseError) -> StorageError:
+    def _noted(self, error: Exception) -> StorageError:
         found = translated(self.file, error)
         if isinstance(found, DamagedDatabaseError):
             self.condition.note_damage("pages", str(found))
@@ -237,6 +282,7 @@ class Database:
         self._readers.submit(self._read_engine.dispose).result()
         self._writer.submit(self._connection.close).result()
         self._writer.submit(self._write_engine.dispose).result()
+        self._seal.close(whole=self.place.lies_alone and not self.condition.damaged)
         self._shut()
 
     def _shut(self) -> None:

@@ -6,6 +6,7 @@ document lacks takes its default, so nouns may grow.
 """
 
 import dataclasses
+import json
 import math
 import types
 from collections.abc import Mapping
@@ -13,6 +14,8 @@ from enum import Enum
 from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
+
+from service.storage.errors import DamagedDatabaseError
 
 T = TypeVar("T")
 
@@ -53,8 +56,23 @@ def _not_finite(value: float) -> str | None:
 
 
 def from_document(kind: type[T], document: Any) -> T:
-    """Return the dataclass `kind` that `document` holds; raises TypeError or ValueError where they differ."""
-    return cast(T, _decode(kind, document))
+    """Return the dataclass `kind` that `document` holds; raises DamagedDatabaseError where they differ."""
+    try:
+        return cast(T, _decode(kind, document))
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise DamagedDatabaseError(
+            f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
+        ) from error
+
+
+def from_json(text: str) -> Any:
+    """Return what a stored text holds; raises DamagedDatabaseError for what is no JSON."""
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise DamagedDatabaseError(
+            f"A stored document cannot be read ({error}); 'truepose verify' says what else is damaged."
+        ) from error
 
 
 def _decode(hint: Any, document: Any) -> Any:

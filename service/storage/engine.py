@@ -7,6 +7,7 @@ from urllib.parse import quote
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.pool import NullPool, QueuePool
 
+from service.storage.documents import from_json
 from service.storage.library import LIBRARY
 
 _BUSY_TIMEOUT_MS: Final = 5000  # a checkpoint or an outside backup may hold the file this long
@@ -34,7 +35,9 @@ def _engine(file: Path, mode: str, pool: Any) -> Engine:
         # check_same_thread is off because the pool closes from any thread.
         return LIBRARY.connect(f"file:{quote(str(file))}?mode={mode}", uri=True, check_same_thread=False)
 
-    return create_engine("sqlite://", module=LIBRARY, creator=connect, poolclass=pool)
+    return create_engine(
+        "sqlite://", module=LIBRARY, creator=connect, poolclass=pool, json_deserializer=from_json
+    )
 
 
 def _set_up_writer(connection: Any, _record: object) -> None:

@@ -39,6 +39,11 @@ class Place:
         return found is None
 
     @property
+    def lies_alone(self) -> bool:
+        """Whether the file is at its place and everything is in it."""
+        return _identity(self._file) == self._is and _identity(self._log) is None
+
+    @property
     def log_removed(self) -> bool:
         """Whether the write-ahead log is gone from its place."""
         found = _identity(self._log)

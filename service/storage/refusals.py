@@ -13,12 +13,12 @@ from service.storage.errors import (
     StorageUnavailableError,
 )
 
-_DAMAGE: Final = ("malformed", "corrupt", "no such table", "no such column", "disk image")
+_DAMAGE: Final = ("malformed", "corrupt", "no such table", "no such column", "disk image", "decode to UTF-8")
 
 
-def translated(file: Path, error: DatabaseError) -> StorageError:
-    """Return an error of the library as one of ours."""
-    said = str(error.orig)
+def translated(file: Path, error: Exception) -> StorageError:
+    """Return an error of the library, wrapped or as it is, as one of ours."""
+    said = str(error.orig if isinstance(error, DatabaseError) else error)
     if isinstance(error, IntegrityError):
         return ConflictError(f"The records do not allow that ({said}); nothing was kept.")
     if "not a database" in said:

@@ -71,6 +71,10 @@ class SessionRepository:
             lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
         )
 
+    async def require_intact(self, session_id: int) -> None:
+        """Raise DamagedDatabaseError where a record of a session is not as it was written."""
+        await self._database.require_intact(session_id)
+
     async def writable(self) -> None:
         """Return once records are taken again, after one was refused."""
         await self._database.writable()

@@ -250,3 +250,15 @@ request_keys = sa.Table(
     sa.Column("resource", sa.Text, nullable=False),
     sa.Column("resource_id", sa.Integer, nullable=False),
 )
+
+links = sa.Table(
+    "links",
+    metadata,
+    _number(),
+    sa.Column("stream", sa.Integer, nullable=False),  # the session, 0 for what belongs to none
+    sa.Column("record", sa.Text, nullable=False),  # name of its table
+    sa.Column("record_id", sa.Integer, nullable=False),
+    sa.Column("hash", sa.LargeBinary, nullable=False),  # over the record and the hash before in its stream
+    sa.Index("ix_links_stream", "stream", "id"),
+    sqlite_autoincrement=True,
+)

@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from service.storage.library import FAULTY as SQLITE_FAULTY
 from service.storage.library import VERSION as SQLITE_VERSION
 from service.web.context import Here
-from service.web.schemas.cells import Health
+from service.web.schemas.cells import Health, IntegrityReply
 
 router = APIRouter(tags=["health"])
 
@@ -27,6 +27,7 @@ async def get_health(here: Here) -> Health:
         people="announced" if here.cell.people else "anybody",
         schema=here.database.schema,
         writable=storage.trouble is None,
+        integrity=IntegrityReply(state=storage.integrity, share=storage.verified_share),
         sqlite=SQLITE_VERSION,
         sqlite_mended=not SQLITE_FAULTY,
     )

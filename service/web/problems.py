@@ -138,6 +138,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _on_http)
     app.add_exception_handler(TrueposeError, _on_refusal)
     app.add_exception_handler(DriverError, _on_refusal)
+    app.add_exception_handler(Exception, _on_failure)
     app.add_exception_handler(ClientDisconnect, _on_nobody)
 
 
@@ -150,6 +151,12 @@ async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
     # Nobody reads it, and the log is for what went wrong here.
     return problem_response(request, HTTPStatus.REQUEST_TIMEOUT, "The connection ended before the answer.")
+
+
+async def _on_failure(request: Request, error: Exception) -> JSONResponse:
+    """Answer for a fault of the program; its traceback goes to the log, not to whoever asked."""
+    told = f"The service failed at this request ({type(error).__name__}); its log says where."
+    return problem_response(request, HTTPStatus.INTERNAL_SERVER_ERROR, told)
 
 
 async def _on_http(request: Request, error: Exception) -> JSONResponse:

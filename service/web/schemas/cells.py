@@ -8,8 +8,16 @@ from drivers.api import DeviceKind
 from service.domain.cell import Cell
 from service.domain.robot import JointRange, Robot
 from service.operation.devices import DeviceStatus
+from service.storage.condition import Integrity
 from service.web.context import Endpoint
 from service.web.schemas.base import Point, Reply, degrees
+
+
+class IntegrityReply(Reply):
+    """Whether all records are as they were written; looked through after each start and now and then."""
+
+    state: Integrity
+    share: float = Field(description="Done, of the look under way or the last one.", examples=[1.0])
 
 
 class Health(Reply):
@@ -23,6 +31,7 @@ class Health(Reply):
         description="Who may have the arm move: people of the cell file, or whoever gives a name."
     )
     writable: bool = Field(description="False: the disk refuses records; sessions wait for it.")
+    integrity: "IntegrityReply"
     sqlite: str = Field(description="Version of the database library.", examples=["3.53.4"])
     sqlite_mended: bool = Field(
         description="False: the library has the fault of the WAL reset; one writer keeps it from striking."

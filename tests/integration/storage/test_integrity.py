@@ -1,0 +1,239 @@
+"""What was changed behind the service's back is noticed: at the start, while it runs, and by `verify`."""
+
+import asyncio
+import os
+import shutil
+import sys
+
+import pytest
+
+from service.storage.arrival import verify_left
+from service.storage.database import Database
+from service.storage.errors import DamagedDatabaseError, DatabaseAddressError
+from service.storage.guard import Guard
+from service.storage.library import LIBRARY
+from service.storage.readings import ReadingRepository
+from service.storage.sessions import SessionRepository
+from tests.measured_sessions import make_plan, make_point, make_setup
+
+UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
+PROTECTED = """
+    CREATE TRIGGER readings_no_update BEFORE UPDATE ON readings
+    BEGIN SELECT RAISE(ABORT, 'records are appended or superseded, never changed'); END;
+    CREATE TRIGGER readings_no_delete BEFORE DELETE ON readings
+    BEGIN SELECT RAISE(ABORT, 'records are appended or superseded, never changed'); END;
+""".replace("\n    BEGIN", " BEGIN")
+LONGER = "UPDATE readings SET document = replace(document, '101.0', '102.0') WHERE id = 3;"
+MOVED = "UPDATE readings SET session_id = 2 WHERE id = 3;"
+ELSEWHERE = """
+    CREATE TEMP TABLE kept AS SELECT document FROM readings WHERE id = 2;
+    UPDATE readings SET document = (SELECT document FROM readings WHERE id = 3) WHERE id = 2;
+    UPDATE readings SET document = (SELECT document FROM kept) WHERE id = 3;
+"""
+REPLACED = """
+    INSERT OR REPLACE INTO readings (id, recorded_at, session_id, kind, config, nest, time_s, document)
+    SELECT 3, recorded_at, session_id, kind, config, nest, time_s, replace(document, '101.0', '102.0')
+    FROM readings WHERE id = 3;
+"""
+SLIPPED_IN = """
+    INSERT INTO readings (recorded_at, session_id, kind, config, nest, time_s, document)
+    SELECT recorded_at, session_id, kind, 9, nest, time_s, document FROM readings WHERE id = 3;
+"""
+TAMPERED = {
+    "a reading that is 1 mm longer": UNPROTECTED + LONGER + PROTECTED,
+    "a reading taken out": UNPROTECTED + "DELETE FROM readings WHERE id = 3;" + PROTECTED,
+    "the newest reading taken out": UNPROTECTED + "DELETE FROM readings WHERE id = 5;" + PROTECTED,
+    "two readings exchanged": UNPROTECTED + ELSEWHERE + PROTECTED,
+    "a reading of another session": UNPROTECTED
+    + "UPDATE readings SET session_id = 2 WHERE id = 3;"
+    + PROTECTED,
+    "a reading replaced": REPLACED,
+    "a reading slipped in": SLIPPED_IN,
+    "a trigger dropped": "DROP TRIGGER readings_no_update;",
+    "a table dropped": "PRAGMA foreign_keys = OFF; DROP TABLE notes;",
+    "a link taken out": "DROP TRIGGER links_no_delete; DELETE FROM links WHERE id = 7;",
+    "an event changed": "DROP TRIGGER events_no_update; UPDATE events SET document = '{}' WHERE id = 2;",
+}
+
+
+async def fill(database):
+    sessions, readings = SessionRepository(database), ReadingRepository(database)
+    for name in ("first", "second"):
+        await sessions.add(name, make_setup(), make_plan())
+    for config in range(1, 6):
+        await readings.add_point(1, make_point(config))
+
+
+@pytest.fixture
+async def left(database_url):
+    """A database that a service closed in order."""
+    database = Database(database_url)
+    await fill(database)
+    database.close()
+    return database.file
+
+
+def tamper(file, script):
+    connection = LIBRARY.connect(file)
+    connection.executescript(script)
+    connection.close()
+
+
+def without_seal(file):
+    os.unlink(f"{file}.seal")
+    return file
+
+
+async def test_what_was_left_alone_is_whole(left, database_url):
+    assert verify_left(left).findings == ()
+
+    database = Database(database_url)
+    await Guard(database, 0.0).check_seal()
+
+    assert database.condition.fault is None
+    database.close()
+
+
+@pytest.mark.parametrize("script", TAMPERED.values(), ids=TAMPERED.keys())
+async def test_what_was_changed_is_found_also_without_the_seal(left, script):
+    tamper(without_seal(left), script)
+
+    assert verify_left(left).findings
+
+
+@pytest.mark.parametrize("script", TAMPERED.values(), ids=TAMPERED.keys())
+async def test_what_is_changed_while_the_service_runs_is_found(database, script):
+    await fill(database)
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    await whole(database)
+
+    tamper(database.file, script)
+    async with asyncio.timeout(60):
+        while database.condition.fault is None:
+            await asyncio.sleep(0.05)
+        while database.condition.integrity == "checking":
+            await asyncio.sleep(0.05)
+
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
+    assert database.condition.integrity == "damaged"
+
+
+async def whole(database):
+    async with asyncio.timeout(60):
+        while database.condition.integrity != "whole":
+            await asyncio.sleep(0.05)
+
+
+async def test_what_others_write_without_changing_a_record_is_found_to_be_harmless(database):
+    await fill(database)
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    await whole(database)
+
+    tamper(database.file, "CREATE TABLE other (id INTEGER); DROP TABLE other;")
+    async with asyncio.timeout(60):
+        while database.condition.fault is None:
+            await asyncio.sleep(0.05)
+        assert "Another program has written" in database.condition.fault
+        await whole(database)
+
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
+    assert database.condition.fault is None
+
+
+async def test_one_changed_bit_anywhere_shows_by_the_seal(left, database_url):
+    content = bytearray(left.read_bytes())
+    content[len(content) // 2] ^= 1
+    left.write_bytes(content)
+
+    assert verify_left(left).findings
+    database = Database(database_url)
+    await Guard(database, 0.0).check_seal()
+    assert "was changed while no service had it open" in database.condition.fault
+    database.close()
+
+
+async def test_an_older_copy_with_less_in_it_is_noticed_at_the_start(left, database_url):
+    shutil.copy(left, left.with_name("older"))
+    database = Database(database_url)
+    await SessionRepository(database).add("third", make_setup(), make_plan())
+    database.close()
+    shutil.copy(left.with_name("older"), left)
+
+    database = Database(database_url)
+
+    assert "The newest records" in database.condition.fault
+    database.close()
+
+
+async def test_a_log_that_was_cut_after_a_kill_is_noticed_at_the_start(database, tmp_path):
+    await fill(database)
+    for ending in ("", "-wal", ".seal"):  # as a kill leaves it
+        shutil.copy(f"{database.file}{ending}", tmp_path / f"killed{ending}")
+    log = tmp_path / "killed-wal"
+    log.write_bytes(log.read_bytes()[:-3000])
+
+    opened = Database(f"sqlite:///{tmp_path}/killed")
+
+    assert "The newest records" in opened.condition.fault
+    opened.close()
+
+
+async def test_the_readings_of_a_session_are_not_used_where_one_was_changed(database):
+    await fill(database)
+    sessions = SessionRepository(database)
+    await sessions.require_intact(1)
+
+    tamper(database.file, TAMPERED["a reading that is 1 mm longer"])
+
+    with pytest.raises(DamagedDatabaseError, match="Record 3 of the readings of session 1 is not as it was"):
+        await sessions.require_intact(1)
+    await sessions.require_intact(2)
+
+
+async def test_a_document_that_cannot_be_read_is_damage_and_no_fault_of_the_program(database):
+    await fill(database)
+    tamper(database.file, UNPROTECTED + "UPDATE readings SET document = '{\"x' WHERE id = 3;")
+
+    with pytest.raises(DamagedDatabaseError, match="cannot be read"):
+        await ReadingRepository(database).get(3)
+    with pytest.raises(DamagedDatabaseError):
+        await ReadingRepository(database).points(1)
+
+
+async def test_a_damaged_page_is_damage(left, database_url):
+    content = bytearray(left.read_bytes())
+    content[4096:] = os.urandom(len(content) - 4096)
+    left.write_bytes(content)
+
+    with pytest.raises(DamagedDatabaseError, match="damaged"):
+        Database(database_url)
+    assert verify_left(left).findings
+
+
+def test_a_database_that_is_not_there_cannot_be_verified(tmp_path):
+    with pytest.raises(DatabaseAddressError, match="no database"):
+        verify_left(tmp_path / "nothing.sqlite3")
+
+
+async def test_replacing_a_record_is_refused_by_our_own_connection(database):
+    await fill(database)
+
+    with pytest.raises(Exception, match="never changed"):
+        await database.write(lambda c: c.exec_driver_sql(REPLACED.strip().rstrip(";")))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="removing an open file is POSIX")
+async def test_a_removed_database_comes_back_without_anybody_writing(database):
+    await fill(database)
+    guarding = asyncio.create_task(Guard(database, 0.0).follow())
+    await whole(database)
+    database.file.unlink()
+
+    async with asyncio.timeout(60):
+        while not database.file.exists():
+            await asyncio.sleep(0.05)
+
+    guarding.cancel()
+    await asyncio.gather(guarding, return_exceptions=True)
