@@ -15,6 +15,7 @@ _FARTHEST_POINT_MM: Final = 200_000.0  # no tracker measures as far
 _MOST_TURNED_RAD: Final = 20.0 * math.pi  # ten turns: no joint of an arm is wound up further
 _LONGEST_TRAVEL_MM: Final = 1_000.0  # of any gauge
 _COLDEST_C, _HOTTEST_C = -100.0, 200.0  # of air and of instruments that still work
+_LONGEST_UPTIME_S: Final = 1e10  # three centuries
 _SIGNALS: Final = ("good", "out_of_range", "none")
 _LONGEST_NAME: Final = 200
 
@@ -88,7 +89,7 @@ def require_environment(air: Environment) -> None:
 
 def require_time(time_s: float, before_s: float | None) -> None:
     """Judge a time stamp against the one before it, which it may equal."""
-    _require(math.isfinite(time_s), f"the time {time_s} s")
+    _require(0.0 <= time_s <= _LONGEST_UPTIME_S, f"the time {time_s} s")  # a NaN is not
     _require(before_s is None or time_s >= before_s, f"the time {time_s} s after {before_s} s")
 
 
@@ -118,7 +119,7 @@ def _is_covariance(matrix: Sequence[Sequence[float]]) -> bool:
         and all(len(row) == 3 and _all_finite(row) for row in matrix)
         and all(matrix[axis][axis] >= 0.0 for axis in range(3))
         and all(
-            matrix[i][j] ** 2 <= matrix[i][i] * matrix[j][j] * (1.0 + 1e-9)
+            matrix[i][j] * matrix[i][j] <= matrix[i][i] * matrix[j][j] * (1.0 + 1e-9)
             and math.isclose(matrix[i][j], matrix[j][i], rel_tol=1e-9, abs_tol=1e-300)
             for i, j in ((0, 1), (0, 2), (1, 2))
         )

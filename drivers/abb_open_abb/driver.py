@@ -24,7 +24,9 @@ from drivers.abb_open_abb.protocol import (
     decode_reply,
     encode_joint_target,
     encode_request,
+    ends_for_certain,
     joint_angles_deg,
+    joint_decimals,
     joint_resolution_deg,
     reply_extent,
     rest_before_ping,
@@ -76,6 +78,7 @@ class OpenAbbRobot:
         self._lock = asyncio.Lock()
         self._limits = MotionLimits()
         self._limits_sent = False
+        self._finest_decimals = 0  # of the angles that this server has given
 
     @property
     def connected(self) -> bool:
@@ -152,13 +155,36 @@ class OpenAbbRobot:
 
     async def read_joints(self) -> JointReading:
         """Ask where the joints are; stock servers round to 0.01 deg."""
-        reply = await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
+        reply = await self._ask_joints()
+        if not ends_for_certain(reply) or joint_decimals(reply) > self._finest_decimals:
+            reply = await self._confirmed(reply)
         joints_deg = joint_angles_deg(reply, _JOINTS)
         return JointReading(
             joints_rad=tuple(map(math.radians, joints_deg)),
             resolution_rad=math.radians(joint_resolution_deg(reply)),
             time_s=await self._clock.now_s(),
         )
+
+    async def _confirmed(self, reply: Reply) -> Reply:
+        """Ask again where a digit may have been lost or come twice; raises OpenAbbProtocolError.
+
+        A last number with fewer decimals may be a whole one, or one cut short. More decimals than the
+        server ever gave come from an arm that stood at whole degrees until now, or from a bad line.
+        """
+        again = await self._ask_joints()
+        finest = min(joint_decimals(reply), joint_decimals(again))
+        self._finest_decimals = max(self._finest_decimals, finest)
+        ends = ends_for_certain(again) or again.text == reply.text
+        if not ends or joint_decimals(again) > self._finest_decimals:
+            await self._link.close()
+            raise OpenAbbProtocolError(
+                f"the robot stated {reply.text!r}, then {again.text!r}: digits were lost or came twice;"
+                " connect again"
+            )
+        return again
+
+    async def _ask_joints(self) -> Reply:
+        return await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
 
     def _motion_timeout_s(self) -> float:
         turning_s = _LONGEST_TURN_RAD / self._limits.orientation_speed_rad_s

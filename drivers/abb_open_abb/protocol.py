@@ -184,7 +184,12 @@ def reply_extent(data: bytes, code: int, words: int) -> ReplyExtent:
     numbers = (text or b"").split()
     if len(numbers) < words:
         return "part"
-    return "whole" if _decimals(numbers[-1]) >= max(2, *map(_decimals, numbers)) else "maybe whole"
+    return "whole" if _ends(numbers) else "maybe whole"
+
+
+def ends_for_certain(reply: Reply) -> bool:
+    """Whether the form of its last number says that a reply to GET_JOINTS is whole."""
+    return _ends(reply.text.encode().split())
 
 
 def rest_before_ping(data: bytes) -> bytes | None:
@@ -206,8 +211,12 @@ def joint_angles_deg(reply: Reply, count: int) -> tuple[float, ...]:
 
 def joint_resolution_deg(reply: Reply) -> float:
     """Return the step of the angles in a reply to GET_JOINTS: 0.01, finer if it has more decimals."""
-    most = max(_decimals(word.encode()) for word in reply.text.split())
-    return min(REPLY_RESOLUTION_DEG, 10.0**-most)
+    return min(REPLY_RESOLUTION_DEG, 10.0 ** -joint_decimals(reply))
+
+
+def joint_decimals(reply: Reply) -> int:
+    """Return how many decimals the most precise angle of a reply to GET_JOINTS has."""
+    return max(_decimals(word.encode()) for word in reply.text.split())
 
 
 def reply_numbers(reply: Reply, count: int) -> tuple[float, ...]:
@@ -277,6 +286,10 @@ def _number(word: str) -> float:
     if _NUMBER.fullmatch(word) is None:
         raise OpenAbbProtocolError(f"{word!r} is no number")
     return float(word)
+
+
+def _ends(numbers: Sequence[bytes]) -> bool:
+    return _decimals(numbers[-1]) >= max(2, *map(_decimals, numbers))
 
 
 def _decimals(word: bytes) -> int:

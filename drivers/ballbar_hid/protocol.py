@@ -129,8 +129,8 @@ def _counts(length_mm: float) -> int:
 
 
 def _unpack(layout: struct.Struct, number: int, report: bytes) -> tuple[Any, ...]:
-    # Some systems hand a report out at the length of the longest one.
-    if len(report) < layout.size or report[0] != number:
+    # Some systems hand a report out at the length of the longest one, filled up with zeros.
+    if len(report) < layout.size or report[0] != number or any(report[layout.size :]):
         raise HidBallbarError(
             f"report {report[:20].hex()} is not report {number} of a ballbar: check that the device is one"
         )

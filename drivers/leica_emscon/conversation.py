@@ -63,7 +63,9 @@ class Conversation:
         """Return the members of the answer; raises the error that its status means."""
         async with self._turn():
             deadline_s = await self._send(request, timeout_s)
-            return await self._answer(request.command, deadline_s, purpose)
+            values = await self._answer(request.command, deadline_s, purpose)
+            await self._digest_pending(after_answer=True)
+            return values
 
     async def ask_list(self, command: Command, *, timeout_s: float) -> list[Record]:
         """Return the items of a list command, which come one a packet; may be empty."""
@@ -97,6 +99,7 @@ class Conversation:
                     case Result(kind, _, status) as result if accepted and kind in _STATIONARY_RESULTS:
                         if status != ResultStatus.ALL_OK:
                             raise error_for(command, status, "measure")
+                        await self._digest_pending(after_answer=True)
                         return result
 
     def take_changes(self) -> frozenset[int]:
@@ -122,11 +125,18 @@ class Conversation:
         await self._link.send(encode(request))
         return time.monotonic() + timeout_s
 
-    async def _digest_pending(self) -> None:
-        """Read what arrived unasked since the last request, so that it is not taken for news."""
+    async def _digest_pending(self, *, after_answer: bool = False) -> None:
+        """Read what arrived unasked, so that it is not taken for news.
+
+        Right after an answer nothing may stand there that answers: nobody knows which of them is ours.
+        """
         for _ in range(_MOST_PIECES):
             while (frame := self._reader.next_frame()) is not None:
-                self._take(frame)
+                packet = self._take(frame)
+                if after_answer and isinstance(packet, Answer | Result) and _answers(packet):
+                    raise PacketError(
+                        f"the tracker at {self._link.address} answered more than was asked: connect again"
+                    )
             data = await self._receive(0.0)
             if data is None:
                 return
@@ -170,3 +180,7 @@ class Conversation:
             if self._reader.inside_packet:
                 raise ConnectionLostError(f"{error} (it ended in the middle of a packet)") from error
             raise
+
+
+def _answers(packet: Answer | Result) -> bool:
+    return isinstance(packet, Answer) or packet.packet_type in _STATIONARY_RESULTS

@@ -26,4 +26,4 @@ def stated_covariance(values: Record) -> tuple[Vector, Vector, Vector] | None:
         return None
     mixed = ("apriori_covar12", "apriori_covar13", "apriori_covar23")
     c12, c13, c23 = values.vector(*mixed) if mixed[0] in values else (0.0, 0.0, 0.0)
-    return (u1**2, c12, c13), (c12, u2**2, c23), (c13, c23, u3**2)
+    return (u1 * u1, c12, c13), (c12, u2 * u2, c23), (c13, c23, u3 * u3)  # ** would raise where * is inf

@@ -36,6 +36,7 @@ _ANY_CABLE = f"{VENDOR:04x}:{PRODUCT:04x}"
 _RANGE_MM = 1.0
 _FINEST_DECIMALS = 4  # in millimetres, 0.1 um: with more of them a gauge shows inches
 _MOST_DECIMALS = 6  # that fit the field
+_MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
 _MOST_LESSONS = 3  # values that may follow each other without agreeing
 _PLUG = "unplug the cable and plug it in again"
 
@@ -155,14 +156,23 @@ class UsbItnGauge:
         return " or ".join(map(str, self._acceptable_decimals))
 
     async def _ask_value(self) -> Value | Error:
-        """Ask for the value; what was sent before the question is passed over, whoever made it be sent."""
-        await self._ask_device()
-        await self._send(READ_VALUE)
-        match await self._next_reply():
-            case DeviceInfo(text):
-                raise ItnProtocolError(f"the cable told about itself ({text!r}) when asked for a value")
-            case reply:
+        """Ask for the value; what was sent before the question is passed over, whoever made it be sent.
+
+        Where a second line comes behind the first nobody knows which is the answer: it is asked for again.
+        """
+        for _ in range(_MOST_TRIES):
+            await self._ask_device()
+            await self._send(READ_VALUE)
+            reply = await self._next_reply()
+            if isinstance(reply, DeviceInfo):
+                raise ItnProtocolError(f"the cable told about itself ({reply.text!r}) when asked for a value")
+            behind = await self._port.interrupt_in(0.0)
+            if behind is None and not self._reader.inside_reply:
                 return reply
+            self._reader.receive_packet(behind or b"")
+        raise ItnProtocolError(
+            f"the cable at {self._port.address} sends more than it is asked for: leave the gauge's keys alone"
+        )
 
     async def _ask_device(self) -> DeviceInfo:
         """Ask who it is. No value looks like the answer, so whatever stands before it was sent earlier."""

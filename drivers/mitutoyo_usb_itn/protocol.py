@@ -92,6 +92,11 @@ class ReplyReader:
     def __init__(self) -> None:
         self._buffer = bytearray()
 
+    @property
+    def inside_reply(self) -> bool:
+        """Whether more stands here than was taken."""
+        return bool(self._buffer)
+
     def receive_packet(self, packet: bytes) -> None:
         """Append a packet; zeros at its end only fill it up."""
         self._buffer += packet.rstrip(b"\0")

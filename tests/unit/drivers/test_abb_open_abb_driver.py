@@ -138,9 +138,9 @@ async def test_a_server_that_gives_more_decimals_is_read_to_its_own_resolution(c
     ("begun", "rest", "last_deg"),
     [
         ("4 1 10.00 -20.55 30.00 0.00 45.00 -0.0", "1", -0.01),
-        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0", 90.0),
-        ("4 1 10 20 30 0 45 1", "80", 180.0),
-        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0 ", 90.0),
+        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "0.12", 90.12),
+        ("4 1 10 20 30 0 45 1", "80.25", 180.25),
+        ("4 1 10.00 -20.55 30.00 0.00 45.00 9", "1.00 ", 91.0),
     ],
 )
 async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_deg):
@@ -151,13 +151,58 @@ async def test_a_line_that_stalls_inside_a_number_ends_none(begun, rest, last_de
         await end.send(rest.encode())
         await end.receive()
         await end.send(b"0 1 ")
-        await end.receive()
+        while await end.receive():
+            await end.send(f"{begun}{rest}".encode())
 
     robot = OpenAbbRobot(MemoryLink(serve), FixedClock(), time_outs=QUICK)
     await robot.connect()
 
     assert math.degrees((await robot.read_joints()).joints_rad[5]) == pytest.approx(last_deg)
     await robot.close()
+
+
+STATED = "10.00 -20.55 30.00 0.00 45.00 -0.01"
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        "10.00 -20.55 30.00 0.00 45.00 -0.0",  # a digit lost at the end
+        "10.00 -20.55 30.00 0.00 45.00 -0",
+        "10.00 -20.555 30.00 0.00 45.00 -0.01",  # one came twice
+    ],
+)
+async def test_digits_that_were_lost_or_came_twice_are_found_by_asking_again(bad):
+    said = iter([STATED, STATED, bad, STATED])
+    fake = FakeController()
+    fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
+    robot = await connected_robot(fake)
+
+    for _ in range(2):
+        reading = await robot.read_joints()
+        assert math.degrees(reading.joints_rad[1]) == pytest.approx(-20.55)
+        assert math.degrees(reading.joints_rad[5]) == pytest.approx(-0.01)
+
+
+async def test_joints_of_which_nobody_can_tell_whether_they_are_whole_close_the_link():
+    said = iter(["10 20 30 0 45 9", "10 20 30 0 45 90"])
+    fake = FakeController()
+    fake.replies[4] = Said(lambda: f"4 1 {next(said)}")
+    robot = await connected_robot(fake)
+
+    with pytest.raises(RemoteProtocolError, match="lost or came twice"):
+        await robot.read_joints()
+    assert not robot.connected
+
+
+class Said:
+    """A reply that is another one each time."""
+
+    def __init__(self, text) -> None:
+        self._text = text
+
+    def __str__(self) -> str:
+        return self._text()
 
 
 async def test_a_reply_whose_end_cannot_be_told_is_none_where_the_ping_stays_without_reply():

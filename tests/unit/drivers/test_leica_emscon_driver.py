@@ -14,12 +14,14 @@ from drivers.errors import (
     ConnectFailedError,
     ConnectionLostError,
     DeviceRefusedError,
+    ImplausibleReadingError,
     MeasurementFailedError,
     NoReplyError,
     NotInitialisedError,
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
+from drivers.guard import guarded
 from drivers.leica_emscon.driver import LaserTracker, TimeOuts
 from drivers.leica_emscon.protocol import (
     EXCHANGES,
@@ -208,6 +210,18 @@ async def test_the_covariance_is_that_of_the_accuracy_model_and_absent_where_non
 
     assert covariance == ((1e-4, 1e-5, 0.0), (1e-5, 4e-4, 0.0), (0.0, 0.0, 4e-4))
     assert silent is None
+
+
+async def test_a_deviation_that_overflows_its_square_is_no_fault_of_the_program():
+    fake = FakeTracker()
+    fake.script[Command.START_MEASUREMENT] = lambda _: [
+        answer(Command.START_MEASUREMENT),
+        single(val1=1.0, val2=2.0, val3=3.0, apriori_std1=1e200, apriori_std2=0.01, apriori_std3=0.01),
+    ]
+    tracker = guarded("leica_emscon", "tracker", await ready_tracker(fake))
+
+    with pytest.raises(ImplausibleReadingError, match="covariance"):
+        await tracker.measure_point(duration_s=1.0)
 
 
 async def test_an_older_tracker_without_statistic_modes_is_initialised_all_the_same():

@@ -214,12 +214,20 @@ async def test_half_a_line_that_nobody_asked_for_is_passed_over_with_its_other_h
     cable = FakeCable()
     driver = await connected(cable)
     await driver.read()
-    cable.answers[b"1\r"] = [b"01A+0000", b".1234\r01A+", b"0000"]  # and the button's line behind it
-    await driver.read()
-    cable.packets += [b".9999\r"]
-    cable.answers[b"1\r"] = [b"01A+0000.4321\r"]
+    answers = [[b"01A+0000", b".1234\r01A+", b"0000", b".9999\r"], [b"01A+0000.4321\r"]]  # the button's line
+    cable.answers[b"1\r"] = lambda: answers.pop(0)
 
     assert (await driver.read()).deviation_mm == 0.4321
+
+
+async def test_a_cable_that_always_sends_more_than_it_is_asked_for_is_told():
+    cable = FakeCable()
+    driver = await connected(cable)
+    cable.answers[b"1\r"] = [b"01A+0000.1234\r", b"01A+0000.1234\r"]
+
+    with pytest.raises(RemoteProtocolError, match="leave the gauge's keys alone"):
+        await driver.read()
+    assert not driver.connected
 
 
 @pytest.mark.parametrize(

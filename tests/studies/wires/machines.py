@@ -1,0 +1,275 @@
+"""Models of a robot's controller, a tracker, a cell's clock and its hands on hostile wires."""
+
+import json
+import math
+
+import numpy as np
+
+from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from drivers.abb_open_abb.protocol import Code, Reply, ReplyStatus, decode_request, encode_reply, rapid_number
+from drivers.cell_clock.driver import CellClock
+from drivers.cell_hands.driver import CellHands
+from drivers.errors import DeviceRefusedError, NotInitialisedError
+from drivers.leica_emscon.driver import LaserTracker
+from drivers.leica_emscon.protocol import (
+    RESULTS,
+    Answer,
+    Command,
+    FrameReader,
+    PacketType,
+    Record,
+    Result,
+    StatusChange,
+    SystemStatusChange,
+    encode,
+    exchange,
+)
+from drivers.leica_emscon.protocol import (
+    decode_request as decode_command,
+)
+from drivers.leica_emscon.protocol.settings import LengthUnit
+from drivers.monotonic_clock import MonotonicClock
+from service.domain.robot import JointRange
+from service.sequencing.watchful_robot import WatchfulRobot
+from tests.studies.wires.hostile_link import HostileLink
+
+_RANGES = tuple(
+    JointRange(math.radians(low), math.radians(high))
+    for low, high in ((-165, 165), (-110, 110), (-110, 70), (-160, 160), (-120, 120), (-400, 400))
+)
+MM_PER_INCH = 25.4
+
+
+class Machine:
+    """What the benches share."""
+
+    specials = ()
+    free_numbers = False  # of any number of digits
+
+    async def prepare(self, device):
+        """Do after connecting what the service does."""
+
+
+class Controller(Machine):
+    """An IRC5 with open_abb."""
+
+    kind = "robot"
+    free_numbers = True
+
+    def __init__(self):
+        self.joints_deg = (0.0,) * 6
+        self.link = HostileLink(self.answer)
+        quick = TimeOuts(connect_s=0.0, retry_s=0.0)
+        self.driver = OpenAbbRobot(self.link, MonotonicClock(), time_outs=quick)
+        self.specials = ("wrong_id", "nan", "huge_angle", "seven_joints", "five_joints")
+
+    def watched(self, device):
+        return WatchfulRobot(device, _RANGES)
+
+    def move(self, rng):
+        angles = [rng.uniform(math.degrees(own.lower_rad), math.degrees(own.upper_rad)) for own in _RANGES]
+        decimals = int(rng.choice([0, 1, 2, 2]))
+        self.joints_deg = tuple(round(float(angle), decimals) for angle in angles)
+
+    def answer(self, data):
+        code = decode_request(data).code
+        if code == Code.CLOSE:
+            return []
+        text = {
+            Code.GET_JOINTS: " ".join(rapid_number(angle, 2) for angle in self.joints_deg),
+            Code.CONTROLLER_INFO: "120-500123*6.08.01*IRB 120",
+        }.get(code, "")
+        return [encode_reply(Reply(code, ReplyStatus.OK, text))]
+
+    def special(self, name, rng):
+        said = {
+            "wrong_id": b"3 1 300.00 0.00 500.00 0.000 0.707 0.000",
+            "nan": b"4 1 10.00 nan 30.00 0.00 45.00 -0.01",
+            "huge_angle": b"4 1 10.00 9E+09 30.00 0.00 45.00 -0.01",
+            "seven_joints": b"4 1 10.00 20.00 30.00 0.00 45.00 -0.01 7.00",
+            "five_joints": b"4 1 10.00 20.00 30.00 0.00 45.01",
+        }[name]
+        self.link.spoil = lambda _: [said]
+
+    async def ask(self, device):
+        return np.degrees((await device.read_joints()).joints_rad)
+
+    def is_right(self, joints_deg):
+        return bool(np.allclose(joints_deg, self.joints_deg, rtol=0.0, atol=1e-6))
+
+
+class Tracker(Machine):
+    """An emScon server, whose settings other programs change."""
+
+    kind = "tracker"
+
+    def __init__(self):
+        self.point_mm = np.array([3000.0, 0.0, 0.0])
+        self.result = b""
+        self.taken_result = b""  # the last one that the driver took
+        self.kept = {}
+        self.script = None
+        self.link = HostileLink(self.answer)
+        self.driver = LaserTracker(self.link, MonotonicClock())
+        self.specials = (
+            "silent_units", "announced_units", "silent_frame", "silent_coordinates", "units_meanwhile",
+            "stale_result", "repeated_result", "try_mode", "negative_scatter", "nan",
+        )  # fmt: skip
+
+    async def prepare(self, device):
+        await device.initialise()
+
+    def move(self, rng):
+        self.point_mm = rng.uniform(500.0, 4000.0, 3)
+
+    def answer(self, data):
+        reader, said = FrameReader(), []
+        reader.receive_data(data)
+        while (frame := reader.next_frame()) is not None:
+            said += self._answers(decode_command(frame))
+        return said
+
+    def _answers(self, request):
+        name = Command(request.command).name
+        if name.startswith("SET_"):
+            self.kept[f"GET_{name[4:]}"] = request.values
+        if request.command == Command.START_MEASUREMENT:
+            script, self.script = self.script, None
+            return (script or self._measured)()
+        special = {
+            Command.GET_SYSTEM_STATUS: {"tracker_processor_status": 5, "tracker_serial_number": 392_001},
+            Command.GET_FACE: {"tracker_face": 1},
+            Command.GET_REFLECTORS: {
+                "total_reflectors": 1,
+                "internal_reflector_id": 7,
+                "reflector_name": "R",
+            },
+            Command.GET_CURRENT_PRISM_POSITION: self._place(),
+        }.get(request.command, self.kept.get(name, {}))
+        values = exchange(request.command).answer.zeros() | special
+        return [encode(Answer(request.command, 0, Record(values)))]
+
+    def _place(self):
+        """Where the reflector is, in the units and the frame that somebody has set."""
+        kept = {name: value for values in self.kept.values() for name, value in values.items()}
+        shown = self.point_mm / (MM_PER_INCH if kept.get("len_unit_type") == LengthUnit.INCH else 1.0)
+        shown = shown + (100.0 if kept.get("apply_transformation_params") else 0.0)
+        if kept.get("coord_sys_type"):
+            shown = np.array([0.3, 1.2, np.linalg.norm(shown)])
+        return dict(zip(("val1", "val2", "val3"), shown.tolist(), strict=True))
+
+    def _result(self, **changes):
+        kind = PacketType.SINGLE_MEAS_RESULT_2
+        stated = {f"apriori_std{axis}": 0.01 for axis in (1, 2, 3)}
+        stated["std_total"] = 1e-5 * self.point_mm[0]
+        return encode(Result(kind, Record(RESULTS[kind].zeros() | stated | self._place() | changes)))
+
+    def _measured(self, **changes):
+        self.result = self._result(**changes)
+        return [encode(Answer(Command.START_MEASUREMENT, 0)), self.result]
+
+    def special(self, name, rng):
+        announce = encode(StatusChange(SystemStatusChange.UNITS_CHANGED))
+        accepted = encode(Answer(Command.START_MEASUREMENT, 0))
+        match name:
+            case "silent_units" | "announced_units":
+                self.kept["GET_UNITS"] = Record(self.kept["GET_UNITS"], len_unit_type=LengthUnit.INCH)
+                if name == "announced_units":
+                    self.link.pieces.append(announce)
+            case "silent_frame":
+                self.kept["GET_SYSTEM_SETTINGS"] = Record(
+                    self.kept["GET_SYSTEM_SETTINGS"], apply_transformation_params=True
+                )
+            case "silent_coordinates":
+                self.kept["GET_COORDINATE_SYSTEM_TYPE"] = Record(coord_sys_type=7)
+            case "units_meanwhile":
+                wrong = {key: value / 1000.0 for key, value in self._place().items()}
+                self.script = lambda: [accepted, announce, self._result(**wrong), announce]
+            case "stale_result":
+                stale = self._result(val1=777.0)
+                self.script = lambda: [stale, *self._measured()]
+            case "repeated_result":
+                again = self.taken_result
+                self.script = lambda: [accepted, again] if again else self._measured()
+            case "try_mode":
+                self.script = lambda: self._measured(is_try_mode=True, val1=1.0)
+            case "negative_scatter":
+                self.script = lambda: self._measured(std1=-1.0, val1=1.0)
+            case "nan":
+                self.script = lambda: self._measured(val2=float("nan"))
+
+    async def ask(self, device):
+        try:
+            reading = await device.measure_point(duration_s=1.0)
+        except NotInitialisedError:
+            await device.close()  # the session opens everything anew after it
+            raise
+        self.taken_result = self.result
+        return np.array(reading.point_mm)
+
+    def is_right(self, point_mm):
+        return bool(np.allclose(point_mm, self.point_mm, rtol=0.0, atol=1e-6))
+
+
+class ClockOfCell(Machine):
+    """The clock of a simulated cell; connects by itself."""
+
+    kind = "clock"
+    free_numbers = True
+
+    def __init__(self):
+        self.time_s = 0.0
+        self.link = HostileLink(self.answer)
+        self.driver = CellClock(lambda: self.link, answer_timeout_s=1.0)
+        self.specials = ("back", "nan", "huge_number")
+
+    def move(self, rng):
+        self.time_s += float(rng.uniform(0.1, 100.0))
+
+    def answer(self, data):
+        return [json.dumps({"now_s": self.time_s}).encode() + b"\n"]
+
+    def special(self, name, rng):
+        said = {
+            "back": b'{"now_s": -5.0}\n',
+            "nan": b'{"now_s": NaN}\n',
+            "huge_number": b'{"now_s": 1e999}\n',
+        }
+        self.link.spoil = lambda _: [said[name]]
+
+    async def ask(self, device):
+        return await device.now_s()
+
+    def is_right(self, now_s):
+        return now_s == self.time_s
+
+
+class HandsOfPerson(Machine):
+    """The hands of a simulated cell: every second deed is refused."""
+
+    kind = "hands"
+
+    def __init__(self):
+        self.refuses = False
+        self.link = HostileLink(self.answer)
+        self.driver = CellHands(self.link, answer_timeout_s=1.0)
+        self.specials = ("nothing_said", "a_number")
+
+    def move(self, rng):
+        self.refuses = not self.refuses
+
+    def answer(self, data):
+        return [b'{"error": "no"}\n' if self.refuses else b'{"ok": true}\n']
+
+    def special(self, name, rng):
+        self.link.spoil = lambda _: [b"{}\n" if name == "nothing_said" else b"1\n"]
+
+    async def ask(self, device):
+        try:
+            await device.do("connect", {"base": 1, "tool": 1})
+        except DeviceRefusedError as error:
+            return type(error) is DeviceRefusedError
+        return False
+
+    def is_right(self, refused):
+        return refused == self.refuses
