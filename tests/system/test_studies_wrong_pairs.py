@@ -1,0 +1,15 @@
+"""The study of wrong connections runs, and finds what it must."""
+
+from tests.studies.wrong_pairs import study, table
+
+
+def test_a_short_session_of_one_robot_is_studied_before_and_after_its_pre_calibration():
+    found = study(("irb120-tilted",), (6,), runs=1, draws=48)
+
+    ((name, parts),) = found.items()
+    slips, sessions = parts["slips"], parts["sessions"]
+    assert slips["before single"] == slips["before exchanged"] == 5
+    assert slips["before repeated, asked at its pose"] >= 4
+    assert slips["before right"] > 20
+    assert sessions["before right"] > 20
+    assert table(found).startswith(name)
