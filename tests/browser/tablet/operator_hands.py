@@ -35,6 +35,8 @@ class Operator:
             self.page.locator("#actions button").click()
         elif screen == "move":
             self.hold()
+        elif screen == "doubt":  # the lengths of the bench are those of no arm
+            self.page.locator("#actions [data-act=answer]").last.click()
         elif screen == "paused" and self._skippable() and "not possible" in self._panel():
             self.skip("It is not possible with what is there")
         elif screen in {"planned", "paused", "interrupted"}:

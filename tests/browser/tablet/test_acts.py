@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.tablet.conftest import a_tablet
-from tests.browser.tablet.fake_desk import leg, move, step
+from tests.browser.tablet.fake_desk import leg, move, sample, step
 
 SUSPICION = {"asked": ["B2", "T3"], "suspected": ["B1", "T2"], "length_mm": 300.1, "expected_mm": 300.42}
 
@@ -57,6 +57,25 @@ def test_a_skip_needs_a_reason(desk, tablet):
 
     (act,) = acted(tablet, desk)
     assert (act["act"], act["reason"]) == ("skip", "the hose is in the way")
+
+
+def test_where_nothing_shows_that_the_ballbar_is_off_one_says_how_one_knows(desk, tablet):
+    desk.sample = {**sample("no_signal", None), "reason_needed": True}
+    desk.show(step=step("detach"), acts=["confirm", "retry", "back", "pause", "abort", "stop"])
+
+    tablet.locator("#actions [data-act=confirm]").click()
+    do = tablet.get_by_role("button", name="It is off, out of the arm\u2019s way")
+    do.click()
+    assert desk.acts == []
+    tablet.get_by_label("What you see").fill("its battery is out")
+    do.click()
+
+    (act,) = acted(tablet, desk)
+    assert (act["act"], act["step_id"], act["reason"]) == (
+        "confirm",
+        "placement-1/detach",
+        "its battery is out",
+    )
 
 
 def test_a_reason_to_choose_goes_into_the_records_in_one_language(desk, chromium, url):
@@ -200,6 +219,10 @@ def test_a_hold_that_began_on_one_screen_confirms_nothing_on_the_next(desk, tabl
             "Exchanged: read both again",
         ),
         ("unlikely", "Expected for B2\u2013T3: 300.420 mm", "right_pair", "It is on B2\u2013T3"),
+        ("calibrator", "This is the length of the calibrator", "reconnected", "I have reconnected it"),
+        ("same_connection", "since B1\u2013T2 was read", "reconnected", "I have reconnected it"),
+        ("not_calibrator", "not where it was last time", "right_pair", "It is on B2\u2013T3"),
+        ("same_bars", "the zero of the other bars", "reconnected", "I have reconnected it"),
     ],
 )
 def test_a_wrong_connection_is_asked_about(desk, tablet, kind, said, answer, button):
