@@ -232,7 +232,9 @@ class SessionDesk:
         plan = await self._sessions.plan(record.id)
         cell = self._cell(await self._sessions.setup(record.id))
         journal = StoredJournal(record.id, self._sessions, self._readings)
-        runner = self._make_runner(plan, cell, journal, await self._history(record))
+        # On a thread: it goes through the whole plan first.
+        history = await self._history(record)
+        runner = await asyncio.to_thread(self._make_runner, plan, cell, journal, history)
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
         self._tasks.add(task)

@@ -1,5 +1,6 @@
 """Sessions: their plan and set-up, every state they were in, what was skipped, registered and noted."""
 
+import asyncio
 import dataclasses
 from typing import Any
 
@@ -113,7 +114,8 @@ class SessionRepository:
                 f"Session {session_id} is one with the ballbar; its steps are at "
                 f"ballbar-sessions/{session_id}/steps."
             )
-        plan = from_document(SessionPlan, await self._column(sessions.c.plan, session_id))
+        document = await self._column(sessions.c.plan, session_id)
+        plan = await asyncio.to_thread(from_document, SessionPlan, document)
         added = await self._database.read(lambda c: stops_added_to(c, session_id))
         return dataclasses.replace(plan, stops=plan.stops + added)
 

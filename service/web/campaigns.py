@@ -18,7 +18,7 @@ from service.web.schemas.base import VISIBLE
 from service.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
 
 router = APIRouter(tags=["campaigns"])
-_RECEIVING_S = 60.0  # 64 MB at 10 Mbit/s
+_RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
 _FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}}
 _BODY: dict[str, Any] = {

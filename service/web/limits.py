@@ -1,7 +1,7 @@
 """What a request may weigh and be made of, decided before anything reads it.
 
-A campaign of 100,000 rows is 4 MB zipped; 64 MB leaves room for torques and poses. Everything else that
-clients send is a plan of some thousand stops at most: 8 MB.
+A campaign of 100,000 rows is 4 MB zipped; 16 MB leaves room for torques and poses, and is stored before a
+reading that comes next would notice. All else that clients send is a plan of some thousand stops: 8 MB.
 """
 
 import contextlib
@@ -12,7 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.web.problems import problem_response
 
-UPLOAD_LIMIT_BYTES: Final = 64 * 2**20
+UPLOAD_LIMIT_BYTES: Final = 16 * 2**20
 JSON_LIMIT_BYTES: Final = 8 * 2**20
 UPLOAD_PATH: Final = "/api/v1/campaigns"
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})

@@ -1,5 +1,6 @@
 """Sessions: plan, start, confirm, pause, resume, abort, watch."""
 
+import asyncio
 from typing import Annotated
 
 from fastapi import APIRouter, Body, Response, status
@@ -63,7 +64,7 @@ async def plan_session(
     template = plan_template(wanted, here.cell)
     if isinstance(wanted.plan, GivenStops):
         plan = given_plan(template, wanted.plan)
-        _refuse_unfit(here, plan)
+        await asyncio.to_thread(_refuse_unfit, here, plan)
         number = await here.sessions.add(wanted.name, setup, plan, key)
         response.headers["Location"] = f"/api/v1/sessions/{number}"
         return await _shown(here, number)
@@ -103,7 +104,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
 @router.get("/{id}/plan", responses=problems(404, 409, 422, 503))
 async def get_plan(here: Here, id: Id) -> PlanReply:
     """List what the session does, in order."""
-    return plan_reply(await here.sessions.plan(id))
+    return await asyncio.to_thread(plan_reply, await here.sessions.plan(id))
 
 
 @router.get("/{id}/progress", responses=_READ)

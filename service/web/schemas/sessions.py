@@ -23,6 +23,7 @@ from service.web.schemas.base import (
 )
 from service.web.schemas.identities import IdentityReply
 
+MOST_STOPS = 5000  # two days and nights of measuring
 AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller's range
 
 
@@ -41,14 +42,16 @@ class GivenStops(Request):
     """The configurations are given."""
 
     method: Literal["given"]
-    stops: list[StopRequest] = Field(min_length=1, max_length=20_000)
+    stops: list[StopRequest] = Field(min_length=1, max_length=MOST_STOPS)
 
 
 class ChosenStops(Request):
     """The configurations are chosen: by observability to calibrate, at random to validate."""
 
     method: Literal["choose"]
-    configurations: int = Field(ge=1, le=5000, description="How many, revisits not counted.", examples=[50])
+    configurations: int = Field(
+        ge=1, le=MOST_STOPS, description="How many, revisits not counted.", examples=[50]
+    )
     seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
 
 

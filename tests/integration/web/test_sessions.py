@@ -1,11 +1,13 @@
 """Sessions over REST: planned, confirmed by a person, paused, ended, found again."""
 
 import asyncio
+import threading
 
 import httpx
 import pytest
 
 from service.app import create_app
+from service.web import sessions as sessions_web
 from tests.integration.web.bench import Bench, session_request, stops
 
 SESSIONS = "/api/v1/sessions"
@@ -187,3 +189,23 @@ async def test_before_the_first_motion_progress_is_zero(client):
     progress = (await client.get(f"{path}/progress")).json()
 
     assert (progress["done"], progress["planned"]) == (0, 3)
+
+
+async def test_a_plan_of_more_stops_than_anybody_measures_is_refused(client):
+    refused = await client.post("/api/v1/sessions", json=session_request(5001))
+
+    assert refused.status_code == 422
+    assert "5000" in refused.json()["detail"]
+
+
+async def test_a_plan_is_judged_off_the_loop_that_answers_everybody(client, monkeypatch):
+    judged_on = []
+    monkeypatch.setattr(
+        sessions_web, "check_plan", lambda *_: judged_on.append(threading.current_thread().name)
+    )
+
+    planned = await client.post("/api/v1/sessions", json=session_request())
+
+    assert planned.status_code == 201
+    assert judged_on
+    assert "MainThread" not in judged_on
