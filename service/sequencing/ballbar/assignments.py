@@ -117,7 +117,8 @@ def legs_to_read_again(now: Situation, suspicion: Suspicion) -> tuple[str, ...]:
     """Return the steps whose stored readings are meant by a suspicion of exchanged legs."""
     if now.step is None:
         return ()
-    group, pairs = step_ids.group_of(now.step.id), {suspicion.asked, suspicion.suspected}
+    group = step_ids.group_of(now.step.id)
+    pairs = {pair for pair in (suspicion.asked, suspicion.suspected) if pair is not None}
     return tuple(
         step.id
         for step in now.steps

@@ -20,7 +20,7 @@ from service.sequencing.ballbar.situation import Situation
 from service.validation.connections_accounts import Accounts, begin
 from service.validation.connections_early import alike, indistinct, judge_early
 
-_KEPT: Final = 16  # accounts: of the present stop, and the one before
+_KEPT: Final = 8  # accounts: of the present stop; each takes some megabytes
 
 
 @dataclass(frozen=True, slots=True)

@@ -230,7 +230,7 @@ class ActHandlers:
     async def _read_again(self, act: Act, suspicion: Suspicion) -> ActOutcome:
         book, step = self._floor.book, self._floor.now.step
         answer = act.answer or act.name.value
-        of_another_leg = step is not None and suspicion.asked != step.points
+        of_another_leg = step is not None and step.points not in {None, suspicion.asked}
         if answer == Answer.EXCHANGED or suspicion.kind == "exchanged" or of_another_leg:
             for step_id in legs_to_read_again(self._floor.now, suspicion):
                 await book.append(EntryKind.REOPENED, step_id, text=answer)

@@ -398,17 +398,20 @@ async def test_two_pairs_of_one_length_are_read_again_once_at_most():
         assert bench.present == "placement-1/pose-1/leg-2-1"
 
 
-async def test_an_earlier_leg_that_is_meant_by_a_doubt_is_read_again():
+@pytest.mark.parametrize("suspected", [(3, 3), None])
+async def test_an_earlier_leg_that_is_meant_by_a_doubt_is_read_again_and_no_other(suspected):
     async with Bench(PLAN) as bench:
         await bench.start()
         bench.oracle.answer = found(make_pose(2), forecasts=(_forecast(2),))
         await bench.until("placement-1/pose-2/leg-3-1")
-        bench.suspect.of_pose = (Suspicion("other_pair", (1, 1), (3, 3), 300.1, 300.2),)
+        bench.suspect.of_pose = (Suspicion("other_pair", (1, 1), suspected, 300.1, 300.2),)
         await bench.do()
 
         await bench.press(ActName.ANSWER, answer="reconnected")
 
         assert bench.present == "placement-1/pose-2/leg-1-1"
+        assert bench.now.outcomes["placement-1/pose-2/initialise"].kind == "measured"
+        assert bench.now.outcomes["placement-1/pose-2/leg-1-2"].kind == "measured"
 
 
 async def test_an_answer_that_is_none_is_refused():
