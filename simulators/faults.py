@@ -14,6 +14,18 @@ from typing import TypeAlias
 
 from simulators.errors import ScenarioError
 from simulators.physics.arm import Vector
+from simulators.wire_faults import (
+    BallbarFrozen,
+    BallbarInches,
+    BallbarKeyPressed,
+    LineDoublesDigits,
+    LineStalls,
+    TrackerRepeatsResult,
+    TrackerStaleResult,
+    TrackerUnitsChanged,
+    TrackerWireFault,
+    WireFault,
+)
 
 _WITH_SERIAL = ("tracker", "robot", "ballbar")
 _LONGEST_SERIAL = 12  # the ballbar's own report has room for so many
@@ -132,8 +144,10 @@ Fault: TypeAlias = (
     | IdentityChanged
     | RobotRefuses
     | RobotHangs
+    | WireFault
+    | TrackerWireFault
 )
-ReadingFault: TypeAlias = BeamBroken | TrackerSilent | TrackerCut
+ReadingFault: TypeAlias = BeamBroken | TrackerSilent | TrackerCut | TrackerWireFault
 MoveFault: TypeAlias = RobotRefuses | RobotHangs
 
 KINDS: Mapping[str, type[Fault]] = MappingProxyType({
@@ -145,6 +159,14 @@ KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "fixed_nest_moved": FixedNestMoved,
     "ballbar_too_fast": BallbarTooFast,
     "identity_changed": IdentityChanged,
+    "ballbar_frozen": BallbarFrozen,
+    "ballbar_inches": BallbarInches,
+    "ballbar_key_pressed": BallbarKeyPressed,
+    "line_stalls": LineStalls,
+    "line_doubles_digits": LineDoublesDigits,
+    "tracker_units_changed": TrackerUnitsChanged,
+    "tracker_repeats_result": TrackerRepeatsResult,
+    "tracker_stale_result": TrackerStaleResult,
     "robot_refuses": RobotRefuses,
     "robot_hangs": RobotHangs,
 })
@@ -161,6 +183,7 @@ class Faults:
     def add(self, fault: Fault) -> None:
         """Script a failure; its counts start now."""
         if isinstance(fault, ReadingFault):
+            _from_one(fault, "reading")
             fault = dataclasses.replace(fault, reading=fault.reading + self._readings)
         elif isinstance(fault, MoveFault):
             fault = dataclasses.replace(fault, move=fault.move + self._moves)
@@ -202,6 +225,12 @@ class Faults:
             if isinstance(fault, IdentityChanged) and fault.device == device and fault.from_s <= time_s
         ]
         return changes[-1] if changes else own
+
+    def on_the_wire(self, kind: type[WireFault], time_s: float) -> bool:
+        """Whether such a fault of a wire, or of its keys, holds."""
+        return any(
+            fault.from_s <= time_s < fault.until_s for fault in self._faults if isinstance(fault, kind)
+        )
 
     def smr_missing(self, nest: int, time_s: float) -> bool:
         """Whether tool nest `nest` (1-based) is empty."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from simulators.faults import Faults
+from simulators.wire_faults import BallbarFrozen, WireFault
 
 
 class Sample(Protocol):
@@ -71,6 +72,7 @@ class Electronics:
         self._bar = bar
         self._faults = faults
         self._clock = clock
+        self._shown: Shown | None = None  # last
 
     @property
     def plugged(self) -> bool:
@@ -87,7 +89,17 @@ class Electronics:
         return self._faults.serial("ballbar", own, self._clock.now_s)
 
     def show(self) -> Shown:
-        """Read the transducer now."""
+        """Read the transducer now; electronics that hang show what they showed."""
+        if self.has(BallbarFrozen) and self._shown is not None:
+            return self._shown
+        self._shown = self._read()
+        return self._shown
+
+    def has(self, kind: type[WireFault]) -> bool:
+        """Whether its wire, or whoever is at its keys, does that now."""
+        return self._faults.on_the_wire(kind, self._clock.now_s)
+
+    def _read(self) -> Shown:
         sample = self._bar.sample(self._clock.now_s)
         if self._faults.ballbar_too_fast(self._clock.now_s):
             return Shown(math.nan, "none", sample.temperature_c, sample.sequence, too_fast=True)

@@ -9,10 +9,12 @@ import math
 from collections.abc import Sequence
 
 from drivers.heidenhain_nd.protocol import (
+    COUNTS_PER_INCH,
     COUNTS_PER_MM,
     DC1,
     DC3,
     ENQ,
+    MM_PER_INCH,
     STX,
     Acknowledged,
     Command,
@@ -31,8 +33,10 @@ from drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
+from simulators.instruments.bad_lines import with_doubled_digit, write_with_stall
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.length_source import Electronics, Shown
+from simulators.wire_faults import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
 
 _CHUNK_BYTES = 4096
 _MODEL, _SOFTWARE, _RELEASED = "ND-287", "349797-04", "2001-05-04"
@@ -113,7 +117,10 @@ class Counter:
     def _count(self, sample: Shown) -> int | None:
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
             return None
-        return round(sample.deviation_mm * COUNTS_PER_MM) - self._datum
+        count = round(sample.deviation_mm * COUNTS_PER_MM) - self._datum
+        if not self._bar.has(BallbarInches):
+            return count
+        return round(count / COUNTS_PER_MM / MM_PER_INCH * COUNTS_PER_INCH)
 
     def _lamps(self, sample: Shown) -> Lamps:
         out = sample.signal == "out_of_range"
@@ -121,6 +128,7 @@ class Counter:
             below=out and sample.deviation_mm < 0.0,
             inside=sample.signal == "good",
             above=out and sample.deviation_mm > 0.0,
+            inch=self._bar.has(BallbarInches),
             reference=self._reference,
         )
 
@@ -167,6 +175,10 @@ def _refuse() -> Sequence[Reply]:
     return (Refused(),)
 
 
+def _on_the_line(bar: Electronics, said: bytes) -> bytes:
+    return with_doubled_digit(said) if bar.has(LineDoublesDigits) else said
+
+
 def nd28x_endpoint(bar: Electronics) -> Endpoint:
     """Build the endpoint of a counter; every connection reaches the same one."""
     counter = Counter(bar)
@@ -182,10 +194,16 @@ def nd28x_endpoint(bar: Electronics) -> Endpoint:
                 if request in (Control(DC1), Control(DC3)):
                     holding = request == Control(DC3)
                 elif len(outbox) < _MOST_HELD_BYTES:
-                    outbox += b"".join(map(encode_reply, counter.answer(request)))
+                    outbox += _on_the_line(bar, b"".join(map(encode_reply, counter.answer(request))))
             if not holding:
-                writer.write(bytes(outbox))
+                said = bytes(outbox)
                 outbox.clear()
+                if bar.has(BallbarKeyPressed):
+                    said = b"".join(map(encode_reply, counter.answer(Control(STX)))) + said
+                if bar.has(LineStalls):
+                    await write_with_stall(writer, said)
+                else:
+                    writer.write(said)
             await writer.drain()
 
     return Endpoint("ballbar", "nd28x", serve)

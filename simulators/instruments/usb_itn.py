@@ -37,13 +37,16 @@ from drivers.usb.protocol.descriptors import (
     Endpoint,
     Interface,
 )
+from simulators.instruments.bad_lines import with_doubled_digit
 from simulators.instruments.length_source import Electronics
 from simulators.instruments.usb_gadget import StallError, StandardRequests
+from simulators.wire_faults import BallbarInches, BallbarKeyPressed, LineDoublesDigits
 
 _SERIAL = "70012345"  # of the cable; it knows nothing of the gauge behind it
 _INFO = "USB-ITN V1.00"
 _BOOT_INTERFACE, _KEYBOARD = 1, 1
-_DECIMALS = 4
+_DECIMALS, _DECIMALS_OF_INCHES = 4, 5
+_MM_PER_INCH = 25.4
 _UNKNOWN_COMMAND = 913  # no source tells what the cable answers to a command that it does not know
 _NO_KEY = bytes(PACKET_BYTES)
 _BOOT_PROTOCOL, _REPORT_PROTOCOL = 0, 1
@@ -61,6 +64,7 @@ class UsbItnGadget:
     def __init__(self, bar: Electronics) -> None:
         self._bar = bar
         self._serial_mode = False
+        self._pressed = False  # the DATA button, before the last question
         self._protocol = _REPORT_PROTOCOL
         self._outbox = bytearray()
         self._something_to_send = asyncio.Event()
@@ -122,7 +126,11 @@ class UsbItnGadget:
         if request == SET_MODE:
             self._serial_mode = value == SERIAL_MODE
         elif request == SEND_COMMAND and self._serial_mode:
-            self._outbox += encode(self._reply(data))
+            self._pressed = self._bar.has(BallbarKeyPressed) and not self._pressed
+            if self._pressed:  # before every second question
+                self._outbox += encode(self._reply(READ_VALUE))
+            said = encode(self._reply(data))
+            self._outbox += with_doubled_digit(said) if self._bar.has(LineDoublesDigits) else said
             self._something_to_send.set()
         else:
             raise StallError
@@ -152,4 +160,6 @@ class UsbItnGadget:
             return Error(NOT_CONVERTIBLE)
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
             return Error(NOT_CONNECTED)
+        if self._bar.has(BallbarInches):
+            return Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
         return Value(sample.deviation_mm, _DECIMALS)

@@ -14,15 +14,17 @@ from drivers.leica_emscon.protocol import (
     SystemStatusChange,
 )
 from drivers.leica_emscon.protocol.equipment import NivelStatus
+from drivers.leica_emscon.protocol.settings import LengthUnit
 from simulators.cell import Cell
 from simulators.errors import BeamError
 from simulators.faults import BeamBroken, TrackerCut, TrackerSilent
 from simulators.instruments.leica_emscon.aiming import NO_REFLECTOR, initialised_only
 from simulators.instruments.leica_emscon.measuring import air_members, coordinates, stationary_result
-from simulators.instruments.leica_emscon.parameters import STATIONARY
+from simulators.instruments.leica_emscon.parameters import STATIONARY, UNITS
 from simulators.instruments.leica_emscon.settings import ServerSettings
 from simulators.instruments.leica_emscon.steps import CutShort, Steps, Wait
 from simulators.instruments.leica_emscon.units import Quantity
+from simulators.wire_faults import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
 
 _NIVEL_S = 2.0
 _PRISM_S = 0.02  # one sample
@@ -37,6 +39,7 @@ class Shooting:
         self._cell = cell
         self._tracker = cell.tracker
         self._settings = settings
+        self._last_result: Result | None = None
 
     def handlers(self) -> dict[int, Handler]:
         """Return the commands served here."""
@@ -56,10 +59,16 @@ class Shooting:
             yield Answer(command, NO_REFLECTOR)
             return
         fault = self._cell.faults.next_reading()
+        if isinstance(fault, TrackerStaleResult) and self._last_result is not None:
+            yield self._last_result
         yield Answer(command)
         yield StatusChange(SystemStatusChange.MEAS_STATUS_BUSY)
         if isinstance(fault, TrackerSilent):
             return
+        if isinstance(fault, TrackerUnitsChanged):
+            inches = Record(self._settings.kept(UNITS), len_unit_type=LengthUnit.INCH)
+            self._settings.keep(UNITS, inches)
+            yield StatusChange(UNITS.event)
         duration_s = self._settings.kept(STATIONARY).integer("meas_time") / 1000.0
         yield Wait(duration_s)
         try:
@@ -72,6 +81,9 @@ class Shooting:
             return
         self._tracker.last_measured_mm = point.position_mm
         packet = stationary_result(point, self.air(), self._settings)
+        if isinstance(fault, TrackerRepeatsResult) and self._last_result is not None:
+            packet = self._last_result
+        self._last_result = packet
         yield CutShort(packet) if isinstance(fault, TrackerCut) else packet
         yield StatusChange(SystemStatusChange.MEAS_STATUS_READY)
 
