@@ -1,0 +1,74 @@
+"""A page of another site whose name leads here, against a session that waits for its confirmation."""
+
+import time
+
+import httpx
+import pytest
+
+from service.app import create_app
+from tests.integration.web.bench import Bench, session_request
+from tests.integration.web.listening import listening
+
+CONFIRM, PERSON = "/api/v1/sessions/1/confirm", {"person": "Mallory"}
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+@pytest.fixture
+def waiting(settings, bench):
+    """A client of a service whose session waits for a person."""
+    with listening(create_app(settings, bench.registry())) as url, httpx.Client(base_url=url) as client:
+        for device in ("tracker", "robot"):
+            client.post(f"/api/v1/devices/{device}/connect").raise_for_status()
+        client.post("/api/v1/sessions", json=session_request()).raise_for_status()
+        client.post("/api/v1/sessions/1/start").raise_for_status()
+        end_s = time.monotonic() + 20.0
+        while client.get("/api/v1/sessions/1").json()["state"] != "awaiting_confirmation":
+            assert time.monotonic() < end_s
+        yield client
+
+
+def foreign(client):
+    """What a browser sends of a page at evil.example, as its name leads elsewhere, or here."""
+    port = client.base_url.port
+    here, there = f"127.0.0.1:{port}", f"evil.example:{port}"
+    return [
+        {"Host": there, "Origin": f"http://{there}", "Sec-Fetch-Site": "same-origin"},
+        {"Host": there, "Origin": f"http://{there}"},
+        {"Host": there},
+        {"Host": there, "X-Forwarded-Host": here},
+        {"Host": here, "Origin": f"http://{there}", "Sec-Fetch-Site": "cross-site"},
+        {"Host": here, "Origin": f"http://{there}"},
+        {"Host": here, "Origin": "null"},
+        {"Host": here, "Referer": f"http://{there}/"},
+        {"Host": here, "Sec-Fetch-Site": "cross-site"},
+    ]
+
+
+def test_a_page_of_another_site_confirms_nothing(waiting, bench):
+    for headers in foreign(waiting):
+        refused = waiting.post(CONFIRM, json=PERSON, headers=headers)
+        assert refused.status_code in (403, 421), headers
+
+    assert waiting.get("/api/v1/sessions/1").json()["state"] == "awaiting_confirmation"
+    assert bench.robot.moves == 0
+
+
+def test_it_stops_and_reads_nothing_either(waiting):
+    for headers in foreign(waiting):
+        for path in ("/api/v1/sessions/1/pause", "/api/v1/sessions/1/abort"):
+            assert waiting.post(path, headers=headers).status_code in (403, 421), headers
+    for headers in [entry for entry in foreign(waiting) if "Referer" not in entry]:
+        for path in ("/api/v1/sessions/1", "/api/v1/events", "/operator", "/static/tablet/tablet.css"):
+            assert waiting.get(path, headers=headers).status_code in (403, 421), headers
+
+    assert waiting.get("/api/v1/sessions/1").json()["state"] == "awaiting_confirmation"
+
+
+def test_a_person_and_a_script_confirm_as_ever(waiting):
+    origin = str(waiting.base_url).rstrip("/")
+
+    assert waiting.post(CONFIRM, json={"person": "Ada Byron"}, headers={"Origin": origin}).is_success
