@@ -141,5 +141,7 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
 
 
 def _url(listener: socket.socket) -> str:
+    """Return where it is reached; an address that stands for all is none, so this computer's own is said."""
     host, port = listener.getsockname()[:2]
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
