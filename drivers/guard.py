@@ -2,6 +2,7 @@
 
 - An exception that is none of a driver becomes a DriverFaultError with a sentence, and closes the link: what
   a driver left in the middle of a conversation must not be taken for the answer to the next question.
+- Nonsense closes the link as well, where the driver has not done so.
 - A reading is judged for what no instrument of its kind can mean, see `plausibility`.
 
 Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
@@ -29,7 +30,7 @@ from drivers.api import (
     TrackerReading,
     Vector,
 )
-from drivers.errors import DriverError, DriverFaultError, ImplausibleReadingError
+from drivers.errors import DriverError, DriverFaultError, ImplausibleReadingError, RemoteProtocolError
 from drivers.plausibility import (
     readable,
     require_environment,
@@ -91,6 +92,9 @@ class GuardedDevice:
         except ImplausibleReadingError as error:
             await self.close()
             raise ImplausibleReadingError(f"device of driver {self._name}: {error}") from error
+        except RemoteProtocolError:
+            await self.close()
+            raise
         except DriverError:
             raise
         except Exception as error:

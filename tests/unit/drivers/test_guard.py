@@ -105,6 +105,15 @@ async def test_what_a_driver_says_itself_passes_and_leaves_the_link():
     assert device.connected
 
 
+async def test_nonsense_closes_the_link_also_where_the_driver_forgets_to():
+    device = guarded("acme", "tracker", Instrument(RemoteProtocolError("the tracker answered 42")))
+
+    with pytest.raises(RemoteProtocolError, match="answered 42"):
+        await device.measure_point(duration_s=1.0)
+
+    assert not device.connected
+
+
 @pytest.mark.parametrize("error", [asyncio.CancelledError(), KeyboardInterrupt()])
 async def test_what_ends_a_task_passes(error):
     instrument = Instrument(error)

@@ -20,7 +20,7 @@ from drivers.errors import (
     RemoteProtocolError,
 )
 from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.link import Link
+from drivers.transports.link import Link, drain
 from drivers.transports.tcp import TcpLink
 
 _ANSWER_TIMEOUT_S = 10.0  # wall time
@@ -103,12 +103,13 @@ class AcmeTracker:
     async def _ask(self, word: str, *values: float, timeout_s: float = _ANSWER_TIMEOUT_S) -> Reply:
         """Ask and wait; after anything but an answer the link is closed, for answers have no numbers."""
         try:
+            await drain(self._link)
+            self._lines = LineReader()
             await self._link.send(encode(word, *values))
-            line = await self._next_line(timeout_s)
+            return decode(await self._next_line(timeout_s))
         except BaseException:
             await self._link.close()
             raise
-        return decode(line)
 
     async def _next_line(self, timeout_s: float) -> bytes:
         while (line := self._lines.next_line()) is None:
