@@ -44,6 +44,7 @@ class ReadingReply(Reply):
     position_tracker_mm: Point = Field(description="In the tracker's frame.")
     position_world_mm: Point | None = Field(description="In the world; null before the registration.")
     standard_uncertainty_mm: float | None = Field(description="Per axis.", examples=[0.015])
+    instrument_serial: str = Field(description="As the instrument told it; empty where it does not.")
     point: PointReadingReply | None
     fixed_nest: FixedNestReadingReply | None
 
@@ -64,6 +65,7 @@ def reading_reply(record: ReadingRecord) -> ReadingReply:
         position_tracker_mm=list(taken.position_tracker_mm),
         position_world_mm=None if world is None else list(world),
         standard_uncertainty_mm=known(taken.standard_uncertainty_mm),
+        instrument_serial=taken.instrument_serial,
         point=_point(taken) if isinstance(taken, PointTaken) else None,
         fixed_nest=_fixed_nest(taken) if isinstance(taken, FixedNestTaken) else None,
     )

@@ -1,0 +1,124 @@
+"""Which instrument answers, over REST: expected and answered side by side, accepted by its number only."""
+
+import asyncio
+
+import pytest
+
+from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
+from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
+from tests.integration.web.bench import CELL, session_request
+
+SESSION = "/api/v1/sessions/1"
+NAMED = CELL.replace('driver = "fake_tracker"', 'driver = "fake_tracker"\nserial_number = "390003"')
+BAR = '[ballbar.instrument]\nname = "QC20-W"\nserial_number = "B-7"\ncertificate = "C-1"\n'
+
+
+@pytest.fixture
+def settings(settings):
+    settings.cell_file.write_text(NAMED + BALLBAR + BAR)
+    return settings
+
+
+async def connected(client, name):
+    return (await client.post(f"/api/v1/devices/{name}/connect")).json()
+
+
+async def test_a_device_shows_what_is_expected_and_what_it_answered(client):
+    before = (await client.get("/api/v1/devices/tracker")).json()
+    found = await connected(client, "tracker")
+
+    assert (before["expected_serial_number"], before["answered_serial_number"]) == ("390003", None)
+    assert (before["foreign"], before["certificate"]) == (False, "report 7")
+    assert (found["expected_serial_number"], found["answered_serial_number"]) == ("390003", "42")
+    assert (found["foreign"], found["certificate"]) == (True, "")
+
+
+async def test_a_certificate_stays_with_the_device_whose_number_it_names(client, bench):
+    bench.tracker.serial = "390003"
+
+    found = await connected(client, "tracker")
+
+    assert (found["foreign"], found["certificate"]) == (False, "report 7")
+
+
+async def test_robot_and_ballbar_are_expected_as_the_cell_describes_them(client):
+    robot, ballbar = await connected(client, "robot"), await connected(client, "ballbar")
+
+    assert (robot["expected_serial_number"], robot["foreign"]) == ("120-1", False)
+    assert (ballbar["expected_serial_number"], ballbar["foreign"]) == ("B-7", True)
+
+
+async def test_a_device_that_tells_no_number_is_not_foreign(client, bench):
+    bench.tracker.serial = "unknown"
+
+    found = await connected(client, "tracker")
+
+    assert (found["answered_serial_number"], found["foreign"]) == (None, False)
+
+
+async def questioned(client):
+    await client.post("/api/v1/sessions", json=session_request())
+    await client.post(f"{SESSION}/start")
+    await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    async with asyncio.timeout(10):
+        while "390003" not in ((found := (await client.get(SESSION)).json())["question"] or ""):
+            await asyncio.sleep(0)
+    return found
+
+
+async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(client, until, bench):
+    asked = await questioned(client)
+    assert asked["state"] == "awaiting_confirmation"
+    assert "42" in asked["question"]
+
+    other = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "43"})
+    accepted = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "42"})
+    session = await until(SESSION, "state", "finished")
+
+    assert other.status_code == 409
+    assert accepted.status_code == 202
+    assert {
+        "device": "tracker",
+        "finding": "accepted",
+        "serial_number": "42",
+        "expected_serial_number": "390003",
+        "person": "Ada",
+    } in session["identities"]
+    assert bench.robot.moves > 0
+    readings = (await client.get(f"{SESSION}/readings")).json()
+    assert {reading["instrument_serial"] for reading in readings} == {"42"}
+
+
+async def test_a_confirmation_without_the_number_asks_again(client, until, bench):
+    await questioned(client)
+
+    await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
+    session = await until(SESSION, "state", "awaiting_confirmation")
+
+    assert "390003" in session["reason"]
+    assert bench.robot.moves == 0
+    assert (await client.get(f"{SESSION}/readings")).json() == []
+
+
+async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(client, bench):
+    created = await client.post(BALLBAR_SESSIONS, json=WANTED)
+    assert created.status_code == 201, created.text
+    tablet = Tablet(client)
+    await tablet.press("start")
+    async with asyncio.timeout(10):
+        while (seen := await tablet.see())["ballbar_in_question"] is None:
+            await asyncio.sleep(0)
+    assert seen["ballbar_in_question"]["expected_serial_number"] == "B-7"
+
+    refused = await tablet.press("confirm")
+    accepted = await tablet.press("confirm", accept_serial_number="42")
+    seen = await tablet.see()
+
+    assert refused.status_code == 409
+    assert accepted.status_code == 200
+    assert seen["ballbar_in_question"] is None
+    assert ("accepted", "42", "Ada") in [
+        (taken["finding"], taken["serial_number"], taken["person"]) for taken in seen["identities"]
+    ]
+    kept = [entry["identity"] for entry in await tablet.ledger() if entry["identity"] is not None]
+    assert [taken["finding"] for taken in kept if taken["device"] == "ballbar"] == ["foreign", "accepted"]
