@@ -40,7 +40,7 @@ def test_the_example_of_a_real_cell_is_read_whole(tmp_path):
         "leica_emscon",
         {"host": "192.168.0.1", "port": 700},
     )
-    assert (tracker.serial_number, robot.driver) == ("AT401-391234", "abb_open_abb")
+    assert (tracker.serial_number, robot.driver) == ("391234", "abb_open_abb")
     assert [nest.centre_mm[0] for nest in cell.nests] == [0.0, 75.0, 150.0]
     assert cell.fixed_nests[2].centre_mm == (-350.0, 500.0, 0.0)
     assert cell.certified_lengths == (CertifiedLength((1, 2), 1000.003, 0.001),)
