@@ -146,13 +146,32 @@ class Beforehand:
 
 
 def known_beforehand(cell: Cell, plan: BallbarPlan, kit: BallbarKit) -> Beforehand | None:
-    """Return what is known of the lengths of a plan; None where too little is of robot, tool or cups."""
-    if not plan.placements or not all(placement.setups for placement in plan.placements):
+    """Return what is known of the lengths of a plan; None where too little is of robot, tool or cups.
+
+    A plan whose legs the nominal arm does not bring into the ballbar's range was made for another one: it
+    says nothing of the lengths to come.
+    """
+    if not plan.placements or any(len(place.setups) != len(place.cups_mm) for place in plan.placements):
         return None
     try:
-        return Beforehand(ballbar_cell(cell), plan, kit)
+        known = Beforehand(ballbar_cell(cell), plan, kit)
     except (ConfigurationError, WorkSpaceError):
         return None
+    return known if _is_of_this_arm(known, plan, kit) else None
+
+
+def _is_of_this_arm(known: Beforehand, plan: BallbarPlan, kit: BallbarKit) -> bool:
+    for placement in plan.placements:
+        joints = np.array([pose.joints_rad for pose in placement.poses])
+        if not len(joints):
+            continue
+        for pose, stop in zip(placement.poses, known.poses(placement.number, joints), strict=True):
+            if not set(pose.legs) <= set(stop.pairs):
+                return False
+            rows = [stop.pairs.index(leg) for leg in pose.legs]
+            if np.abs(stop.nominal_mm[rows] - kit.base_bars.nominal_mm).max() > kit.range_mm:
+                return False
+    return True
 
 
 def _directions(between_mm: FloatArray) -> tuple[FloatArray, FloatArray]:

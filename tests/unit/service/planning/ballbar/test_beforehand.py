@@ -7,8 +7,8 @@ import pytest
 
 from service.domain.artefacts import BallbarKit
 from service.domain.robot import FramePlacement
-from service.planning.ballbar.beforehand import Beforehand
-from tests.ballbar_cells import ballbar_cell
+from service.planning.ballbar.beforehand import Beforehand, known_beforehand
+from tests.ballbar_cells import ballbar_cell, domain_cell
 from tests.ballbar_truth import TrueArm
 from tests.early_sessions import plan_of
 
@@ -90,3 +90,23 @@ def test_cups_are_known_from_each_other_as_well_as_the_ballbar_measures_their_si
     assert sides.nominal_mm == pytest.approx([300.0] * 3, abs=0.01)
     assert (spread_mm(beforehand, beforehand.kinds()[0], sides) > 0.1).all()
     assert not sides.motion.any()
+
+
+def test_a_plan_for_another_arm_or_without_set_ups_says_nothing_of_lengths(plan):
+    (placement,) = plan.placements
+    kit = BallbarKit()
+    turned = tuple(
+        replace(pose, joints_rad=(*pose.joints_rad[:5], pose.joints_rad[5] + 0.1)) for pose in placement.poses
+    )
+    for other in (
+        replace(placement, poses=turned),
+        replace(placement, setups=placement.setups[:2]),
+        replace(placement, poses=(replace(placement.poses[0], legs=((4, 1),)),)),
+    ):
+        assert known_beforehand(domain_cell(), replace(plan, placements=(other,)), kit) is None
+    assert known_beforehand(domain_cell(), replace(plan, placements=()), kit) is None
+    assert known_beforehand(domain_cell(), plan, kit) is not None
+
+
+def test_a_tool_with_unknown_nests_says_nothing_of_lengths(plan):
+    assert known_beforehand(replace(domain_cell(), nests=()), plan, BallbarKit()) is None
