@@ -132,14 +132,14 @@ async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
         wanted = SessionsRequest.model_validate(json.loads(body))
     except ValidationError as error:
         raise RequestValidationError(error.errors()) from error
-    except ValueError as error:  # of text that is no JSON, or no text
+    except (ValueError, RecursionError) as error:  # of text that is no JSON, no text, or without a bottom
         raise RequestValidationError([_no_json(error)]) from error
     by_key = None if key is None else request_key(request, key, body)
     first, *others = wanted.session_ids
     return await here.campaign_desk.from_sessions(wanted.name, first, others[0] if others else None, by_key)
 
 
-def _no_json(error: ValueError) -> dict[str, Any]:
+def _no_json(error: ValueError | RecursionError) -> dict[str, Any]:
     """Return the fault as the framework states it for a body of its own."""
     where = error.pos if isinstance(error, json.JSONDecodeError) else 0
     return {"type": "json_invalid", "loc": ("body", where), "msg": "", "ctx": {"error": str(error)}}

@@ -153,6 +153,8 @@ async def test_sessions_named_in_json_make_a_campaign(client, until):
         ('{"session_ids": [1], "rest": 2}', "rest"),
         ('{"session_ids": [1', "not JSON"),
         (b"\xff", "not JSON"),
+        ("[" * 100_000, "not JSON"),
+        ('{"session_ids": ' + "9" * 5000 + "}", "not JSON"),
     ],
 )
 async def test_sessions_named_wrongly_are_refused_in_one_sentence(client, body, what):
