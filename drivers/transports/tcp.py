@@ -59,6 +59,8 @@ class TcpLink:
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return what has arrived, None after `timeout_s` of silence; raises ConnectionLostError."""
         reader, _ = self._opened()
+        if timeout_s <= 0.0:
+            await _let_arrive()
         try:
             async with asyncio.timeout(timeout_s) as deadline:
                 data = await reader.read(_RECEIVE_BYTES)
@@ -91,3 +93,9 @@ class TcpLink:
         return ConnectionLostError(
             f"the connection to {self.address} is gone: check power and cable, then connect again"
         )
+
+
+async def _let_arrive() -> None:
+    """Let the event loop fetch what the system has received: one turn to look, one to take it."""
+    for _ in range(2):
+        await asyncio.sleep(0)

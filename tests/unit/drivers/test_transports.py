@@ -122,6 +122,19 @@ async def test_what_arrived_is_there_without_waiting():
         assert data == b"hello"
 
 
+async def test_what_came_while_the_loop_was_busy_is_there_without_waiting():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = TcpLink(*server.getsockname())
+        await link.open()
+        peer, _ = server.accept()
+        with peer:
+            peer.sendall(b"unasked")  # the loop has had no turn since
+
+            assert await link.receive(0.0) == b"unasked"
+            assert await link.receive(0.0) is None
+        await link.close()
+
+
 async def test_a_peer_that_hung_up_is_noticed_without_asking():
     async with tcp_link() as link:
         await link.open()
