@@ -15,6 +15,7 @@ from service.domain.cell import Cell
 from service.domain.errors import RecordRefusedError
 from service.domain.people import readable_name
 from service.domain.session import SessionPlan, SessionState
+from service.operation.ballbar_aside import require_ballbar_aside
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
@@ -116,7 +117,9 @@ class SessionDesk:
             orphaned = self._running(session_id) is None
             if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
                 await self._launch(record)
-        return await self._require(record).confirm(name, accepted_serial)
+        runner = self._require(record)
+        await self._require_ballbar_aside(session_id)
+        return await runner.confirm(name, accepted_serial)
 
     async def pause(self, session_id: int, person: str | None) -> str:
         """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError.
@@ -132,7 +135,9 @@ class SessionDesk:
         """
         name = self._present.require_person(person)
         await self._present.require_unchanged()
-        return await self._require(await self._get(session_id)).resume(name)
+        runner = self._require(await self._get(session_id))
+        await self._require_ballbar_aside(session_id)
+        return await runner.resume(name)
 
     async def abort(self, session_id: int, person: str | None) -> str:
         """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError.
@@ -265,6 +270,10 @@ class SessionDesk:
             self._under_way = None
         if state is SessionState.FINISHED:
             await self._follow(session_id)
+
+    async def _require_ballbar_aside(self, session_id: int) -> None:
+        setup = await self._sessions.setup(session_id)
+        await require_ballbar_aside(self._rack, setup.cell.ballbar)
 
     async def _follow(self, session_id: int) -> None:
         try:

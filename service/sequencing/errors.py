@@ -6,7 +6,7 @@ SequencingError
 ├── PersonMissingError      a confirmation needs the name of a person
 │   └── PersonUnreadableError   what was given as a name cannot be read
 ├── PersonUnknownError      the cell announces people, and this is none of them
-├── ReasonMissingError      a skip needs its reason
+├── ReasonMissingError      a skip needs its reason, and so does a word that no signal bears out
 ├── PlanRefusedError        the plan does not fit the cell; found before anything moves
 ├── MotionForbiddenError    an interlock forbids a motion
 │   └── ForeignRobotError   another robot answers than the one that is expected
@@ -44,7 +44,7 @@ class PersonUnknownError(SequencingError):
 
 
 class ReasonMissingError(SequencingError):
-    """A skip needs its reason."""
+    """A skip needs its reason, and so does a word that no signal bears out."""
 
 
 class PlanRefusedError(SequencingError):

@@ -319,3 +319,21 @@ async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, clie
 
     assert planning.ended.is_set()
     assert (await client.get("/api/v1/sessions")).json() == []
+
+
+async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_was_left(
+    client, bench, until
+):
+    """As after a session with the ballbar that was ended early: nobody was asked to take it off."""
+    created = await client.post("/api/v1/sessions", json=session_request())
+    path = created.headers["Location"]
+    await client.post(f"{path}/start")
+
+    left_on = await client.post(f"{path}/confirm", json={"person": "Ada"})
+
+    assert left_on.status_code == 409
+    assert "since the last session" in left_on.json()["detail"]
+    assert bench.robot.moves == 0
+    bench.ballbar.deviation_mm = -17.2  # run to its end
+    assert (await client.post(f"{path}/confirm", json={"person": "Ada"})).is_success
+    assert (await until(path, "state", "finished", "failed"))["state"] == "finished"
