@@ -4,7 +4,7 @@ import asyncio
 from typing import Final
 
 from drivers.api import Ballbar, BallbarReading, Clock, DeviceIdentity
-from drivers.errors import ConnectionLostError, DriverError, LinkError
+from drivers.errors import ConnectionLostError, DriverError, DriverFaultError, LinkError
 from service.sequencing.identities import told
 
 _FIRST_WAIT_S: Final = 0.25
@@ -72,8 +72,9 @@ class Gauge:
 
     async def _give_up(self, error: DriverError) -> None:
         self.trouble = str(error)
-        # a counter that falls silent keeps its zero; a gauge that vanishes has lost its supply
-        self.lost_power |= isinstance(error, ConnectionLostError)
+        # a counter that falls silent keeps its zero; a gauge that vanishes has lost its supply, and what was
+        # behind a driver's own failure nobody knows
+        self.lost_power |= isinstance(error, ConnectionLostError | DriverFaultError)
         if isinstance(error, LinkError) or not self._ballbar.connected:
             await self._ballbar.close()
         self._try_again_s = await self._clock.now_s() + self._wait_s

@@ -3,7 +3,7 @@
 import pytest
 
 from drivers.api import DeviceIdentity
-from drivers.errors import ConnectionLostError, NoReplyError
+from drivers.errors import ConnectionLostError, DriverFaultError, NoReplyError
 from service.sequencing.ballbar.gauge import Gauge
 from tests.unit.service.sequencing.ballbar.fakes import Bar, Clock, Hands, Robot
 
@@ -62,7 +62,9 @@ async def test_a_clock_that_begins_anew_does_not_make_it_wait_for_ever():
     assert await gauge.read() is not None
 
 
-@pytest.mark.parametrize(("fault", "lost"), [(ConnectionLostError, True), (NoReplyError, False)])
+@pytest.mark.parametrize(
+    ("fault", "lost"), [(ConnectionLostError, True), (DriverFaultError, True), (NoReplyError, False)]
+)
 async def test_only_a_gauge_that_vanishes_has_lost_its_supply(fault, lost):
     _, bar, gauge = make_gauge()
     await gauge.read()
