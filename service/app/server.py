@@ -30,6 +30,7 @@ _UNUSABLE_INPUT: Final = 2
 _SERVICE_FAILED: Final = 3
 _GRACE_S: Final = 5  # for requests under way when the service ends
 _AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
+_UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side acknowledges nothing
 _QUEUE: Final = 1024  # connections that wait in the system to be taken up
 
 
@@ -136,6 +137,9 @@ def _listening(host: str, port: int) -> Iterator[socket.socket]:
     # Connections inherit it. asyncio sets it only where a socket names its protocol, which create_server
     # leaves open; without it the body of an answer waits 40 ms for the acknowledgement of its head.
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    # A tablet without power takes nothing and says nothing; a quarter of an hour it would still watch.
+    if sys.platform == "linux":
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _UNHEARD_MS)
     with listener:
         yield listener
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.app.server import _listening
+from service.app.server import _listening, _url
 from tests.integration.web.bench import CELL
 
 SERVE = """
@@ -71,6 +71,29 @@ def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head
         accepted, _ = listener.accept()
         with accepted:
             assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the option is Linux's")
+def test_a_connection_ends_whose_other_side_acknowledges_nothing():
+    with _listening("127.0.0.1", 0) as listener, socket.create_connection(listener.getsockname()):
+        accepted, _ = listener.accept()
+        with accepted:
+            assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == 30_000
+
+
+def test_an_address_that_stands_for_all_is_told_as_one_that_answers():
+    with _listening("0.0.0.0", 0) as listener:
+        assert _url(listener) == f"http://127.0.0.1:{listener.getsockname()[1]}"
+
+
+def test_a_host_that_is_none_is_one_sentence_and_status_2():
+    serving = "from service.app import serve; from service.settings import Settings; import sys;"
+    serving += "sys.exit(serve(Settings(allowed_hosts=('cell3:8000',))))"
+
+    refused = subprocess.run([sys.executable, "-c", serving], capture_output=True, text=True, check=False)
+
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert refused.stderr.startswith("'cell3:8000' cannot be an allowed host")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

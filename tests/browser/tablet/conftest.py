@@ -4,6 +4,8 @@ import contextlib
 
 import pytest
 
+from service.web.door.hosts import AllowedHosts
+from service.web.door.middleware import Door
 from tests.browser.tablet.fake_desk import FakeDesk
 from tests.browser.tablet.wire import wire_to
 from tests.integration.web.listening import listening
@@ -20,7 +22,7 @@ def desk():
 
 @pytest.fixture
 def url(desk):
-    with listening(desk.application()) as url:
+    with listening(Door(desk.application(), AllowedHosts())) as url:
         yield url
 
 
