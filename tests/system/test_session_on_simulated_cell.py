@@ -195,6 +195,37 @@ async def test_a_thousand_configurations_take_seconds_not_hours():
     assert wall_s < cell_s / 50.0
 
 
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("tracker_units_changed", "changed the units"),
+        ("tracker_repeats_result", "earlier measurement"),
+        ("tracker_stale_result", None),  # passed over
+        ("line_stalls", None),  # waited for
+    ],
+)
+async def test_what_a_wire_or_another_program_does_spoils_no_point(kind, said):
+    async with bench(SCENARIO, seed=31) as opened:
+        operator = PatientOperator()
+        registered = opened.journal.registered
+
+        async def plant(registration):
+            await registered(registration)
+            when = {"from_s": 0.0} if kind == "line_stalls" else {"reading": 6}
+            await opened.ask(op="fault", kind=kind, **when)
+
+        opened.journal.registered = plant
+
+        ended = await run(opened, plan_validation(opened.space, 8, seed=9), operator)
+
+        errors = await true_errors(opened)
+    assert ended is SessionState.FINISHED
+    assert [point.config for point in opened.journal.points] == list(range(1, 9))
+    assert len(operator.questions) == (1 if said is None else 2)
+    assert said is None or said in operator.questions[1]
+    assert np.linalg.norm(errors, axis=1).max() < 0.15  # mm: ten deviations of the tracker at that distance
+
+
 @pytest.mark.parametrize("kind", ["robot_hangs", "robot_refuses"])
 async def test_a_robot_that_says_nothing_waits_for_a_person_and_goes_on(kind):
     async with bench(SCENARIO, seed=19) as opened:
