@@ -18,7 +18,7 @@ from service.analysis.worker_process import TaskRefusedError, perform_in_worker
 READING_BYTES: Final = 1024 * 2**20
 read_in_worker: Final = functools.partial(perform_in_worker, memory_bytes=READING_BYTES)
 _AT_ONCE: Final = 2
-_WAITING: Final = 6
+_WAITING: Final = 4  # of the sixteen requests that the door lets in at a time
 _PATIENCE_S: Final = 30.0  # most clients give up after that
 _READING_S: Final = 120.0  # the largest campaign takes ten seconds
 

@@ -10,7 +10,7 @@ from service.operation.ballbar_plans import BallbarWish, kit_of
 from service.operation.counting import counting
 from service.storage.records import SessionSetup
 
-_WAITING: Final = 4  # of plans
+_WAITING: Final = 3  # of plans; each holds one of the sixteen places that the door has
 _PATIENCE_S: Final = 300.0  # a plan takes a minute at most
 
 

@@ -95,7 +95,7 @@ async def test_more_than_can_wait_are_sent_away_at_once():
         async with uploads.turn():
             await leave.wait()
 
-    inside = [asyncio.create_task(come()) for _ in range(8)]
+    inside = [asyncio.create_task(come()) for _ in range(6)]
     await asyncio.sleep(0)
     with pytest.raises(BusyError, match="Too many uploads wait already"):
         await come()

@@ -188,7 +188,7 @@ async def test_where_too_many_uploads_wait_the_next_one_is_asked_to_come_again(a
     async with contextlib.AsyncExitStack() as held:
         for _ in range(2):
             await held.enter_async_context(uploads.turn())
-        waiting = [asyncio.create_task(held_turn(uploads)) for _ in range(6)]
+        waiting = [asyncio.create_task(held_turn(uploads)) for _ in range(4)]
         await asyncio.sleep(0)
 
         refused = await client.post(CAMPAIGNS, content=b"PK", headers=ZIP)
