@@ -56,10 +56,13 @@ _RESOURCES: Final = (
     events,
 )
 _DESCRIPTION: Final = (
-    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, and "
-    "names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors are "
-    "problem documents (RFC 9457) with one sentence in `detail`. This software is not the safety function: "
-    "nothing moves before a named person has confirmed, and the emergency stop stays in reach."
+    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
+    "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
+    "are problem documents (RFC 9457) with one sentence in `detail`. Any request may be answered with 421 "
+    "where it names another host than the service, 403 where a browser sends it from somebody else's "
+    "page, 415 where it is a form, and 503 with Retry-After where too many are under way. This software "
+    "is not the safety function: nothing moves before a named person has confirmed, and the emergency "
+    "stop stays in reach."
 )
 
 
