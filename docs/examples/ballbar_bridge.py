@@ -41,7 +41,7 @@ async def main() -> None:
     parser.add_argument("--model", default="QC20-W")
     parser.add_argument("--serial", default="")
     options = parser.parse_args()
-    hello = {"model": options.model, "serial": options.serial, "resolution_mm": 0.0001}
+    hello = {"model": options.model, "serial": options.serial, "unit": "mm", "resolution_mm": 0.0001}
     listeners: set[asyncio.StreamWriter] = set()
 
     async def welcome(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

@@ -30,6 +30,20 @@ async def test_a_device_that_does_not_answer_is_a_problem_with_the_drivers_sente
     assert state["fault"] == refused.json()["detail"]
 
 
+async def test_a_driver_that_fails_is_a_problem_with_its_name_and_no_traceback(client, bench):
+    async def stumble():
+        raise ValueError("The device has no langid (permission issue or device error)")
+
+    bench.tracker.identify = stumble
+
+    refused = await client.post("/api/v1/devices/tracker/connect")
+
+    assert refused.status_code == 503
+    assert refused.headers["content-type"] == "application/problem+json"
+    assert "driver fake_tracker failed in identify" in refused.json()["detail"]
+    assert "cable" in refused.json()["detail"]
+
+
 async def test_a_device_that_is_not_there_is_answered_with_those_that_are(client):
     refused = await client.get("/api/v1/devices/camera")
 

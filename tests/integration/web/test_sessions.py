@@ -45,6 +45,33 @@ async def test_a_session_runs_from_plan_to_readings(client, until):
     assert session["registration"]["tracker_position_mm"] == pytest.approx([0, 0, 0], abs=1e-6)
 
 
+@pytest.mark.parametrize("device", ["tracker", "robot"])
+async def test_a_driver_that_fails_has_the_session_await_a_person_who_can_go_on(client, bench, until, device):
+    asked = "measure_point" if device == "tracker" else "read_joints"
+    answer = getattr(getattr(bench, device), asked)
+    failed = []
+
+    async def fail_once(**given):
+        if bench.robot.moves == 2 and not failed:
+            failed.append(True)
+            raise KeyError("langid")
+        return await answer(**given)
+
+    setattr(getattr(bench, device), asked, fail_once)
+    path = await planned(client, n=3)
+    await client.post(f"{path}/start")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await until(path, "state", "running", "finished", "failed", "paused")
+
+    waiting = await until(path, "state", "awaiting_confirmation", "finished", "failed", "paused")
+    assert waiting["state"] == "awaiting_confirmation", waiting
+    assert f"driver fake_{device} failed in {asked} (KeyError: 'langid')" in waiting["question"]
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+
+    session = await until(path, "state", "finished", "failed", "paused")
+    assert (session["state"], session["measured"]) == ("finished", 3), session["reason"]
+
+
 async def test_nothing_moves_before_a_named_person_has_confirmed(client, bench):
     path = await planned(client)
 
