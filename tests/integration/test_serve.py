@@ -1,5 +1,6 @@
 """The service as a process: ready in one line, refused in one sentence, ended in order."""
 
+import contextlib
 import json
 import os
 import signal
@@ -27,9 +28,9 @@ sys.exit(serve(Settings(sys.argv[1], port=int(sys.argv[2]), cell_file=cell_file,
 """
 
 
-def start(database_url, port=0, *cell_file):
+def start(database_url, port=0, *cell_file, script=SERVE):
     return subprocess.Popen(
-        [sys.executable, "-c", SERVE, database_url, str(port), *map(str, cell_file)],
+        [sys.executable, "-c", script, database_url, str(port), *map(str, cell_file)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -71,6 +72,23 @@ def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head
         accepted, _ = listener.accept()
         with accepted:
             assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+def test_more_silent_connections_than_there_are_descriptors_keep_nobody_out(database_url):
+    few = "import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (200, 200))\n"
+    service = start(database_url, script=few + SERVE)
+    url = url_of(service)
+    address = ("127.0.0.1", int(url.rpartition(":")[2]))
+    with contextlib.ExitStack() as crowd:
+        for _ in range(300):
+            crowd.enter_context(socket.create_connection(address, timeout=10))
+        answers = [httpx.get(f"{url}/health", timeout=20).status_code for _ in range(5)]
+    service.send_signal(signal.SIGTERM)
+    status, _, err = ended(service)
+
+    assert answers == [200] * 5
+    assert status == 0
+    assert err.count("\n") < 10, err
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the option is Linux's")
