@@ -241,6 +241,13 @@ class Database:
             self._reconnect()
             _LOG.warning("the log of %s was removed while it was open; a new one was begun", self.file)
 
+    def _leave_at_its_place(self) -> None:
+        """Bring the file back where it was removed since the last look; with the connection it is gone."""
+        try:
+            self._look_after_file()
+        except (StorageError, LIBRARY.DatabaseError) as error:
+            _LOG.error("the database is not as it should be left: %s", error)
+
     @property
     def _raw(self) -> Any:
         """The library's own connection, for what is done outside transactions."""
@@ -279,6 +286,7 @@ class Database:
         """Finish what was begun, close the file and let another service have it."""
         if self._trial is not None:
             self._trial.cancel()
+        self._writer.submit(self._leave_at_its_place).result()
         self._readers.submit(self._read_engine.dispose).result()
         self._writer.submit(self._connection.close).result()
         self._writer.submit(self._write_engine.dispose).result()

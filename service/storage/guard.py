@@ -10,7 +10,6 @@ import contextlib
 import json
 import logging
 import sys
-import time
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -37,21 +36,32 @@ class Guard:
         self._database = database
         self._condition = database.condition
         self._first_s = first_s
+        self._doubt = asyncio.Event()  # somebody else has written
         self._seen: tuple[Place, int] | None = None  # where the file lay, and the version of others
 
     async def follow(self) -> None:
         """Look until cancelled."""
+        async with asyncio.TaskGroup() as together:
+            together.create_task(self._keep_looking())
+            together.create_task(self._keep_verifying())
+
+    async def _keep_looking(self) -> None:
+        while True:
+            if await self.look():
+                self._doubt.set()
+            await asyncio.sleep(_LOOK_S)
+
+    async def _keep_verifying(self) -> None:
         await asyncio.sleep(self._first_s)
         await self.check_seal()
-        await self.look()
-        await self._verify()
-        verified_s = time.monotonic()
         while True:
-            await asyncio.sleep(_LOOK_S)
-            foreign = await self.look()
-            if foreign or time.monotonic() - verified_s > _AGAIN_S:
+            self._doubt.clear()
+            try:
                 await self._verify()
-                verified_s = time.monotonic()
+            except OSError as error:  # no process can be had now; the next time it may
+                _LOG.warning("the database was not looked through: %s", error)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._doubt.wait(), _AGAIN_S)
 
     async def check_seal(self) -> None:
         """Compare the file with how it was left; until then nothing is taken over from the log into it."""

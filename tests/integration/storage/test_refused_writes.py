@@ -104,6 +104,18 @@ async def test_a_database_that_is_removed_is_written_anew_with_everything_in_it(
     other.close()
 
 
+async def test_a_database_that_is_removed_before_the_service_ends_is_left_at_its_place(database_url):
+    database = Database(database_url)
+    await add(database)
+    database.file.unlink()
+    database.close()
+
+    database = Database(database_url)
+    assert await names(database) == ["first"]
+    assert database.condition.fault is None
+    database.close()
+
+
 async def test_a_folder_that_is_removed_is_made_anew(database):
     await add(database)
     shutil.rmtree(database.file.parent)
