@@ -1,0 +1,102 @@
+"""Durable small writes: one writer against sixteen, and a reading early and late in a long session.
+
+`python -m tests.studies.durable_writes --out DIR [--writes N] [--readings N] [--runs N]` alternates between
+one writer and sixteen on the same database, so that a disk that slows down slows both.
+"""
+
+import argparse
+import asyncio
+import json
+import statistics
+import sys
+import tempfile
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from service.storage.database import Database
+from service.storage.library import VERSION
+from service.storage.readings import ReadingRepository
+from service.storage.sessions import SessionRepository
+from tests.measured_sessions import make_plan, make_point, make_setup
+
+WRITERS = 16
+
+
+@dataclass(frozen=True)
+class Durable:
+    """How fast readings reached the disk."""
+
+    sqlite: str
+    one_per_s: tuple[float, ...]  # of each run
+    sixteen_per_s: tuple[float, ...]
+    ratio: float  # of the medians
+    readings: int  # in the session, at its end
+    early_ms: float  # median of one reading
+    late_ms: float
+
+
+class _Session:
+    def __init__(self, readings, number):
+        self._readings, self._number, self.taken = readings, number, 0
+
+    async def take(self):
+        self.taken += 1
+        await self._readings.add_point(self._number, make_point(self.taken))
+
+    async def rate(self, writers, each):
+        begun_s, before = time.perf_counter(), self.taken
+
+        async def write():
+            for _ in range(each):
+                await self.take()
+
+        await asyncio.gather(*(write() for _ in range(writers)))
+        return (self.taken - before) / (time.perf_counter() - begun_s)
+
+    async def median_ms(self, count):
+        waits = []
+        for _ in range(count):
+            begun_s = time.perf_counter()
+            await self.take()
+            waits.append(1000 * (time.perf_counter() - begun_s))
+        return statistics.median(waits)
+
+
+async def durable(folder, writes, readings, runs):
+    """Write and return how fast that was."""
+    with tempfile.TemporaryDirectory(dir=folder) as fresh:
+        database = Database(f"sqlite:///{fresh}/truepose.sqlite3")
+        number = await SessionRepository(database).add("long", make_setup(), make_plan())
+        session = _Session(ReadingRepository(database), number)
+        early_ms = await session.median_ms(writes)
+        one, sixteen = [], []
+        for _ in range(runs):
+            one.append(await session.rate(1, writes))
+            sixteen.append(await session.rate(WRITERS, max(1, writes // 4)))
+        while session.taken < readings:
+            await session.rate(200, 10)
+        late_ms = await session.median_ms(writes)
+        database.close()
+    ratio = statistics.median(sixteen) / statistics.median(one)
+    return Durable(VERSION, tuple(one), tuple(sixteen), ratio, session.taken, early_ms, late_ms)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True)
+    for name, number in (("writes", 300), ("readings", 50_000), ("runs", 5)):
+        parser.add_argument(f"--{name}", type=int, default=number)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    found = asyncio.run(durable(options.out, options.writes, options.readings, options.runs))
+    (options.out / "durable_writes.json").write_text(json.dumps(asdict(found), indent=1))
+    sys.stdout.write(
+        f"SQLite {found.sqlite}: 1 writer {statistics.median(found.one_per_s):.0f}/s, "
+        f"{WRITERS} writers {statistics.median(found.sixteen_per_s):.0f}/s, ratio {found.ratio:.2f}\n"
+        f"one reading: {found.early_ms:.2f} ms early, {found.late_ms:.2f} ms after {found.readings}\n"
+    )
+
+
+if __name__ == "__main__":
+    main()

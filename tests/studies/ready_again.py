@@ -1,0 +1,128 @@
+"""How soon a killed service is ready again on a database of a million readings.
+
+`python -m tests.studies.ready_again --out DIR [--readings N] [--runs N]` fills a database, then starts the
+service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again and again.
+"""
+
+import argparse
+import asyncio
+import json
+import sys
+import tempfile
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import httpx
+import numpy as np
+
+from service.showcase.killed_service import KilledService
+from service.storage.chain import linked_hash
+from service.storage.database import Database
+from service.storage.documents import to_document
+from service.storage.sessions import SessionRepository
+from tests.integration.web.bench import CELL, session_request
+from tests.measured_sessions import make_plan, make_point, make_setup
+
+_AT_A_TIME = 20_000
+_ADDRESS = 'host = "127.0.0.1"\nport = 9'
+_CELL = CELL.replace('"fake_tracker"', f'"leica_emscon"\n{_ADDRESS}').replace(
+    '"fake_robot"', f'"abb_open_abb"\n{_ADDRESS}'
+)
+_NAMES = ("id", "recorded_at", "session_id", "kind", "config", "nest", "time_s", "supersedes", "document")
+_READING = f"INSERT INTO readings ({', '.join(_NAMES)}) VALUES ({', '.join('?' * len(_NAMES))})"
+_LINK = "INSERT INTO links (stream, record, record_id, hash) VALUES (?, 'readings', ?, ?)"
+
+
+@dataclass(frozen=True)
+class Ready:
+    """How soon the service answered, and how long its looking through everything took."""
+
+    readings: int
+    megabytes: float
+    ready_s: tuple[float, ...]
+    p95_s: float
+    longest_health_s: float  # while everything was looked through, after the last start
+    integrity: str
+
+
+async def _fill(database, readings):
+    number = await SessionRepository(database).add("long", make_setup(), make_plan())
+    document = json.dumps(to_document(make_point(1)))
+
+    def add(first, last):
+        def work(connection):
+            cursor = connection.connection.cursor()
+            newest = "SELECT hash FROM links WHERE stream = ? ORDER BY id DESC LIMIT 1"
+            before = cursor.execute(newest, (number,)).fetchone()[0]
+            rows, links = [], []
+            for n in range(first, last):
+                row = (n, "2026-05-04T09:12:33.125+00:00", number, "point", n, 1, 10.0 * n, None, document)
+                before = linked_hash(before, "readings", _NAMES, row)
+                rows.append(row)
+                links.append((number, n, before))
+            cursor.executemany(_READING, rows)
+            cursor.executemany(_LINK, links)
+
+        return work
+
+    for first in range(1, readings + 1, _AT_A_TIME):
+        await database.write(add(first, min(first + _AT_A_TIME, readings + 1)))
+
+
+async def _busy_while_checked(service):
+    """Ask for health until everything was looked through; returns the longest answer and what was found."""
+    longest_s = 0.0
+    async with httpx.AsyncClient(base_url=service.url, trust_env=False, timeout=60) as http:
+        while True:
+            begun_s = time.perf_counter()
+            health = (await http.get("/health")).json()
+            longest_s = max(longest_s, time.perf_counter() - begun_s)
+            if health["integrity"]["state"] in {"whole", "damaged"}:
+                return longest_s, health["integrity"]["state"]
+            await asyncio.sleep(0.1)
+
+
+async def ready_again(folder, readings, runs):
+    """Kill and start again so often."""
+    file = folder / "truepose.sqlite3"
+    database = Database(f"sqlite:///{file}")
+    await _fill(database, readings)
+    database.close()
+    (folder / "cell.toml").write_text(_CELL)
+    service = KilledService(folder / "cell.toml", file, folder / "service.log")
+    ready_s = []
+    for run in range(runs + 1):
+        ready_s.append(await service.start())
+        async with httpx.AsyncClient(base_url=service.url, trust_env=False) as http:
+            (await http.post("/api/v1/sessions", json=session_request())).raise_for_status()
+        if run < runs:
+            await service.kill()
+    try:
+        longest_s, integrity = await _busy_while_checked(service)
+    finally:
+        await service.kill()
+    after_kills = tuple(ready_s[1:])
+    p95_s = float(np.quantile(after_kills, 0.95, method="higher"))
+    return Ready(readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--readings", type=int, default=1_000_000)
+    parser.add_argument("--runs", type=int, default=40)
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=options.out) as folder:
+        found = asyncio.run(ready_again(Path(folder), options.readings, options.runs))
+    (options.out / "ready_again.json").write_text(json.dumps(asdict(found), indent=1))
+    sys.stdout.write(
+        f"{found.readings} readings, {found.megabytes:.0f} MB: ready after {len(found.ready_s)} kills in "
+        f"{min(found.ready_s):.2f} to {max(found.ready_s):.2f} s, p95 {found.p95_s:.2f} s; "
+        f"looked through: {found.integrity}, /health within {found.longest_health_s:.2f} s meanwhile\n"
+    )
+
+
+if __name__ == "__main__":
+    main()
