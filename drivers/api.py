@@ -64,6 +64,18 @@ class MotionLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class MotionGuard:
+    """What becomes of a motion under way when this program is gone or somebody asks for a pause.
+
+    The default is the worst: the arm goes on to the target that was sent last.
+    """
+
+    stops_unheard_s: float | None = None  # silence after which the controller stops by itself; None: never
+    longest_piece_s: float | None = None  # send no motion that takes longer at once; None: send it whole
+    speed_read_back: bool = False  # the controller states the limits that it was given
+
+
+@dataclass(frozen=True, slots=True)
 class BallbarReading:
     """What a ballbar or length gauge shows now."""
 
@@ -168,6 +180,21 @@ class SimulatedHands(Device, Protocol):
     async def do(self, action: str, details: Options) -> None:
         """Do one thing, e.g. `connect` with `base` and `tool`; raises DeviceRefusedError."""
         ...
+
+
+@runtime_checkable
+class GuardsMotion(Protocol):
+    """A robot's driver that says more about its motions than it must."""
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """As far as known; before the controller has said who it is, the worst of what it may be."""
+        ...
+
+
+def motion_guard(controller: object) -> MotionGuard:
+    """Return what a controller's driver says of its motions; of one that says nothing, the worst."""
+    return controller.motion_guard if isinstance(controller, GuardsMotion) else MotionGuard()
 
 
 AnyDevice: TypeAlias = PointTracker | RobotController | Clock | Ballbar | SimulatedHands

@@ -22,6 +22,7 @@ from drivers.api import (
     DeviceKind,
     Environment,
     JointReading,
+    MotionGuard,
     MotionLimits,
     Options,
     PointTracker,
@@ -29,6 +30,7 @@ from drivers.api import (
     SimulatedHands,
     TrackerReading,
     Vector,
+    motion_guard,
 )
 from drivers.errors import DriverError, DriverFaultError, ImplausibleReadingError, RemoteProtocolError
 from drivers.plausibility import (
@@ -164,6 +166,14 @@ class GuardedRobot(GuardedDevice):
             return bool(self._device.can_stop_motion)
         except Exception:
             return False
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """What becomes of a motion when this program is gone; the worst where the driver cannot tell."""
+        try:
+            return motion_guard(self._device)
+        except Exception:
+            return MotionGuard()
 
     async def set_limits(self, limits: MotionLimits) -> None:
         """Set the speed limits of the following motions."""

@@ -104,6 +104,10 @@ class Cell:
         self.hands.follow(motion)
         return motion
 
+    def halt_robot(self) -> None:
+        """Stop the arm where it is now; without a motion under way that is nothing."""
+        self.robot.halt(self.clock.now_s)
+
     @property
     def now_s(self) -> float:
         """Present cell time [s]."""

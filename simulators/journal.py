@@ -91,6 +91,12 @@ class RememberedCell(Cell):
         )
         return motion
 
+    def halt_robot(self) -> None:
+        """Stop the arm where it is now; without a motion under way that is nothing."""
+        if self.robot_moves:
+            self._note(did="halt")
+        super().halt_robot()
+
     def plant_change(self, change: PlantedChange) -> None:
         """Plant a change; raises ScenarioError or NoEquilibriumError, and then nothing has changed."""
         super().plant_change(change)
@@ -112,6 +118,8 @@ class RememberedCell(Cell):
             case "move":
                 waypoints = [np.array(waypoint, dtype=np.float64) for waypoint in entry["waypoints_rad"]]
                 self.set_off(waypoints, SpeedLimits(**entry["limits"]), np.array(entry["tool_mm"]))
+            case "halt":
+                self.halt_robot()
             case "effect":
                 self.plant_change(PlantedChange(**entry["change"]))
             case "deed":

@@ -14,6 +14,8 @@ from simulators.physics.rigid import FloatArray
 _LIMIT_TOLERANCE_RAD = 1e-6
 # Enough samples of a motion that no reflector can turn away and back unseen between two of them.
 _PATH_SAMPLES = 9
+# Two equal pieces of a motion differ by this at most: a target crosses the wire with five decimals.
+_SAME_PIECE_RAD = 1e-6
 
 
 class TargetOutOfRangeError(SimulatorError):
@@ -83,10 +85,27 @@ class Robot:
         if np.array_equal(path[0], path[-1]) and len(waypoints_rad) == 1:
             return JointMotion(path[-1:], time_s, 0.0)
         self._note_direction(path)
+        goes_on = self._goes_on(path)
         self.motion = JointMotion(path, time_s, self._duration_s(path, limits, tool_mm))
         self.stop_number += 1
-        self._draw_scatter()
+        if not goes_on:
+            self._draw_scatter()
         return self.motion
+
+    def _goes_on(self, path: FloatArray) -> bool:
+        """Whether a motion is the next of several equal pieces of one, which has one scatter, at its end."""
+        before, now = self.motion.path_rad[-1] - self.motion.path_rad[0], path[-1] - path[0]
+        return bool(before.any() and np.all(np.abs(now - before) <= _SAME_PIECE_RAD))
+
+    def halt(self, time_s: float) -> None:
+        """Stop where the arm is now; the rest of the motion is given up."""
+        if not self.moving(time_s):
+            return
+        motion = self.motion
+        here = motion.joints_at(time_s)[np.newaxis]
+        past = [motion.joints_at(at) for at in np.linspace(motion.start_s, time_s, _PATH_SAMPLES)[:-1]]
+        self.motion = JointMotion(np.concatenate([past, here]), motion.start_s, time_s - motion.start_s)
+        self.stop_number += 1
 
     def _sampled_path(self, waypoints_rad: Sequence[FloatArray]) -> FloatArray:
         if len(waypoints_rad) > 1:

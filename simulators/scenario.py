@@ -69,11 +69,14 @@ class ArmSetup:
     scatter_mm: float = 0.0035  # repeatability per axis at the tool, drawn once per stop
     home_deg: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
+    server: str = "stock"  # what runs on the controller: open_abb's own program, or "truepose", that of ours
 
     def __post_init__(self) -> None:
         _not_negative(self, "scatter_mm")
         if self.refusal not in {"hang", "drop"}:
             raise ScenarioError(f'key "refusal" must be "hang" or "drop", not "{self.refusal}"')
+        if self.server not in {"stock", "truepose"}:
+            raise ScenarioError(f'key "server" must be "stock" or "truepose", not "{self.server}"')
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 
 from drivers import options as option
+from drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
 from drivers.abb_open_abb.protocol import (
     LONGEST_MESSAGE_CHARS,
     MOTION_PORT,
@@ -29,9 +30,18 @@ from drivers.abb_open_abb.protocol import (
     joint_decimals,
     joint_resolution_deg,
     reply_extent,
+    reply_numbers,
     rest_before_ping,
 )
-from drivers.api import Clock, DeviceIdentity, DriverPlugin, JointReading, MotionLimits, Options
+from drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
 from drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
@@ -50,6 +60,8 @@ _UNKNOWN = "unknown"
 # Longest motion between two configurations: a wrist joint by two turns, or the tool along 20 m.
 _LONGEST_TURN_RAD = 4.0 * math.pi
 _LONGEST_PATH_MM = 20_000.0
+_LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
+_SPEED_ROUNDING = 0.06  # mm/s and deg/s: sent with one decimal and two
 
 _LOOK_AT_PENDANT = (
     "look at the pendant for a stopped program, a joint out of range, an emergency stop or motors off,"
@@ -79,6 +91,8 @@ class OpenAbbRobot:
         self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
+        self._watches: bool | None = None  # our own server runs there; None: it has not been asked
+        self._watching = False  # it was asked to watch the motions of this connection
 
     @property
     def connected(self) -> bool:
@@ -90,9 +104,17 @@ class OpenAbbRobot:
         """Never: the server reads nothing while the arm moves."""
         return False
 
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
+        if self._watches:
+            return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
+
     async def connect(self) -> None:
         """Open the link, trying again while the server may still be between two clients."""
-        self._limits_sent = False
+        self._limits_sent = self._watching = False
+        self._watches = None
         give_up_s = time.monotonic() + self._time_outs.connect_s
         while True:
             try:
@@ -115,6 +137,7 @@ class OpenAbbRobot:
         """Ask for serial number, RobotWare version and robot type."""
         reply = await self._ask(encode_request(Code.CONTROLLER_INFO), Code.CONTROLLER_INFO, words=1)
         fields = [field.strip() or _UNKNOWN for field in reply.text.split("*")]
+        self._watches = is_our_server(fields)
         serial, firmware, model = [*fields, *[_UNKNOWN] * len(_INFO_FIELDS)][: len(_INFO_FIELDS)]
         return DeviceIdentity(manufacturer="ABB", model=model, serial=serial, firmware=firmware)
 
@@ -128,8 +151,21 @@ class OpenAbbRobot:
         await self._ask(encode_request(Code.SET_SPEED, speed), Code.SET_SPEED)
         # A fly-by zone would answer before the arm is at rest; with "fine" the three zone sizes are moot.
         await self._ask(encode_request(Code.SET_ZONE, ["1", "0", "0", "0"]), Code.SET_ZONE)
+        if self._watches:
+            await self._require_speed([float(value) for value in speed])
         self._limits = limits
         self._limits_sent = True
+
+    async def _require_speed(self, told: list[float]) -> None:
+        """Read the speed back; raises DeviceRefusedError where the controller has another one."""
+        reply = await self._ask(encode_request(Code.GET_SPEED), Code.GET_SPEED, words=2)
+        stated = reply_numbers(reply, 2)
+        if not all(abs(has - should) <= _SPEED_ROUNDING for has, should in zip(stated, told, strict=True)):
+            await self._link.close()
+            raise DeviceRefusedError(
+                f"the robot was told {told[0]:g} mm/s and {told[1]:g} deg/s and states {stated[0]:g} mm/s "
+                f"and {stated[1]:g} deg/s: look at the program on the pendant, then connect again"
+            )
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         """Move all joints to `target_rad`; return when the arm rests there.
@@ -141,6 +177,9 @@ class OpenAbbRobot:
         if not self._limits_sent:
             # The server starts with a fly-by zone, so a first motion without limits would not end at rest.
             await self.set_limits(self._limits)
+        if self._watches and not self._watching:
+            await self._ask(encode_request(Code.WATCH, [decimal(SILENCE_S, 2)]), Code.WATCH)
+            self._watching = True
         try:
             await self._ask(request, Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
         except NoReplyError as error:
@@ -148,7 +187,10 @@ class OpenAbbRobot:
                 f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
             ) from error
         except ConnectionLostError as error:
-            raise ConnectionLostError(f"the robot hung up during a motion: {_LOOK_AT_PENDANT}") from error
+            why = f", as it does after {SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+            raise ConnectionLostError(
+                f"the robot hung up during a motion{why}: {_LOOK_AT_PENDANT}"
+            ) from error
         except DeviceRefusedError as error:
             shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in target_rad)
             raise TargetRefusedError(f"the robot refused the joint target ({shown}) deg") from error
@@ -198,7 +240,8 @@ class OpenAbbRobot:
         async with self._turn():
             await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
-            data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s)
+            beats = self._watching and code is Code.MOVE_JOINTS
+            data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s, beats=beats)
             reply = decode_reply(data)
             if reply.code != code:
                 raise OpenAbbProtocolError(
@@ -224,16 +267,19 @@ class OpenAbbRobot:
                 await self._link.close()
                 raise
 
-    async def _receive_reply(self, code: Code, words: int, timeout_s: float) -> bytes:
+    async def _receive_reply(self, code: Code, words: int, timeout_s: float, *, beats: bool) -> bytes:
+        """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
         deadline_s = time.monotonic() + timeout_s
         data = b""
         while (extent := reply_extent(data, code, words)) != "whole":
-            patience_s = (
-                self._time_outs.rest_of_reply_s if extent == "maybe whole" else deadline_s - time.monotonic()
-            )
-            more = await self._link.receive(max(patience_s, 0.0))
+            left_s = deadline_s - time.monotonic()
+            patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
+            more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
             if more is None and extent == "maybe whole":
                 return data if words == 0 else data + await self._rest(deadline_s)
+            if more is None and beats and left_s > BEAT_S:
+                await self._link.send(BEAT)
+                continue
             if more is None:
                 raise NoReplyError(
                     f"the robot at {self._link.address} is connected and says nothing: {_LOOK_AT_PENDANT}"

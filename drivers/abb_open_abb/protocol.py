@@ -21,6 +21,7 @@ MOTION_PORT = 5000
 LOGGER_PORT = 5001
 LONGEST_MESSAGE_CHARS = 80
 MOST_PARAMETERS = 10
+OUR_SERVER = "truepose 2"  # fourth field of the identity of our own server, which the stock one has not
 REPLY_RESOLUTION_DEG = 0.01  # joint angles leave the controller with two decimals
 _FULL_TURN_DEG = 360.0
 _FURTHEST_DEG = 10 * _FULL_TURN_DEG  # no joint is wound up further
@@ -59,6 +60,9 @@ class Code(IntEnum):
     MOVE_EXTERNAL_AXES = 34
     SET_CIRCLE_POINT = 35  # x y z q1..q4
     MOVE_CIRCLE = 36  # x y z q1..q4
+    GET_SPEED = 94  # of our own server only, as are 95 and 96: mm/s, deg/s
+    WATCH = 95  # s of silence after which a motion is stopped; 0: never
+    BEAT = 96  # has no reply: the client is there
     CONTROLLER_INFO = 98
     CLOSE = 99  # has no reply: the server closes and listens again
 

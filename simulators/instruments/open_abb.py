@@ -8,10 +8,12 @@ mechanics.
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 
 from drivers.abb_open_abb.protocol import (
+    OUR_SERVER,
     Code,
     OpenAbbProtocolError,
     Reply,
@@ -19,6 +21,7 @@ from drivers.abb_open_abb.protocol import (
     Request,
     decode_request,
     encode_reply,
+    encode_request,
     rapid_number,
 )
 from simulators.cell import Cell
@@ -55,6 +58,11 @@ _COUNTS: Mapping[int, tuple[int, ...]] = {
     Code.MOVE_CIRCLE: (7,),
     Code.CONTROLLER_INFO: (0,),
 }
+# What our own program has beside these.
+_OWN_COUNTS: Mapping[int, tuple[int, ...]] = {Code.GET_SPEED: (0,), Code.WATCH: (1,)}
+_BEAT = encode_request(Code.BEAT)
+_LOOK_S = 0.1  # between two looks of our program at whether its client is still there
+_ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
 
 
 class ProgramStoppedError(SimulatorError):
@@ -63,6 +71,22 @@ class ProgramStoppedError(SimulatorError):
     def __init__(self, message: str, *, drops: bool) -> None:
         super().__init__(message)
         self.drops = drops
+
+
+class Client(Protocol):
+    """Who is connected, as the program hears it while the arm moves."""
+
+    def silent_s(self) -> float:
+        """How long nothing was heard [s, cell time]; infinite once the connection is gone."""
+        ...
+
+
+class AlwaysThere:
+    """A client that is heard all the time."""
+
+    def silent_s(self) -> float:
+        """Never silent."""
+        return 0.0
 
 
 class InvalidPoseError(SimulatorError):
@@ -85,12 +109,28 @@ class MotionProgram:
         self._circle_point: FloatArray | None = None
         self._buffer: list[tuple[FloatArray, SpeedLimits]] = []
         self._last_code = 0
+        self.forget_client()
 
-    async def answer(self, data: bytes) -> bytes | None:
+    @property
+    def is_ours(self) -> bool:
+        """Whether the program is our own, which can watch its client."""
+        return self._cell.scenario.arm.server == "truepose"
+
+    def forget_client(self) -> None:
+        """Watch nobody: a client that wants to be watched says so."""
+        self._watched_s = 0.0
+        self._client: Client = AlwaysThere()
+
+    async def answer(self, data: bytes, client: Client | None = None) -> bytes | None:
         """Carry out what one receive delivered and return the reply, None for the wish to close (code 99).
 
-        Raises ProgramStoppedError where the real program would stop.
+        Our program replies nothing to a beat. Raises ProgramStoppedError where the real one would stop.
         """
+        self._client = client or AlwaysThere()
+        while self.is_ours and data.startswith(_BEAT):  # sent before the end of a motion was heard of
+            data = data[len(_BEAT) :]
+            if not data:
+                return b""
         try:
             request = decode_request(data)
         except OpenAbbProtocolError:
@@ -99,13 +139,17 @@ class MotionProgram:
         self._last_code = request.code
         if request.code == Code.CLOSE:
             return None
-        if len(request.values) not in _COUNTS.get(request.code, ()):
+        if len(request.values) not in self._counts(request.code):
             return encode_reply(Reply(request.code, ReplyStatus.BAD_MESSAGE))
         try:
             text = await self._carry_out(request)
         except (TargetOutOfRangeError, UnreachableError, InvalidPoseError) as error:
             raise self._stopped(str(error)) from error
         return encode_reply(Reply(request.code, ReplyStatus.OK, text))
+
+    def _counts(self, code: int) -> tuple[int, ...]:
+        own = _OWN_COUNTS.get(code, ()) if self.is_ours else ()
+        return _COUNTS.get(code, own)
 
     async def _carry_out(self, request: Request) -> str:
         values = np.array(request.values)
@@ -131,14 +175,19 @@ class MotionProgram:
                 position = [rapid_number(value, 2) for value in numbers[:3]]
                 return " ".join([*position, *(rapid_number(value, 3) for value in numbers[3:])])
             case Code.GET_JOINTS:
-                return " ".join(rapid_number(float(angle), 2) for angle in np.degrees(self.joints()))
+                decimals = _ANGLE_DECIMALS[self._cell.scenario.arm.server]
+                return " ".join(rapid_number(float(angle), decimals) for angle in np.degrees(self.joints()))
+            case Code.GET_SPEED:
+                turning = math.degrees(self._limits.orientation_rad_s)
+                return f"{rapid_number(self._limits.tool_mm_s, 2)} {rapid_number(turning, 2)}"
             case Code.GET_EXTERNAL_AXES:
                 return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
             case Code.BUFFER_LENGTH:
                 return str(len(self._buffer))
             case Code.CONTROLLER_INFO:
                 serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
-                return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}"
+                own = f"*{OUR_SERVER}" if self.is_ours else ""
+                return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}{own}"
         return ""
 
     def _set(self, code: int, values: FloatArray) -> None:
@@ -149,6 +198,8 @@ class MotionProgram:
                 self._work_object = _pose(values)
             case Code.SET_SPEED:
                 self._limits = SpeedLimits(float(values[0]), math.radians(values[1]))
+            case Code.WATCH:
+                self._watched_s = float(values[0])
             case Code.MOVE_EXTERNAL_AXES:
                 self._external_axes = values.tolist()
             case Code.SET_CIRCLE_POINT:
@@ -181,9 +232,20 @@ class MotionProgram:
             raise self._stopped("the target was refused")
         if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
             raise self._stopped("a speed must be above 0")
-        await self._cell.move_robot(waypoints, limits, self._tool[:3, 3])
+        await self._rest_after(self._cell.set_off(waypoints, limits, self._tool[:3, 3]).duration_s)
         if isinstance(fault, RobotHangs):
             raise ProgramStoppedError("the reply got lost", drops=False)
+
+    async def _rest_after(self, duration_s: float) -> None:
+        """Wait for the end of a motion; a watched one is given up when its client falls silent."""
+        watched = self._watched_s > 0.0 and self._cell.clock.waits  # where time costs nothing nobody is late
+        while watched and duration_s > _LOOK_S:
+            await self._cell.clock.sleep(_LOOK_S)
+            duration_s -= _LOOK_S
+            if self._client.silent_s() > self._watched_s:
+                self._cell.halt_robot()
+                raise ProgramStoppedError("nothing was heard of the client", drops=True)
+        await self._cell.clock.sleep(duration_s)
 
     def _stopped(self, reason: str) -> ProgramStoppedError:
         return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")

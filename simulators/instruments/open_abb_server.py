@@ -7,6 +7,7 @@ the server socket with it.
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import Awaitable, Callable
 
@@ -64,9 +65,10 @@ def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
     """Build the motion server of a cell's robot."""
 
     async def attend(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        program.forget_client()
         while data := await reader.read(_CHUNK_BYTES):
             try:
-                reply = await program.answer(data)
+                reply = await _answer(program, data, reader, cell)
             except ProgramStoppedError as stop:
                 if not stop.drops:
                     await _until_client_leaves(reader)
@@ -81,6 +83,43 @@ def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
             await writer.drain()
 
     return _one_client("robot", "open_abb", attend, cell)
+
+
+async def _answer(
+    program: MotionProgram, data: bytes, reader: asyncio.StreamReader, cell: Cell
+) -> bytes | None:
+    """Have the program answer; our own listens for its client meanwhile, open_abb's hears nothing."""
+    if not program.is_ours:
+        return await program.answer(data)
+    ear = _Ear(cell)
+    listening = asyncio.create_task(ear.listen(reader))
+    try:
+        return await program.answer(data, ear)
+    finally:
+        listening.cancel()
+        with contextlib.suppress(asyncio.CancelledError, ConnectionError):
+            await listening
+
+
+class _Ear:
+    """What our program hears of its client while it does something else; the words are lost, as in RAPID."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._heard_s = cell.clock.now_s
+        self._gone = False
+
+    def silent_s(self) -> float:
+        """How long nothing was heard [s, cell time]; infinite once the connection is gone."""
+        return math.inf if self._gone else self._cell.clock.now_s - self._heard_s
+
+    async def listen(self, reader: asyncio.StreamReader) -> None:
+        """Listen until the client is gone."""
+        try:
+            while await reader.read(_CHUNK_BYTES):
+                self._heard_s = self._cell.clock.now_s
+        finally:
+            self._gone = reader.at_eof() or reader.exception() is not None
 
 
 def logger_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:

@@ -2,7 +2,12 @@ MODULE TruePoseServer
     !*****************************************************************************************
     ! Joint-target server for truepose: the subset of the open_abb text protocol that a
     ! calibration session needs (codes 0, 2, 4, 8, 9, 98, 99), with joint angles reported to
-    ! five decimals instead of two.
+    ! five decimals instead of two, and three codes of its own:
+    !   94            the speed that holds: "94 1 v_tcp v_ori"
+    !   95 seconds    watch this client: a motion is stopped and given up when nothing was heard
+    !                 of it for so long; 0: never. Asked for anew by each client.
+    !   96            the client is there; has no reply, and may stand before another request
+    ! Whoever does not send 95 is served as by the public server.
     !
     ! NEVER TRIED ON HARDWARE, nor in a virtual controller. Read it, load it in manual reduced
     ! speed, and keep a hand on the enabling device when it runs for the first time.
@@ -10,6 +15,11 @@ MODULE TruePoseServer
     ! Needs RobotWare with the option "PC Interface". One client at a time on port 5000.
     ! Every motion ends in a fine point: the reply to code 2 says that the arm is at rest.
     ! A motion that the controller cannot make stops this program; nothing is replied then.
+    ! A motion that was given up has no reply either: the client's connection is closed, and the
+    ! next client finds the arm at rest where it stopped.
+    !
+    ! The watch is a timer interrupt of this task: while MoveAbsJ waits for the end of the motion,
+    ! the trap looks for beats on the client's socket. This is no safety function.
     !*****************************************************************************************
 
     CONST num SERVER_PORT:=5000;
@@ -17,6 +27,11 @@ MODULE TruePoseServer
     CONST num STATUS_BAD:=0;
     CONST num STATUS_OK:=1;
     CONST num ANGLE_DECIMALS:=5;
+    CONST num SPEED_DECIMALS:=2;
+    CONST num LOOK_S:=0.1;
+    CONST num FOR_EVER:=0;
+    CONST string SERVER_NAME:="truepose 2";
+    CONST string BEAT:="96 #";
 
     PERS string serverAddress:="192.168.125.1";
     PERS tooldata sessionTool:=[TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
@@ -28,8 +43,16 @@ MODULE TruePoseServer
     VAR num valueCount;
     VAR num code;
     VAR bool leaving;
+    VAR num watchedFor:=FOR_EVER;
+    VAR clock sinceHeard;
+    VAR intnum lookInterrupt;
+    VAR bool clientGone:=FALSE;
+    VAR bool givenUp:=FALSE;
 
     PROC main()
+        CONNECT lookInterrupt WITH LookForClient;
+        ITimer LOOK_S,lookInterrupt;
+        ISleep lookInterrupt;
         OpenServer;
         WHILE TRUE DO
             ServeOneRequest;
@@ -41,13 +64,20 @@ MODULE TruePoseServer
         VAR string reply;
 
         SocketReceive client\Str:=request\Time:=WAIT_MAX;
+        request:=WithoutBeats(request);
+        IF request="" RETURN;
         IF NOT IsParsed(request) THEN
             reply:=Head(STATUS_BAD);
+        ELSEIF code=2 AND valueCount=6 THEN
+            ! A motion stands in a routine of its own: only there can it be given up.
+            MoveWatched;
+            reply:=Head(STATUS_OK);
         ELSE
             reply:=Carried();
         ENDIF
-        IF leaving THEN
+        IF leaving OR givenUp THEN
             leaving:=FALSE;
+            givenUp:=FALSE;
             ReopenServer;
         ELSE
             SocketSend client\Str:=reply;
@@ -61,15 +91,67 @@ MODULE TruePoseServer
         RAISE;
     ENDPROC
 
+    ! Moves; comes back with givenUp set where the client fell silent on the way.
+    PROC MoveWatched()
+        clientGone:=FALSE;
+        ClkStop sinceHeard;
+        ClkReset sinceHeard;
+        ClkStart sinceHeard;
+        IF watchedFor>FOR_EVER IWatch lookInterrupt;
+        MoveAbsJ Target(),sessionSpeed,fine,sessionTool;
+        ISleep lookInterrupt;
+    ERROR
+        IF ERRNO=ERR_PATH_STOP THEN
+            ! The trap has stopped the arm. What is left of the path is thrown away, so that no
+            ! later start of motion goes on with it.
+            ISleep lookInterrupt;
+            ClearPath;
+            StartMove;
+            givenUp:=TRUE;
+            RETURN;
+        ENDIF
+        RAISE;
+    ENDPROC
+
+    TRAP LookForClient
+        VAR string heard;
+
+        IF SocketPeek(client)>0 THEN
+            SocketReceive client\Str:=heard\Time:=LOOK_S;
+            ClkReset sinceHeard;
+            ClkStart sinceHeard;
+        ELSEIF SocketGetStatus(client)<>SOCKET_CONNECTED THEN
+            clientGone:=TRUE;
+        ENDIF
+        IF clientGone OR ClkRead(sinceHeard)>watchedFor THEN
+            ISleep lookInterrupt;
+            ! Stops the arm on its path and raises ERR_PATH_STOP in the routine that moves.
+            StopMove\Quick;
+            ProcerrRecovery\SyncLastMoveInst;
+        ENDIF
+    ERROR
+        ! The socket died under us: whoever was there is gone.
+        clientGone:=TRUE;
+        TRYNEXT;
+    ENDTRAP
+
+    ! Beats that came before the end of a motion was known to the client.
+    FUNC string WithoutBeats(string request)
+        VAR num length;
+
+        length:=StrLen(BEAT);
+        WHILE StrLen(request)>=length DO
+            IF StrPart(request,1,length)<>BEAT RETURN request;
+            IF StrLen(request)=length RETURN "";
+            request:=StrPart(request,length+1,StrLen(request)-length);
+        ENDWHILE
+        RETURN request;
+    ENDFUNC
+
     FUNC string Carried()
         TEST code
         CASE 0:
             IF valueCount=0 RETURN Head(STATUS_OK);
-        CASE 2:
-            IF valueCount=6 THEN
-                MoveAbsJ Target(),sessionSpeed,fine,sessionTool;
-                RETURN Head(STATUS_OK);
-            ENDIF
         CASE 4:
             IF valueCount=0 RETURN Head(STATUS_OK)+JointText(CJointT());
         CASE 8:
@@ -81,8 +163,15 @@ MODULE TruePoseServer
         CASE 9:
             ! Zones are accepted and ignored: a session measures at rest, so every point is fine.
             IF valueCount=4 RETURN Head(STATUS_OK);
+        CASE 94:
+            IF valueCount=0 RETURN Head(STATUS_OK)+NumToStr(sessionSpeed.v_tcp,SPEED_DECIMALS)+" "+NumToStr(sessionSpeed.v_ori,SPEED_DECIMALS);
+        CASE 95:
+            IF valueCount=1 AND values{1}>=FOR_EVER THEN
+                watchedFor:=values{1};
+                RETURN Head(STATUS_OK);
+            ENDIF
         CASE 98:
-            IF valueCount=0 RETURN Head(STATUS_OK)+GetSysInfo(\SerialNo)+"*"+GetSysInfo(\SWVersion)+"*"+GetSysInfo(\RobotType);
+            IF valueCount=0 RETURN Head(STATUS_OK)+GetSysInfo(\SerialNo)+"*"+GetSysInfo(\SWVersion)+"*"+GetSysInfo(\RobotType)+"*"+SERVER_NAME;
         CASE 99:
             leaving:=TRUE;
             RETURN "";
@@ -146,6 +235,8 @@ MODULE TruePoseServer
         SocketBind listener,serverAddress,SERVER_PORT;
         SocketListen listener;
         SocketAccept listener,client\Time:=WAIT_MAX;
+        ! The next client says itself whether it wants to be watched.
+        watchedFor:=FOR_EVER;
     ENDPROC
 
     PROC ReopenServer()

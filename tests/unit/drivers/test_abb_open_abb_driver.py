@@ -2,12 +2,13 @@
 
 import asyncio
 import math
+from dataclasses import replace
 
 import pytest
 
 from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
-from drivers.api import MotionLimits, RobotController
+from drivers.api import MotionGuard, MotionLimits, RobotController
 from drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
@@ -62,6 +63,76 @@ class FixedClock:
 
     async def sleep(self, duration_s: float) -> None:
         raise AssertionError("a robot driver never sleeps in cell time")
+
+
+def codes(fake: FakeController) -> list[str]:
+    """What was asked, in order; a ping looks for the end of a reply."""
+    return [request.split()[0] for request in fake.requests]
+
+
+OURS = {"code_98": "98 1 120-1*6.08*IRB 120*truepose 2", "code_95": "95 1 "}
+
+
+async def test_a_stock_server_is_sent_short_pieces_and_nothing_that_it_does_not_know():
+    fake = FakeController()
+    robot = await connected_robot(fake)
+
+    await robot.identify()
+    await robot.set_limits(FAST)
+    await robot.move_joints(TARGET)
+
+    assert robot.motion_guard == MotionGuard(longest_piece_s=1.0)
+    assert [code for code in codes(fake) if code != "0"] == ["98", "8", "9", "2"]
+
+
+async def test_our_own_server_watches_and_states_its_speed():
+    fake = FakeController(**OURS, code_94="94 1 50 3.00")
+    robot = await connected_robot(fake)
+
+    await robot.identify()
+    await robot.set_limits(MotionLimits(50.0, math.radians(3.0)))
+    await robot.move_joints(TARGET)
+    await robot.move_joints(TARGET)
+
+    assert robot.motion_guard == MotionGuard(stops_unheard_s=1.0, speed_read_back=True)
+    assert [code for code in codes(fake) if code != "0"] == ["98", "8", "9", "94", "95", "2", "2"]
+    assert "95 0.80 #" in fake.requests
+
+
+async def test_after_connecting_again_nobody_knows_who_is_there():
+    robot = await connected_robot(FakeController(**OURS))
+    await robot.identify()
+
+    await robot.connect()
+
+    assert robot.motion_guard == MotionGuard(longest_piece_s=1.0)
+
+
+async def test_a_controller_that_states_another_speed_is_not_moved():
+    fake = FakeController(**OURS, code_94="94 1 500.00 3.00")
+    robot = await connected_robot(fake)
+    await robot.identify()
+
+    with pytest.raises(DeviceRefusedError, match="told 50 mm/s and 3 deg/s and states 500 mm/s"):
+        await robot.set_limits(MotionLimits(50.0, math.radians(3.0)))
+
+    assert not robot.connected
+
+
+async def test_a_server_that_watches_hears_the_driver_while_the_arm_moves():
+    fake = FakeController(**OURS, code_94="94 1 1000000 57295.78", code_2="", code_96="")
+    robot = OpenAbbRobot(MemoryLink(fake.serve), FixedClock(), time_outs=replace(QUICK, motion_s=5.0))
+    await robot.connect()
+    await robot.identify()
+    await robot.set_limits(FAST)
+
+    moving = asyncio.create_task(robot.move_joints(TARGET))
+    while fake.requests.count("96 #") < 3:
+        await asyncio.sleep(0.01)
+    moving.cancel()
+
+    assert fake.requests[-4].startswith("2 ")
+    assert fake.requests[-3:] == ["96 #"] * 3
 
 
 def test_it_is_a_robot_controller_that_cannot_stop():

@@ -89,3 +89,27 @@ def test_a_target_outside_the_range_is_refused_with_joint_and_range(target):
 
 def test_the_end_of_the_range_is_within_it():
     check_range(ARM, degrees(165, -110, 70, -160, 120, 400))
+
+
+def test_equal_pieces_of_a_motion_end_in_one_stop():
+    whole, pieces = make_robot(), make_robot()
+    whole.start([degrees(12, 0, 0, 0, 0, 0)], FAST, np.zeros(3), 0.0)
+    for piece in (4, 8, 12):
+        pieces.start([degrees(piece, 0, 0, 0, 0, 0)], FAST, np.zeros(3), 0.0)
+
+    assert np.array_equal(pieces.scatter_mm, whole.scatter_mm)
+    assert np.array_equal(pieces.direction, whole.direction)
+
+
+def test_a_halted_arm_stays_where_it_was():
+    robot = make_robot()
+    motion = robot.start([degrees(90, 0, 0, 0, 0, 0)], FAST, np.zeros(3), 1.0)
+    middle_s = 1.0 + motion.duration_s / 2.0
+
+    robot.halt(middle_s)
+    later = robot.motion.joints_at(1e3)
+
+    assert not robot.moving(middle_s)
+    assert np.degrees(later[0]) == pytest.approx(45.0)
+    robot.halt(1e3)
+    assert np.array_equal(robot.target_rad, later)
