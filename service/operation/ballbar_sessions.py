@@ -68,6 +68,7 @@ class BallbarView:
     sight: Sight
     watching: int  # tablets that follow it
     trouble: str | None = None  # why the session waits for the disk
+    motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
 
     @property
     def kit(self) -> BallbarKit:
@@ -370,6 +371,7 @@ class BallbarDesk:
             trouble=trouble,
             sight=fixed.sight,
             watching=self.watching.count(session_id),
+            motion_notice=self._rack.motion_notice,
         )
 
     async def _require(self, session_id: int) -> SessionRecord:

@@ -15,6 +15,7 @@ from drivers.api import (
     PointTracker,
     RobotController,
     SimulatedHands,
+    motion_guard,
 )
 from drivers.errors import DriverError
 from service.domain.cell import DeviceEntry
@@ -22,6 +23,7 @@ from service.domain.identities import IdentityOf
 from service.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
 from service.sequencing.acquaintances import Expected
 from service.sequencing.identities import same_number, told
+from service.sequencing.notices import motion_notice
 
 _ASKED: Final[tuple[IdentityOf, ...]] = ("tracker", "robot", "ballbar")
 
@@ -143,6 +145,12 @@ class Rack:
     def robot(self) -> RobotController:
         """The robot's controller; raises MissingDeviceError."""
         return cast(RobotController, self._of_kind("robot"))
+
+    @property
+    def motion_notice(self) -> str | None:
+        """What whoever lets the arm move has to know of its controller; None in a cell without one."""
+        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "robot"]
+        return motion_notice(motion_guard(found[0])) if found else None
 
     @property
     def ballbar(self) -> Ballbar:

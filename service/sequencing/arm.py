@@ -1,16 +1,19 @@
 """The arm as the session moves it: the one call of `move_joints`, behind the interlocks."""
 
 import asyncio
+import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from drivers.api import Clock, JointReading, RobotController
+from drivers.api import Clock, JointReading, RobotController, motion_guard
 from drivers.errors import TargetRefusedError
 from service.domain.robot import JointRange
 from service.domain.session import SessionState
 from service.sequencing.errors import MotionForbiddenError
 from service.sequencing.interlocks import MAX_STATE_AGE_S, MotionConditions, what_forbids_motion
+from service.sequencing.pieces import Joints, Pieces, WallPace
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,8 @@ class Arm:
         tolerance_rad: float,
         ask_permission: AskPermission,
         max_state_age_s: float = MAX_STATE_AGE_S,
+        pieces: Pieces | None = None,
+        wall_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._controller = controller
         self._clock = clock
@@ -46,6 +51,8 @@ class Arm:
         self._tolerance_rad = tolerance_rad
         self._ask_permission = ask_permission
         self._max_state_age_s = max_state_age_s
+        self._pieces = pieces
+        self._pace = WallPace(wall_s)
         self._left_at: tuple[float, ...] | None = None
         self._direction = (0,) * len(limits)
 
@@ -58,31 +65,50 @@ class Arm:
         """Forget where the arm was left: a person had it since, and confirmed where it stands now."""
         self._left_at = None
         self._direction = (0,) * len(self._limits)
+        self._pace.begin_anew()
 
     async def read(self) -> JointReading:
         """Ask where the joints are."""
         return await self._controller.read_joints()
 
     async def move(self, target_rad: tuple[float, ...]) -> None:
-        """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors."""
+        """Move to `target_rad` and come to rest; raises MotionForbiddenError and the driver's errors.
+
+        What the controller cannot stop goes out in pieces; before each of them everything is asked again.
+        """
         if self._left_at is None:
             await self._require_rest()
         reading = await self._read_in_time()
+        for number, piece_rad in enumerate(self._pieces_to(target_rad, reading)):
+            if number > 0:
+                reading = await self._read_in_time()
+            await self._move_piece(piece_rad, target_rad, reading)
+
+    def _pieces_to(self, target_rad: Joints, reading: JointReading) -> tuple[Joints, ...]:
+        start_rad = self._left_at or reading.joints_rad
+        longest_s = motion_guard(self._controller).longest_piece_s
+        known = len(start_rad) == len(target_rad) and all(map(math.isfinite, (*start_rad, *target_rad)))
+        if self._pieces is None or longest_s is None or not known or not self._pace.waits:
+            return (target_rad,)
+        return self._pieces.of(start_rad, target_rad, longest_s)
+
+    async def _move_piece(self, piece_rad: Joints, target_rad: Joints, reading: JointReading) -> None:
         now_s = await self._clock.now_s()
+        self._pace.look(now_s)
         # nothing is awaited between the last look at the session's state and the motion
         self._require_permission(target_rad, reading, now_s)
         before = self._left_at
         self._left_at = None
         try:
-            await self._controller.move_joints(target_rad)
+            await self._controller.move_joints(piece_rad)
         except TargetRefusedError:
             self._left_at = before
             raise
-        self._left_at = target_rad
+        self._left_at = piece_rad
         # a reported angle is rounded: a smaller difference to it says nothing of the sign
         smallest_rad = reading.resolution_rad if before is None else 0.0
         came_from = reading.joints_rad if before is None else before
-        self._direction = _direction(came_from, target_rad, self._direction, smallest_rad)
+        self._direction = _direction(came_from, piece_rad, self._direction, smallest_rad)
 
     async def _read_in_time(self) -> JointReading:
         """Ask where the joints are; what was under way for too long says nothing of now."""

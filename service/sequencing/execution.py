@@ -4,7 +4,7 @@ from typing import assert_never
 
 import numpy as np
 
-from drivers.api import DeviceIdentity, JointReading, MotionLimits, PointTracker, RobotController
+from drivers.api import DeviceIdentity, JointReading, PointTracker, RobotController, motion_guard
 from service.domain.identities import IdentityOf
 from service.domain.session import Registration, SessionPlan
 from service.sequencing.acquaintances import Acquaintances
@@ -13,7 +13,7 @@ from service.sequencing.cell import SessionCell
 from service.sequencing.errors import ReadingRejectedError
 from service.sequencing.fixed_nests import FixedNests
 from service.sequencing.journal import SessionJournal
-from service.sequencing.limits import slowest
+from service.sequencing.limits import binding_speed, speed_sentence
 from service.sequencing.steps import (
     CheckFaces,
     CheckReferences,
@@ -93,8 +93,9 @@ class Execution:
         await self._journal.noted(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
         await self._journal.noted(_introduce("robot", await self._meet_robot()))
         await self._cell.tracker.initialise()
-        planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
-        await self._cell.robot_controller.set_limits(slowest(planned, self._cell.speed_limits or planned))
+        speed = binding_speed(self._plan, self._cell.speed_limits)
+        await self._cell.robot_controller.set_limits(speed)
+        await self._journal.noted(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:
         robot = self._cell.robot_controller

@@ -1,7 +1,11 @@
 """Limits that bind together: a motion keeps to each of several sets, hence to the tightest."""
 
-from drivers.api import MotionLimits
+import math
+
+from drivers.api import MotionGuard, MotionLimits
+from service.domain.ballbar import BallbarPlan
 from service.domain.robot import JointRange
+from service.domain.session import SessionPlan
 from service.sequencing.errors import PlanRefusedError
 
 
@@ -21,9 +25,26 @@ def common_ranges(
     )
 
 
+def binding_speed(planned: SessionPlan | BallbarPlan, limits: MotionLimits | None) -> MotionLimits:
+    """Return the speed of a session's motions: as planned, and never above the limits of its cell."""
+    speed = MotionLimits(planned.tool_speed_mm_s, planned.orientation_speed_rad_s)
+    return slowest(speed, limits or speed)
+
+
 def slowest(*limits: MotionLimits) -> MotionLimits:
     """Return the lowest speed of each kind."""
     return MotionLimits(
         min(limit.tool_speed_mm_s for limit in limits),
         min(limit.orientation_speed_rad_s for limit in limits),
+    )
+
+
+def speed_sentence(speed: MotionLimits, guard: MotionGuard) -> str:
+    """Return what keeps the arm to its speed, for the record."""
+    read_back = (
+        "and states it itself" if guard.speed_read_back else "and cannot be asked whether it keeps to that"
+    )
+    return (
+        f"The robot was told to move at {speed.tool_speed_mm_s:g} mm/s and "
+        f"{math.degrees(speed.orientation_speed_rad_s):.3g} deg/s at most, {read_back}."
     )

@@ -41,7 +41,10 @@ from service.sequencing.errors import (
 )
 from service.sequencing.execution import Execution
 from service.sequencing.journal import SessionHistory, SessionJournal
+from service.sequencing.limits import binding_speed
+from service.sequencing.notices import end_of_motion
 from service.sequencing.pace import Pace
+from service.sequencing.pieces import Pieces
 from service.sequencing.plans import (
     extended_plan,
     opening,
@@ -80,10 +83,18 @@ class SessionRunner:
         self._plan = plan
         self._limits = limits
         self._cell = cell
-        self._standing = Standing(journal, after_restart(history.state))
+        self._standing = Standing(
+            journal, after_restart(history.state), lambda: end_of_motion(cell.robot_controller)
+        )
         self._journal = self._standing.journal
-        permission = self._standing.permission
-        self._arm = Arm(cell.robot_controller, cell.clock, limits, plan.joint_tolerance_rad, permission)
+        self._arm = Arm(
+            cell.robot_controller,
+            cell.clock,
+            limits,
+            plan.joint_tolerance_rad,
+            self._standing.permission,
+            pieces=Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
+        )
         self._acquaintances = Acquaintances(cell.expected, self._journal, history.identities)
         self._execution = Execution(
             plan, cell, self._arm, self._journal, history.registration, self._acquaintances

@@ -18,7 +18,6 @@ from service.sequencing.journal import SessionJournal
 from service.sequencing.patience import PatientJournal
 from service.sequencing.states import TRANSITIONS, has_ended, require_transition, words
 
-_END_OF_MOTION: Final = "a motion under way cannot be stopped through this program, so it ends first"
 _NOT_ON_RECORD: Final = "the database cannot be written now, so this is on record later"
 _END_ASKED_FOR: Final = "The end was asked for."
 
@@ -26,8 +25,11 @@ _END_ASKED_FOR: Final = "The end was asked for."
 class Standing:
     """The state of one session; every change of it reaches the journal before it is seen."""
 
-    def __init__(self, journal: SessionJournal, state: SessionState) -> None:
+    def __init__(
+        self, journal: SessionJournal, state: SessionState, end_of_motion: Callable[[], str]
+    ) -> None:
         self._direct = journal
+        self._end_of_motion = end_of_motion
         self.journal = PatientJournal(journal)  # for the run
         self.state = state
         self.changing = asyncio.Lock()  # transitions reach the journal one after the other
@@ -62,8 +64,8 @@ class Standing:
             self.wish = earlier
             raise
         except RecordRefusedError:
-            return f"The session pauses; {_END_OF_MOTION}, and {_NOT_ON_RECORD}."
-        return f"The session pauses; {_END_OF_MOTION}."
+            return f"The session pauses; {self._end_of_motion()}, and {_NOT_ON_RECORD}."
+        return f"The session pauses; {self._end_of_motion()}."
 
     async def request_abort(self, person: str | None) -> str:
         """Ask for the end; returns the sentence that says when it takes effect.
@@ -83,9 +85,9 @@ class Standing:
                     self.wish = earlier
                     raise
                 self._wished_by = person
-                return f"The session ends; {_END_OF_MOTION}, and {_NOT_ON_RECORD}."
+                return f"The session ends; {self._end_of_motion()}, and {_NOT_ON_RECORD}."
         if moving:
-            return f"The session ends; {_END_OF_MOTION}."
+            return f"The session ends; {self._end_of_motion()}."
         self.desk.answer()
         return "The session has ended; nothing was in motion."
 

@@ -49,6 +49,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         robot=view.setup.cell.robot.name,
         question=view.question,
         trouble=view.trouble,
+        motion_notice=view.motion_notice,
         ledger_number=view.newest_entry,
         step=_present_step(view),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),

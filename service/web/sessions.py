@@ -9,7 +9,7 @@ from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.storage.errors import ConflictError
-from service.storage.records import SessionSetup
+from service.storage.records import SessionRecord, SessionSetup
 from service.web.context import Context, Here
 from service.web.parameters import Id, OptionalKey, PageQuery
 from service.web.problems import problems
@@ -78,10 +78,7 @@ async def plan_session(
 @router.get("", responses=problems(422, 503))
 async def list_sessions(here: Here, page: PageQuery) -> list[SessionReply]:
     """List sessions, oldest first."""
-    return [
-        session_reply(record, here.session_desk.question(record.id), here.session_desk.trouble(record.id))
-        for record in await here.sessions.page(page)
-    ]
+    return [_reply(here, record) for record in await here.sessions.page(page)]
 
 
 @router.get("/{id}", responses=_READ)
@@ -137,7 +134,8 @@ async def add_configurations(
 @router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def start_session(here: Here, id: Id) -> ActionReply:
     """Start a planned session; it asks a person to confirm before anything moves."""
-    return await _decided(here, id, await here.session_desk.start(id))
+    question = await here.session_desk.start(id)
+    return await _decided(here, id, f"{question} {here.rack.motion_notice or ''}".strip())
 
 
 @router.post("/{id}/confirm", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
@@ -185,8 +183,12 @@ def _refuse_unfit(here: Context, plan: SessionPlan) -> None:
 
 
 async def _shown(here: Context, number: int) -> SessionReply:
-    record = await here.sessions.get(number)
-    return session_reply(record, here.session_desk.question(number), here.session_desk.trouble(number))
+    return _reply(here, await here.sessions.get(number))
+
+
+def _reply(here: Context, record: SessionRecord) -> SessionReply:
+    desk = here.session_desk
+    return session_reply(record, desk.question(record.id), desk.trouble(record.id), here.rack.motion_notice)
 
 
 async def _decided(here: Context, number: int, sentence: str) -> ActionReply:

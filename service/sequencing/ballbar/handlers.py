@@ -35,7 +35,6 @@ _OF_A_STEP: Final = frozenset({
 })
 _SEEN_AGE_S: Final = 2.0  # a confirmation that was under way for longer says nothing of the cell now
 _ITS_PAIR_CAME: Final = "It may have been read of the pair that came now; it is read once more."
-_END_OF_MOTION: Final = "the motion under way ends first"
 NEEDS_BALLBAR_OFF: Final = frozenset({StepKind.DETACH, StepKind.MOVE})
 _SUSPICIONS: Final[dict[SuspicionKind, str]] = {
     "same_pair": "this looks like a pair that was read already",
@@ -111,7 +110,7 @@ class ActHandlers:
 
     def _require_may_go_on(self) -> None:
         if self._floor.motion.moving:
-            raise NotNowError(f"The robot still moves; {_END_OF_MOTION}.")
+            raise NotNowError(f"The robot still moves; {self._floor.motion.end}.")
         self._floor.motion.require_plan_within_limits()
 
     async def _pause(self, act: Act) -> ActOutcome:
@@ -135,7 +134,7 @@ class ActHandlers:
             between = SessionState.ABORTING if ends else SessionState.PAUSING
             text = control.state_text(between, reason)
             return ActOutcome(
-                f"{sentence}; {_END_OF_MOTION}.", await book.append(EntryKind.CONTROL, act=act, text=text)
+                f"{sentence}; {motion.end}.", await book.append(EntryKind.CONTROL, act=act, text=text)
             )
         if ends and before in {SessionState.RUNNING, SessionState.PAUSING}:
             number = await book.enter(SessionState.ABORTING, reason, act)

@@ -17,8 +17,12 @@ from service.sequencing.ballbar.cell import BallbarCell
 from service.sequencing.ballbar.dry_run import check_motion
 from service.sequencing.ballbar.readings import Readings
 from service.sequencing.ballbar.stand import Stand, joint_away
+from service.sequencing.ballbar.way import rest_of_way
 from service.sequencing.errors import ForeignRobotError, MotionForbiddenError
 from service.sequencing.identities import judge, sentence
+from service.sequencing.limits import binding_speed
+from service.sequencing.notices import end_of_motion
+from service.sequencing.pieces import Joints, Pieces
 
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
 
@@ -50,11 +54,18 @@ class Motion:
             plan.joint_tolerance_rad,
             self._permission,
             plan.state_age_s,
+            Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
         )
+        self._controller = cell.robot_controller
         self.moving = False
         self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
         self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
         self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
+
+    @property
+    def end(self) -> str:
+        """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
+        return end_of_motion(self._controller)
 
     def forget(self) -> None:
         """Forget where the arm was left: a person had it since, and confirmed."""
@@ -106,14 +117,10 @@ class Motion:
         if found is not None and found.finding == "foreign":
             raise ForeignRobotError(sentence(found))
 
-    async def _left_of(self, way: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    async def _left_of(self, way: tuple[Joints, ...]) -> tuple[Joints, ...]:
         """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
         reading = await self._stand.look()
-        allowed_rad = self._plan.joint_tolerance_rad + reading.resolution_rad
-        passed = [
-            n for n, joints in enumerate(way) if joint_away(reading.joints_rad, joints, allowed_rad) is None
-        ]
-        return way[min(passed[-1] + 1, len(way) - 1) :] if passed else way
+        return rest_of_way(way, reading.joints_rad, self._plan.joint_tolerance_rad + reading.resolution_rad)
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
         reading = await self._stand.look()

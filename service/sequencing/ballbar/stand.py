@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from drivers.api import DeviceIdentity, JointReading, MotionLimits
+from drivers.api import DeviceIdentity, JointReading
 from service.domain.ballbar import ArrivalTaken, BallbarPlan
 from service.sequencing.ballbar.cell import BallbarCell
-from service.sequencing.limits import slowest
+from service.sequencing.limits import binding_speed
 
 _RECENT_S: Final = 2.0  # an older statement says nothing of now
 
@@ -27,8 +27,8 @@ class Stand:
         """Open the link where it is down and set the limits of motion; raises the driver's errors."""
         if not self._controller.connected:
             await self._controller.connect()
-        planned = MotionLimits(self._plan.tool_speed_mm_s, self._plan.orientation_speed_rad_s)
-        await self._controller.set_limits(slowest(planned, self._speed_limits or planned))
+            await self._controller.identify()  # a driver may know more of its controller from then on
+        await self._controller.set_limits(binding_speed(self._plan, self._speed_limits))
 
     async def close(self) -> None:
         """Close the link; the next opening begins a new conversation."""

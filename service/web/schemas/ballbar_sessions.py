@@ -101,6 +101,9 @@ class BallbarSessionReply(Reply):
     robot: str = Field(examples=["ABB IRB 120"])
     question: str | None = Field(description="What a person is asked now.")
     trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
+    motion_notice: str | None = Field(
+        description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
+    )
     ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
     step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
     suspicion: SuspicionReply | None

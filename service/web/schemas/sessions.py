@@ -125,6 +125,9 @@ class SessionReply(Reply):
     person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
     question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
     trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
+    motion_notice: str | None = Field(
+        description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
+    )
     planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
     measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
     skipped: int = Field(examples=[0])
@@ -266,7 +269,9 @@ def stop_reply(stop: PlannedStop) -> StopReply:
     )
 
 
-def session_reply(record: SessionRecord, question: str | None, trouble: str | None = None) -> SessionReply:
+def session_reply(
+    record: SessionRecord, question: str | None, trouble: str | None, motion_notice: str | None
+) -> SessionReply:
     """Return a session as it travels."""
     return SessionReply(
         id=record.id,
@@ -279,6 +284,7 @@ def session_reply(record: SessionRecord, question: str | None, trouble: str | No
         person=record.person,
         question=question,
         trouble=trouble,
+        motion_notice=motion_notice,
         planned=record.planned,
         measured=record.measured,
         skipped=record.skipped,
