@@ -8,14 +8,12 @@ from service.domain.ballbar import EntryKind, LedgerEntry
 from service.kinematics.chain import forward, nominal_values
 from service.operation.ballbar_scene import scene_of
 from service.operation.ballbar_sessions import BallbarView
-from service.operation.early_judges import Sight
 from service.sequencing.ballbar.situation import situation
 from service.storage.records import SessionSetup
 from tests.ballbar_cells import domain_cell
 from tests.ballbar_sessions import make_ballbar_plan, measured, moved
 
 PLAN, CELL, KIT = make_ballbar_plan(), domain_cell(ballbar=BallbarKit()), BallbarKit()
-SETUP = SessionSetup(CELL)
 START = LedgerEntry("tool/initialise", EntryKind.CONTROL, 1.0, "Ada", "t1", "k", "running: started")
 TOOL = [measured(f"tool/{step}", 150.0) for step in ("initialise", "side-1-2", "side-2-3", "side-1-3")]
 
@@ -38,7 +36,7 @@ def until_pose():
 def scene(*entries):
     found = situation(PLAN, KIT, (START, *entries))
     return found.step, scene_of(
-        BallbarView(1, "six legs", SETUP, PLAN, found, None, 1, False, Sight(SETUP, PLAN, KIT), 0)
+        BallbarView(1, "six legs", SessionSetup(CELL), PLAN, found, None, 1, False, None, 0)
     )
 
 
