@@ -265,13 +265,15 @@ class BallbarDesk:
         return replace(act, person=person)
 
     async def _require_startable(self, record: SessionRecord, act: Act) -> None:
-        """Raise NotNowError, DeviceInUseError where nobody runs a session and this act cannot change that."""
+        """Raise NotNowError, DeviceInUseError, PlanRefusedError where nobody runs a session and none may."""
         planned = record.state is SessionState.PLANNED
         if has_ended(record.state) or (planned and act.name is not ActName.START):
             raise NotNowError(
                 f"Session {record.id} is {words(record.state)}; '{act.name}' cannot be done now."
             )
         await self._refuse_beside_another(record.id)
+        if planned:
+            self._present.require_same_robot((await self._what_is_fixed(record.id)).setup.cell)
 
     async def _give_back_unstarted(self, under_way: _UnderWay) -> None:
         """Let others have the devices where a session was not started after all."""

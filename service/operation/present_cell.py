@@ -16,6 +16,7 @@ from service.domain.robot import JointRange
 from service.operation.errors import CellChangedError
 from service.sequencing.desk import require_announced
 from service.sequencing.errors import PlanRefusedError
+from service.sequencing.identities import same_number
 from service.sequencing.limits import common_ranges, slowest
 
 ReadCell: TypeAlias = Callable[[], Cell]
@@ -54,6 +55,16 @@ class PresentCell:
         Raises PersonMissingError, PersonUnknownError.
         """
         return require_announced(person, () if self._cell is None else self._cell.people)
+
+    def require_same_robot(self, stored: Cell) -> None:
+        """Raise PlanRefusedError where a session was planned for a robot of another serial number."""
+        present = "" if self._cell is None else self._cell.robot_serial_number
+        planned = stored.robot_serial_number
+        if present and planned and not same_number(present, planned):
+            raise PlanRefusedError(
+                f"The session was planned for the robot {planned}; the cell file names {present} now. Its "
+                "readings would be filed under the wrong robot: plan a new session."
+            )
 
     def bound(self, stored: Cell) -> Cell:
         """Return a session's cell with the limits that bind its motions now; raises PlanRefusedError."""

@@ -102,6 +102,7 @@ class SessionDesk:
                     f"Session {session_id} is {words(record.state)}; only a planned one starts."
                 )
             await self._refuse_beside_another(session_id)
+            self._present.require_same_robot((await self._sessions.setup(session_id)).cell)
             return await self._launch(record)
 
     async def confirm(self, session_id: int, person: str, accepted_serial: str = "") -> str:

@@ -1,9 +1,12 @@
 """Which instrument answers, over REST: expected and answered side by side, accepted by its number only."""
 
 import asyncio
+import contextlib
 
+import httpx
 import pytest
 
+from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
@@ -56,18 +59,19 @@ async def test_a_device_that_tells_no_number_is_not_foreign(client, bench):
     assert (found["answered_serial_number"], found["foreign"]) == (None, False)
 
 
-async def questioned(client):
+async def questioned(client, bench):
+    bench.ballbar.dead = True  # nobody has it on the arm
     await client.post("/api/v1/sessions", json=session_request())
     await client.post(f"{SESSION}/start")
     await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
     async with asyncio.timeout(10):
         while "390003" not in ((found := (await client.get(SESSION)).json())["question"] or ""):
-            await asyncio.sleep(0)
+            await asyncio.sleep(0.02)
     return found
 
 
 async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(client, until, bench):
-    asked = await questioned(client)
+    asked = await questioned(client, bench)
     assert asked["state"] == "awaiting_confirmation"
     assert "42" in asked["question"]
 
@@ -90,7 +94,7 @@ async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(c
 
 
 async def test_a_confirmation_without_the_number_asks_again(client, until, bench):
-    await questioned(client)
+    await questioned(client, bench)
 
     await client.post(f"{SESSION}/confirm", json={"person": "Ada"})
     session = await until(SESSION, "state", "awaiting_confirmation")
@@ -107,7 +111,7 @@ async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(c
     await tablet.press("start")
     async with asyncio.timeout(10):
         while (seen := await tablet.see())["ballbar_in_question"] is None:
-            await asyncio.sleep(0)
+            await asyncio.sleep(0.02)
     assert seen["ballbar_in_question"]["expected_serial_number"] == "B-7"
 
     refused = await tablet.press("confirm")
@@ -122,3 +126,39 @@ async def test_a_ballbar_session_shows_the_one_in_question_and_who_accepted_it(c
     ]
     kept = [entry["identity"] for entry in await tablet.ledger() if entry["identity"] is not None]
     assert [taken["finding"] for taken in kept if taken["device"] == "ballbar"] == ["foreign", "accepted"]
+
+
+async def test_the_start_page_says_where_another_device_answers(client):
+    await connected(client, "tracker")
+
+    page = (await client.get("/")).text
+
+    assert "the cell file names 390003" in page
+
+
+@contextlib.asynccontextmanager
+async def started(settings, bench):
+    app = create_app(settings, bench.registry())
+    transport = httpx.ASGITransport(app)
+    async with (
+        app.router.lifespan_context(app),
+        httpx.AsyncClient(transport=transport, base_url="http://service") as client,
+    ):
+        yield client
+
+
+async def test_a_session_planned_for_another_robot_does_not_start(settings, bench):
+    async with started(settings, bench) as client:
+        await client.post("/api/v1/sessions", json=session_request())
+        await client.post(BALLBAR_SESSIONS, json=WANTED)
+    settings.cell_file.write_text(settings.cell_file.read_text().replace('"120-1"', '"120-2"'))
+    bench.robot.serial = "120-2"
+
+    async with started(settings, bench) as client:
+        tracker = await client.post(f"{SESSION}/start")
+        ballbar = await Tablet(client, session_id=2).press("start")
+
+    for refused in (tracker, ballbar):
+        assert refused.status_code == 409
+        assert "120-1" in refused.json()["detail"]
+        assert "120-2" in refused.json()["detail"]
