@@ -31,7 +31,7 @@ _SERVICE_FAILED: Final = 3
 _GRACE_S: Final = 5  # for requests under way when the service ends
 _AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
 _UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side acknowledges nothing
-_QUEUE: Final = 1024  # connections that wait in the system to be taken up
+_QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
 
 
 def serve(settings: Settings) -> int:

@@ -77,14 +77,15 @@ def test_the_body_of_an_answer_does_not_wait_for_the_acknowledgement_of_its_head
 def test_more_silent_connections_than_there_are_descriptors_keep_nobody_out(database_url):
     few = "import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (200, 200))\n"
     service = start(database_url, script=few + SERVE)
-    url = url_of(service)
-    address = ("127.0.0.1", int(url.rpartition(":")[2]))
     with contextlib.ExitStack() as crowd:
+        crowd.callback(service.kill)
+        url = url_of(service)
+        address = ("127.0.0.1", int(url.rpartition(":")[2]))
         for _ in range(300):
             crowd.enter_context(socket.create_connection(address, timeout=10))
         answers = [httpx.get(f"{url}/health", timeout=20).status_code for _ in range(5)]
-    service.send_signal(signal.SIGTERM)
-    status, _, err = ended(service)
+        service.send_signal(signal.SIGTERM)
+        status, _, err = ended(service)
 
     assert answers == [200] * 5
     assert status == 0
