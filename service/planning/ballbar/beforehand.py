@@ -175,6 +175,6 @@ def _is_of_this_arm(known: Beforehand, plan: BallbarPlan, kit: BallbarKit) -> bo
 
 
 def _directions(between_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return unit vectors and lengths of vectors (n, 3)."""
+    """Return unit vectors and lengths of vectors (n, 3); what has no length has no direction."""
     length = np.linalg.norm(between_mm, axis=1)
-    return between_mm / length[:, None], length
+    return between_mm / np.where(length > 0.0, length, 1.0)[:, None], length

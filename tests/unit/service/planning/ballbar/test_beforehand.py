@@ -110,3 +110,13 @@ def test_a_plan_for_another_arm_or_without_set_ups_says_nothing_of_lengths(plan)
 
 def test_a_tool_with_unknown_nests_says_nothing_of_lengths(plan):
     assert known_beforehand(replace(domain_cell(), nests=()), plan, BallbarKit()) is None
+
+
+def test_a_plan_whose_cups_are_all_at_one_place_says_nothing_of_lengths(plan):
+    (placement,) = plan.placements
+    held = placement.setups[0].joints_rad
+    same = tuple(replace(setup, joints_rad=held) for setup in placement.setups)
+    at_the_cup = tuple(replace(pose, joints_rad=held) for pose in placement.poses)
+    other = replace(placement, setups=same, poses=at_the_cup)
+
+    assert known_beforehand(domain_cell(), replace(plan, placements=(other,)), BallbarKit()) is None
