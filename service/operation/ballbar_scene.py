@@ -11,7 +11,7 @@ from service.domain.ballbar import BallbarStep, PlannedPlacement, StepKind, Vect
 from service.domain.cell import Cell
 from service.kinematics.chain import Chain, forward, nominal_values
 from service.kinematics.frames import placement_rotation, placement_translation
-from service.operation.ballbar_sessions import BallbarView
+from service.operation.ballbar_view import BallbarView
 from service.sequencing.ballbar import step_ids
 
 PointKind: TypeAlias = Literal["cup", "nest"]

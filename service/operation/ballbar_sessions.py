@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
 from service.analysis.ballbar_assembly import assemble_ballbar_campaign
-from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
 from service.domain.campaign import Campaign
 from service.domain.errors import TrueposeError
@@ -20,6 +19,7 @@ from service.domain.people import readable_name
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
+from service.operation.ballbar_view import BallbarView
 from service.operation.counting import counting
 from service.operation.devices import Rack
 from service.operation.early_judges import Sight
@@ -51,29 +51,6 @@ _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
 MakeForesight: TypeAlias = Callable[[SessionSetup], Foresight]
 ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
-
-
-@dataclass(frozen=True, slots=True)
-class BallbarView:
-    """A ballbar session as it stands now."""
-
-    id: int
-    name: str
-    setup: SessionSetup
-    plan: BallbarPlan
-    situation: Situation
-    question: str | None
-    newest_entry: int | None
-    robot_moving: bool
-    sight: Sight
-    watching: int  # tablets that follow it
-    trouble: str | None = None  # why the session waits for the disk
-    motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
-
-    @property
-    def kit(self) -> BallbarKit:
-        """What the ballbar comes with."""
-        return kit_of(self.setup)
 
 
 @dataclass(frozen=True, slots=True)

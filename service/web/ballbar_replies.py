@@ -12,7 +12,7 @@ from service.domain.ballbar import (
     StepKind,
     Suspicion,
 )
-from service.operation.ballbar_sessions import BallbarView
+from service.operation.ballbar_view import BallbarView
 from service.sequencing.ballbar import step_ids
 from service.sequencing.ballbar.record import Outcome
 from service.sequencing.ballbar.situation import Situation

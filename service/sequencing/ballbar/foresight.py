@@ -2,7 +2,10 @@
 
 from typing import Protocol
 
+from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from service.domain.errors import TrueposeError
+from service.sequencing.ballbar.dry_run import check_pose
 
 
 class Foresight(Protocol):
@@ -11,3 +14,18 @@ class Foresight(Protocol):
     async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
         """Identify with what these lines say was measured; raises TrueposeError where that is impossible."""
         ...
+
+
+async def foreseen(
+    foresight: Foresight, plan: BallbarPlan, kit: BallbarKit, entries: tuple[LedgerEntry, ...]
+) -> PreCalibration | str:
+    """Return what was found, or the sentence that says why nothing was."""
+    try:
+        found = await foresight.precalibrate(plan, entries)
+        for pose in found.poses:
+            check_pose(pose, kit)
+    except TrueposeError as error:
+        return str(error)
+    except Exception as error:  # whatever it is, the readings are safe and a person decides
+        return f"The program failed ({type(error).__name__}): {error}"
+    return found

@@ -6,8 +6,7 @@
   link, or elsewhere than it was left, has the session await a person's confirmation.
 - Another ballbar shows its values and stores none before a person has accepted it by its serial number.
 - A length is stored by itself once for each connection, or by the button; a doubt is put to a person.
-- A line that the ledger refuses was not kept and nothing follows from it. Nothing moves meanwhile; the run
-  waits and tries again, a button is answered with the refusal. A halt holds all the same, and is kept later.
+- A line that the ledger refuses is tried again, and nothing moves meanwhile; a halt holds all the same.
 """
 
 import asyncio
@@ -19,7 +18,7 @@ from typing import Any, Final
 from drivers.errors import DriverError
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, PreCalibration, StepKind
-from service.domain.errors import RecordRefusedError, TrueposeError
+from service.domain.errors import RecordRefusedError
 from service.domain.session import SessionState
 from service.sequencing.ballbar.acquaintances import Acquaintances
 from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
@@ -27,9 +26,9 @@ from service.sequencing.ballbar.arrears import Arrears
 from service.sequencing.ballbar.assignments import Judges
 from service.sequencing.ballbar.book import Book
 from service.sequencing.ballbar.cell import BallbarCell
-from service.sequencing.ballbar.dry_run import check_plan, check_pose, check_structure, motion_limits
+from service.sequencing.ballbar.dry_run import check_plan, check_structure, motion_limits
 from service.sequencing.ballbar.floor import Floor
-from service.sequencing.ballbar.foresight import Foresight
+from service.sequencing.ballbar.foresight import Foresight, foreseen
 from service.sequencing.ballbar.handlers import NEEDS_BALLBAR_OFF, ActHandlers
 from service.sequencing.ballbar.ledger import Ledger
 from service.sequencing.ballbar.live import LiveSample
@@ -143,8 +142,7 @@ class BallbarRunner:
         """Do what a person asks, once for each key; the outcome is on disk when this returns.
 
         Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
-        then. Raises RecordRefusedError where it cannot be kept: a halt of a session that runs holds all the
-        same and is kept as soon as that is possible, of anything else nothing was done.
+        then. Where it cannot be kept RecordRefusedError: a halt of a running session holds, and is kept later.
         """
         wished = self._wish_at_once(act)
         was_running = self._runs
@@ -289,7 +287,7 @@ class BallbarRunner:
             await self._floor.hold(failure)
 
     async def _precalibrate(self, step: BallbarStep) -> None:
-        task = asyncio.create_task(self._foresee())
+        task = asyncio.create_task(foreseen(self._foresight, self._plan, self._kit, self._book.entries))
         try:
             while not task.done() and not self._ended:
                 await self._wait_for(task)
@@ -313,18 +311,6 @@ class BallbarRunner:
             await asyncio.wait({task, changed}, return_when=asyncio.FIRST_COMPLETED)
         finally:
             changed.cancel()
-
-    async def _foresee(self) -> PreCalibration | str:
-        """Return what was found, or the sentence that says why nothing was."""
-        try:
-            found = await self._foresight.precalibrate(self._plan, self._book.entries)
-            for pose in found.poses:
-                check_pose(pose, self._kit)
-        except TrueposeError as error:
-            return str(error)
-        except Exception as error:  # whatever it is, the readings are safe and a person decides
-            return f"The program failed ({type(error).__name__}): {error}"
-        return found
 
     async def _keep_foresight(self, step: BallbarStep, found: PreCalibration | str) -> None:
         if isinstance(found, PreCalibration):

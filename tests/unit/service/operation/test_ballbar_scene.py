@@ -7,7 +7,7 @@ from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import EntryKind, LedgerEntry
 from service.kinematics.chain import forward, nominal_values
 from service.operation.ballbar_scene import scene_of
-from service.operation.ballbar_sessions import BallbarView
+from service.operation.ballbar_view import BallbarView
 from service.sequencing.ballbar.situation import situation
 from service.storage.records import SessionSetup
 from tests.ballbar_cells import domain_cell
