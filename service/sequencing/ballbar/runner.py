@@ -142,7 +142,7 @@ class BallbarRunner:
         """Do what a person asks, once for each key; the outcome is on disk when this returns.
 
         Raises NotNowError, PersonMissingError, ReasonMissingError and WatchingTabletError; nothing was done
-        then. Where it cannot be kept RecordRefusedError: a halt of a running session holds, and is kept later.
+        then. Where it cannot be kept RecordRefusedError: a halt of a running session holds and is kept later.
         """
         wished = self._wish_at_once(act)
         was_running = self._runs
