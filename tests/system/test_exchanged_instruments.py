@@ -209,6 +209,7 @@ async def test_two_ballbars_swapped_and_swapped_back_never_share_a_zero_or_a_cer
     await person.hands("pull_cable")
     await cell.exchange("ballbar", BAR)
     await person.hands("plug_cable")
+    await person._go_on(await person.session())  # also where nobody saw that the cable was out
     await cell.until(path, asks_about(BAR))
     assert (await person.act("confirm", accept_serial_number=BAR)).status_code == 200
     await person.walk("tool/detach")
