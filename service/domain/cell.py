@@ -69,6 +69,7 @@ class CellLimits:
     calibration: tuple[JointRange, ...] | None = (
         None  # where configurations are chosen; None: the robot's own
     )
+    floor_z_mm: float | None = None  # of floor or table, world; None: the world's z = 0, or the robot's foot
     reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
     tool_speed_mm_s: float = 500.0  # thesis section 2.4
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4

@@ -141,12 +141,14 @@ def read_limits(node: Node | None, robot: Robot) -> CellLimits:
     if node is None:
         return CellLimits()
     positive = ("reference_mm", "tool_speed_mm_s", "orientation_speed_deg_s")
-    refuse_unlisted(node, {"joints_deg", "calibration_deg", *positive})
+    refuse_unlisted(node, {"joints_deg", "calibration_deg", "floor_z_mm", *positive})
     default = CellLimits()
+    floor = node.optional("floor_z_mm")
     reference, speed, turning = (_positive(node, name) for name in positive)
     return CellLimits(
         joints=_read_within(node.optional("joints_deg"), robot),
         calibration=_read_within(node.optional("calibration_deg"), robot),
+        floor_z_mm=None if floor is None else floor.number(),
         reference_mm=reference or default.reference_mm,
         tool_speed_mm_s=speed or default.tool_speed_mm_s,
         orientation_speed_rad_s=math.radians(turning) if turning else default.orientation_speed_rad_s,

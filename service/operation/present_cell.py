@@ -82,6 +82,7 @@ class PresentCell:
             joints=common_ranges(_joint_limits(stored), _joint_limits(present)),
             tool_speed_mm_s=speed.tool_speed_mm_s,
             orientation_speed_rad_s=speed.orientation_speed_rad_s,
+            floor_z_mm=_higher(stored.limits.floor_z_mm, present.limits.floor_z_mm),
         )
         return replace(stored, limits=limits)
 
@@ -89,6 +90,11 @@ class PresentCell:
 def speed_limits(limits: CellLimits) -> MotionLimits:
     """Return the speeds above which nothing moves in a cell."""
     return MotionLimits(limits.tool_speed_mm_s, limits.orientation_speed_rad_s)
+
+
+def _higher(first_mm: float | None, second_mm: float | None) -> float | None:
+    stated = [height for height in (first_mm, second_mm) if height is not None]
+    return max(stated, default=None)
 
 
 def _joint_limits(cell: Cell) -> tuple[JointRange, ...] | None:

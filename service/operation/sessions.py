@@ -14,15 +14,16 @@ from typing import Final
 from service.domain.cell import Cell
 from service.domain.errors import RecordRefusedError
 from service.domain.people import readable_name
-from service.domain.session import SessionPlan, SessionState
+from service.domain.session import PlannedStop, SessionPlan, SessionState
 from service.operation.ballbar_aside import require_ballbar_aside
 from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.planning.added_stops import Addition, WantedStop, addition
+from service.planning.stop_room import what_is_in_the_way
 from service.sequencing.cell import SessionCell
 from service.sequencing.dry_run import check_plan, motion_limits
-from service.sequencing.errors import NotNowError
+from service.sequencing.errors import NotNowError, PlanRefusedError
 from service.sequencing.journal import SessionHistory
 from service.sequencing.plans import extended_plan
 from service.sequencing.runner import SessionRunner
@@ -240,6 +241,8 @@ class SessionDesk:
         journal = StoredJournal(record.id, self._sessions, self._readings)
         # On a thread: it goes through the whole plan first.
         history = await self._history(record)
+        left = [stop for stop in plan.stops if stop.config not in history.done]
+        await self._refuse_below_floor(record.id, left, plan.approach_offset_rad)
         runner = await asyncio.to_thread(self._make_runner, plan, cell, journal, history)
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
@@ -258,6 +261,16 @@ class SessionDesk:
         task.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await task
+
+    async def _refuse_below_floor(
+        self, session_id: int, stops: Sequence[PlannedStop], approach_offset_rad: float | None
+    ) -> None:
+        cell = self._present.bound((await self._sessions.setup(session_id)).cell)
+        blocked = await asyncio.to_thread(
+            what_is_in_the_way, cell, stops, approach_offset_rad, floor_only=True
+        )
+        if blocked is not None:
+            raise PlanRefusedError(blocked)
 
     async def _run(self, session_id: int, runner: SessionRunner) -> None:
         try:

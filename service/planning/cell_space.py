@@ -14,5 +14,6 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
         ranges=ranges,
         tracker_position_mm=cell.tracker_position_mm,
         joint_limits=cell.limits.joints or cell.robot.joint_limits,
+        table_z_mm=0.0 if cell.limits.floor_z_mm is None else cell.limits.floor_z_mm,
         approach_offset_rad=approach_offset_rad,
     )

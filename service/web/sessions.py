@@ -7,7 +7,9 @@ from fastapi import APIRouter, Body, Response, status
 
 from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
+from service.planning.stop_room import what_is_in_the_way
 from service.sequencing.dry_run import check_plan, motion_limits
+from service.sequencing.errors import PlanRefusedError
 from service.storage.errors import ConflictError
 from service.storage.records import SessionRecord, SessionSetup
 from service.web.context import Context, Here
@@ -180,6 +182,9 @@ def _refuse_unfit(here: Context, plan: SessionPlan) -> None:
     cell = here.cell
     limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
     check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
+    blocked = what_is_in_the_way(cell, plan.stops, plan.approach_offset_rad)
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
 
 
 async def _shown(here: Context, number: int) -> SessionReply:

@@ -186,8 +186,8 @@ class Bench:
 
 
 def stops(n):
-    """Return n harmless stops, within every limit of the robot."""
-    joints = [[2.0 * k, 40.0, -30.0 + k, 0.0, 30.0, 0.0] for k in range(n)]
+    """Return n harmless stops, within every limit of the robot and above its table."""
+    joints = [[2.0 * k, 40.0, -30.0 + 0.25 * k, 0.0, 30.0, 0.0] for k in range(n)]
     return [{"config": k + 1, "joints_deg": q, "nest": 1} for k, q in enumerate(joints)]
 
 
