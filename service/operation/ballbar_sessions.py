@@ -19,10 +19,9 @@ from service.domain.people import readable_name
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
 from service.operation.ballbar_plans import BallbarWish, kit_of
-from service.operation.ballbar_view import BallbarView
+from service.operation.ballbar_view import BallbarView, Fixed, sight_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
-from service.operation.early_judges import Sight
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.operation.requests_under_way import RequestsUnderWay
@@ -61,16 +60,6 @@ class _UnderWay:
     task: asyncio.Task[None]
 
 
-@dataclass(frozen=True, slots=True)
-class _Fixed:
-    """What of a session never changes."""
-
-    name: str
-    setup: SessionSetup
-    plan: BallbarPlan
-    sight: Sight
-
-
 class BallbarDesk:
     """Plans, runs and finds again ballbar sessions, and passes on what persons ask of them."""
 
@@ -92,7 +81,7 @@ class BallbarDesk:
         self._make_runner = make_runner
         self._present = present or PresentCell()
         self._under_way: _UnderWay | None = None
-        self._fixed: dict[int, _Fixed] = {}
+        self._fixed: dict[int, Fixed] = {}
         self._acts = RequestsUnderWay[ActAnswer]()
         self._plans = RequestsUnderWay[int](kept_s=_PLAN_KEPT_S)
         self.watching = Watching()
@@ -331,7 +320,7 @@ class BallbarDesk:
     def _view(
         self,
         session_id: int,
-        fixed: _Fixed,
+        fixed: Fixed,
         found: Situation,
         question: str | None,
         newest_entry: int | None,
@@ -359,13 +348,13 @@ class BallbarDesk:
             raise NotFoundError("ballbar session", session_id)
         return record
 
-    async def _what_is_fixed(self, session_id: int) -> _Fixed:
+    async def _what_is_fixed(self, session_id: int) -> Fixed:
         if session_id not in self._fixed:
             record = await self._require(session_id)
             setup = await self._sessions.setup(session_id)
             plan = await self._sessions.ballbar_plan(session_id)
-            sight = await asyncio.to_thread(Sight, setup, plan, kit_of(setup))
-            self._fixed[session_id] = _Fixed(record.name, setup, plan, sight)
+            sight = await asyncio.to_thread(sight_of, setup, plan)
+            self._fixed[session_id] = Fixed(record.name, setup, plan, sight)
         return self._fixed[session_id]
 
     def _of(self, session_id: int) -> _UnderWay | None:
@@ -373,7 +362,7 @@ class BallbarDesk:
         return under_way if under_way is not None and under_way.session_id == session_id else None
 
 
-def _run_by_nobody(fixed: _Fixed, entries: list[LedgerEntry]) -> Situation:
+def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:
     """Return where a session stands that nobody runs: it never says that it runs."""
     kit = kit_of(fixed.setup)
     found = situation(fixed.plan, kit, entries)

@@ -1,13 +1,16 @@
 """A ballbar session as those see it who ask."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from service.domain.artefacts import BallbarKit
 from service.domain.ballbar import BallbarPlan
 from service.operation.ballbar_plans import kit_of
-from service.operation.early_judges import Sight
 from service.sequencing.ballbar.situation import Situation
 from service.storage.records import SessionSetup
+
+if TYPE_CHECKING:
+    from service.operation.early_judges import Sight
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +25,7 @@ class BallbarView:
     question: str | None
     newest_entry: int | None
     robot_moving: bool
-    sight: Sight
+    sight: "Sight"
     watching: int  # tablets that follow it
     trouble: str | None = None  # why the session waits for the disk
     motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
@@ -31,3 +34,20 @@ class BallbarView:
     def kit(self) -> BallbarKit:
         """What the ballbar comes with."""
         return kit_of(self.setup)
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """What of a session never changes."""
+
+    name: str
+    setup: SessionSetup
+    plan: BallbarPlan
+    sight: "Sight"
+
+
+def sight_of(setup: SessionSetup, plan: BallbarPlan) -> "Sight":
+    """Return what can be said of lengths before anything is calibrated; takes a while."""
+    from service.operation.early_judges import Sight  # numerics: a start does not wait for them
+
+    return Sight(setup, plan, kit_of(setup))
