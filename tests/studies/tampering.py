@@ -30,6 +30,7 @@ from service.storage.tables import metadata
 from tests.ballbar_sessions import make_ballbar_plan, measured
 from tests.measured_sessions import make_plan, make_point, make_setup
 
+_ENOUGH = 100_000  # rows: pages that point at each other have no end
 _PARTS = ("", "-wal", ".seal")
 _TABLES = ("readings", "events", "session_states", "ballbar_entries", "links", "sessions")
 
@@ -236,7 +237,7 @@ def _read(file):
                 bytes(n).decode()
                 for (n,) in connection.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")
             ]
-            said = {name: connection.execute(f'SELECT * FROM "{name}"').fetchall() for name in names}
+            said = {name: connection.execute(f'SELECT * FROM "{name}"').fetchmany(_ENOUGH) for name in names}
             return said, connection.execute("SELECT * FROM sqlite_schema").fetchall()
     except (LIBRARY.DatabaseError, UnicodeDecodeError):
         return None
