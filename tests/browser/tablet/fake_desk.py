@@ -86,6 +86,8 @@ def sample(state="in_range", length_mm=300.4213, *, stable=0.6, still=True):
         "stable_share": stable,
         "spread_mm": 0.0008,
         "robot_still": still,
+        "can_store": state == "in_range",
+        "why_not": None if state == "in_range" else state,
     }
 
 

@@ -38,7 +38,23 @@ const OFFERED = {
   failed: [],
 };
 
+const NOTHING = {
+  no_signal: "store.no_signal",
+  out_low: "store.out_low",
+  out_high: "store.out_high",
+  unstable: "store.unstable",
+  no_length_here: "store.no_length_here",
+};
+
+// What the ballbar shows is no length that could be kept: then the button says so instead of inviting.
+function nothingToStore(offer, model) {
+  const idle = offer.act === "store" && model.sample?.can_store === false;
+  return idle ? (NOTHING[model.sample.why_not] ?? NOTHING.no_signal) : null;
+}
+
 function label(offer, model, texts) {
+  const why = nothingToStore(offer, model);
+  if (why) return texts.say(why);
   if (offer.act && model.queue.holds(offer.act, stepOf(model.session, offer.act))) return texts.say("queue.waits");
   const { step, suspicion } = model.session ?? {};
   const key = (suspicion && offer[suspicion.kind]) || offer.key;
@@ -70,11 +86,13 @@ export class Actions {
     const fresh = performance.now() - this.#shown_ms < FRESH_MS;
     offers.forEach((offer, i) => {
       const button = this.#buttons[i];
-      const offered = Boolean(offer.act) && can(model, offer.act);
+      const idle = nothingToStore(offer, model) !== null;
+      const offered = Boolean(offer.act) && can(model, offer.act) && !idle;
       // What must be held is no second tap.
       const early = fresh && !offer.held;
       button.disabled = early || !offered;
       button.classList.toggle("fresh", early && offered);
+      button.classList.toggle("idle", idle);
       const text = button.classList.contains("holding") ? texts.say("act.hold_more") : label(offer, model, texts);
       if (button.lastChild.textContent !== text) button.lastChild.textContent = text;
     });

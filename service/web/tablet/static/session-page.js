@@ -261,9 +261,11 @@ class SessionPage {
 
   // Not through `draw`: a length is on the screen as soon as it is here.
   #sampled(sample) {
+    const other = sample.why_not !== this.model.sample?.why_not;
     this.model.sample = sample;
     this.#connection.see(sample);
     this.model.sampleOf = this.model.session?.step?.id;
+    if (other) this.draw(); // the button says whether there is anything to store
     this.#showLength();
   }
 
