@@ -35,9 +35,9 @@ def headline(identification: Identification, judged: Judged | None, budget: Budg
     converged = identification.status is Status.CONVERGED
     warning = "" if converged else f"Not to be used: {identification.message} "
     return Headline(
-        sentence=warning + _sentence(identification, judged, budget, pair),
+        sentence=warning + _sentence(identification, budget, pair),
         good=converged and _improves(pair),
-        figures=_figures(judged, budget, pair),
+        figures=_figures(identification, budget, pair),
     )
 
 
@@ -46,15 +46,13 @@ def _improves(pair: NominalAndIdentified) -> bool:
     return identified.mean_mm < nominal.mean_mm and identified.rms_mm < nominal.rms_mm
 
 
-def _sentence(
-    identification: Identification, judged: Judged, budget: Budget, pair: NominalAndIdentified
-) -> str:
+def _sentence(identification: Identification, budget: Budget, pair: NominalAndIdentified) -> str:
     nominal, identified = pair.nominal, pair.identified
     verb = "falls from" if identified.mean_mm < nominal.mean_mm else "does not fall: it goes from"
     before, after = _stated(nominal, budget.before_mm), _stated(identified, budget.after_mm)
     return (
         f"On {judged_on(identification, nominal)} the mean {identification.quantity} error {verb} {before} "
-        f"with the nominal model to {after} with the identified one; {_noise(judged, identified)}"
+        f"with the nominal model to {after} with the identified one; {_noise(identified)}"
         f"{_far_errors(pair)}"
     )
 
@@ -78,15 +76,17 @@ def _far_errors(pair: NominalAndIdentified) -> str:
     return f" But the RMS does not fall ({change}): some errors have grown."
 
 
-def _noise(judged: Judged, identified: Statistics) -> str:
-    if judged.noise_mm == 0.0:
-        return "the instrument's own noise is not stated."
-    if judged.noise_mm >= identified.mean_mm:
+def _noise(identified: Statistics) -> str:
+    if identified.noise_mm == 0.0:
+        return "the noise of instrument and robot is not stated."
+    if identified.noise_mm >= identified.mean_mm:
         return (
-            f"the instrument's own noise alone would show {millimetres(judged.noise_mm)} mm, "
+            f"the noise of instrument and robot alone would show {millimetres(identified.noise_mm)} mm, "
             "so the model's own error is below what these readings can tell."
         )
-    return f"of this, the instrument's own noise alone would show {millimetres(judged.noise_mm)} mm."
+    return (
+        f"of this, the noise of instrument and robot alone would show {millimetres(identified.noise_mm)} mm."
+    )
 
 
 def judged_on(identification: Identification, statistics: Statistics) -> str:
@@ -99,7 +99,9 @@ def judged_on(identification: Identification, statistics: Statistics) -> str:
     return f"{statistics.n:,} {things} that the model was made from"
 
 
-def _figures(judged: Judged, budget: Budget, pair: NominalAndIdentified) -> tuple[Figure, ...]:
+def _figures(
+    identification: Identification, budget: Budget, pair: NominalAndIdentified
+) -> tuple[Figure, ...]:
     factor = pair.nominal.mean_mm / pair.identified.mean_mm if pair.identified.mean_mm > 0.0 else float("inf")
     return (
         _mean("Mean error before", pair.nominal, budget.before_mm),
@@ -109,11 +111,17 @@ def _figures(judged: Judged, budget: Budget, pair: NominalAndIdentified) -> tupl
             f"{millimetres(pair.identified.max_mm)} mm",
             f"before {millimetres(pair.nominal.max_mm)} mm",
         ),
-        Figure(
-            "Instrument's noise alone", f"{millimetres(judged.noise_mm)} mm", "mean it would show by itself"
-        ),
+        Figure("Noise alone", f"{millimetres(pair.identified.noise_mm)} mm", _noise_of(identification, pair)),
         Figure("Improvement", f"{factor:.3g} times", "mean error before over after, noise included"),
     )
+
+
+def _noise_of(identification: Identification, pair: NominalAndIdentified) -> str:
+    """Return of which readings the noise is, and what is in it."""
+    if pair.identified.noise_mm == 0.0:
+        return "not stated"
+    readings = f"{pair.identified.n:,} {'held-out' if identification.validation else 'calibration'} readings"
+    return f"mean that instrument and robot scatter would show on these {readings}"
 
 
 def _mean(name: str, statistics: Statistics, u_mm: float) -> Figure:

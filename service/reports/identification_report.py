@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from service.domain.campaign import Campaign, Stops
-from service.domain.results import Identification, Model, NominalAndIdentified
+from service.domain.results import Identification, NominalAndIdentified
 from service.reports.budget import Budget, budget
 from service.reports.conditions import ReportConditions, condition_rows
 from service.reports.figures.correlation import correlation_map, strongest_pairs
@@ -15,7 +15,7 @@ from service.reports.figures.histogram import histogram
 from service.reports.figures.joint_residuals import joint_residuals
 from service.reports.figures.work_space import work_space
 from service.reports.headline import headline
-from service.reports.judged import FAR_OUT, Judged, judged, noise_split, without_far_out
+from service.reports.judged import FAR_OUT, Judged, judged, noise_split, shown_noise_mm, without_far_out
 from service.reports.pages import write_page
 from service.reports.parameter_rows import parameter_rows
 from service.reports.shifts import DRAWS
@@ -89,7 +89,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         truth=report.truth,
         diagnosis=report.diagnosis,
         truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
-        **_evidence(shown, identification.model),
+        **_evidence(shown, identification),
         **_correlation(identification),
     )
 
@@ -160,8 +160,9 @@ def figures_rows(identification: Identification, shown: Judged | None) -> Iterat
         yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
 
 
-def _evidence(shown: Judged | None, model: Model | None) -> dict[str, object]:
+def _evidence(shown: Judged | None, identification: Identification) -> dict[str, object]:
     """Return the figures drawn from residuals; all None where there are none."""
+    model = identification.model
     if shown is None or model is None:
         return dict.fromkeys(("judged", "histogram", "joints", "space", "splits"))
     splits = (
@@ -170,7 +171,7 @@ def _evidence(shown: Judged | None, model: Model | None) -> dict[str, object]:
     )
     return {
         "judged": shown,
-        "histogram": histogram(shown),
+        "histogram": histogram(shown, shown_noise_mm(identification, shown)),
         "joints": joint_residuals(shown, model),
         "space": work_space(shown),
         "splits": splits,

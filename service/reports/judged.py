@@ -33,11 +33,6 @@ class Judged:
         """Where the arm stood."""
         return self.readings.stops
 
-    @property
-    def noise_mm(self) -> float:
-        """Mean norm that the instrument alone would show."""
-        return _mean_norm(self.covariance_mm2)
-
     def vectors_mm(self, residual_mm: FloatArray) -> FloatArray:
         """Return residuals as vectors in the world, shape (n, 3): those of legs lie along the leg."""
         return residual_mm if self.direction is None else residual_mm * self.direction
@@ -46,6 +41,12 @@ class Judged:
 def judging_figures(identification: Identification) -> NominalAndIdentified | None:
     """Return the figures that judge the model: validation, else cross-validation, else calibration."""
     return identification.validation or identification.cross_validation or identification.calibration
+
+
+def shown_noise_mm(identification: Identification, judged: Judged) -> float:
+    """Return the mean error that noise alone would show in the judged readings: that of their statistics."""
+    pair = identification.validation if judged.held_out else identification.calibration
+    return 0.0 if pair is None else pair.identified.noise_mm
 
 
 def judged(identification: Identification, campaign: Campaign) -> Judged | None:

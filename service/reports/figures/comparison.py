@@ -20,7 +20,7 @@ def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> 
     before_mm, after_mm : ndarray, shape (n,)
         Norms of the errors [mm].
     noise_mm : float
-        Mean norm that stated noise alone gives; not drawn where it is not above 0.
+        Mean norm that stated noise alone gives; not drawn where it is not within the picture.
     """
     end = _end(np.concatenate([before_mm, after_mm]))
     edges = np.linspace(0.0, end, _BINS + 1)
@@ -33,7 +33,7 @@ def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> 
             inside = np.minimum(norms, end)
             axes.hist(inside, edges.tolist(), color=colour, alpha=0.5, label=label)
             axes.hist(inside, edges.tolist(), color=colour, histtype="step", linewidth=1.4)
-        if noise_mm > 0.0:
+        if 0.0 < noise_mm < end:
             label = f"noise alone: mean {millimetres(noise_mm)} mm"
             axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
         axes.set_xlim(0.0, end)

@@ -1,5 +1,7 @@
 """How many errors of which size, before and after."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from markupsafe import Markup
 from matplotlib.ticker import FuncFormatter, LogLocator
@@ -14,8 +16,19 @@ _SMALLEST_SHARE = 1e-4  # of the largest error: what lies below is drawn in the 
 _DECADES_OF_LABELS = 6
 
 
-def histogram(judged: Judged) -> Markup:
-    """Return the histogram of error norms, both on one logarithmic axis: they differ by decades."""
+@dataclass(frozen=True, slots=True)
+class Histogram:
+    """The picture, and what its caption must state."""
+
+    picture: Markup
+    noise_drawn: bool
+
+
+def histogram(judged: Judged, noise_mm: float) -> Histogram:
+    """Draw the histogram of error norms, both on one logarithmic axis: they differ by decades.
+
+    `noise_mm` is the mean that noise alone would show; below the first bin it is not drawn.
+    """
     before = np.linalg.norm(judged.nominal_mm, axis=1)
     after = np.linalg.norm(judged.identified_mm, axis=1)
     with page_style():
@@ -25,9 +38,10 @@ def histogram(judged: Judged) -> Markup:
         for norms, colour, name in ((before, BEFORE, "nominal"), (after, AFTER, "identified")):
             label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
             axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
-        if judged.noise_mm > edges[0]:
-            label = f"instrument alone: mean {millimetres(judged.noise_mm)} mm"
-            axes.axvline(judged.noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
+        noise_drawn = bool(noise_mm > edges[0])
+        if noise_drawn:
+            label = f"noise alone: mean {millimetres(noise_mm)} mm"
+            axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -36,7 +50,8 @@ def histogram(judged: Judged) -> Markup:
         axes.set_xlabel("error [mm], logarithmic")
         axes.set_ylabel("readings")
         figure.legend(loc="outside upper left", ncols=3)
-        return to_svg(figure, "histogram", "Histogram of errors before and after identification")
+        picture = to_svg(figure, "histogram", "Histogram of errors before and after identification")
+        return Histogram(picture, noise_drawn)
 
 
 def _edges(norms: FloatArray) -> FloatArray:

@@ -4,6 +4,8 @@ In world axes a gear's wave is hidden: the arm's attitude turns it everywhere. E
 splits the residual along the motion of its joint, along its axis and away from it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
@@ -19,6 +21,7 @@ from service.reports.judged import Judged
 _COLUMNS = 3
 _DIRECTIONS = ("along the joint's motion", "along its axis", "away from its axis")
 _MOST_POINTS = 400  # dots of one colour in one panel; more make no one wiser and the file heavy
+_LEGEND_SCALE = 4.0  # its dots must show their colour
 _BANDWIDTH = 0.04  # of the joint's range: shows two waves per turn nearly undamped
 _READINGS_ASKED = 5.0  # a wider guide where readings are few: 2.5 times as many then carry each of its points
 _FEWEST_BESIDE = 5.0  # readings that must carry the guide where it is drawn
@@ -27,38 +30,70 @@ _FEWEST_BESIDE = 5.0  # readings that must carry the guide where it is drawn
 _SHORTEST_ARM_MM = 1e-3  # nearer to its axis, a joint moves the nest in no direction to speak of
 
 
-def joint_residuals(judged: Judged, model: Model) -> Markup:
+@dataclass(frozen=True, slots=True)
+class JointResiduals:
+    """The picture, and what its caption must state."""
+
+    picture: Markup
+    guides: bool  # whether any panel has one
+    band: bool  # of the instrument
+
+
+def joint_residuals(judged: Judged, model: Model) -> JointResiduals:
     """Return one panel per joint with the identified model's residuals and an eye-guide."""
     seen = residuals_by_joint(judged, model)
     angles_deg = np.degrees(judged.stops.joints_rad)
     rows = -(-angles_deg.shape[1] // _COLUMNS)
+    guides, noise_mm = False, _noise_mm(judged)
     with page_style():
         figure = new_figure(8.0, 2.1 * rows + 0.4)
         panels = figure.subplots(rows, _COLUMNS, sharey=True, squeeze=False).ravel()
         for joint, axes in enumerate(panels):
             if joint < angles_deg.shape[1]:
-                _panel(axes, angles_deg[:, joint], seen[joint], judged)
+                _band(axes, noise_mm)
+                guides |= _panel(axes, angles_deg[:, joint], seen[joint])
                 axes.set_title(f"joint {joint + 1} [deg]")
             else:
                 axes.set_visible(False)
         _limit(panels[0], judged.identified_mm)
         figure.supylabel("residual [mm]", fontsize=9)
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper left", ncols=4)
-        return to_svg(figure, "joints", "Residuals of the identified model against each joint angle")
+        figure.legend(handles, labels, loc="outside upper left", ncols=4, markerscale=_LEGEND_SCALE)
+        picture = to_svg(figure, "joints", "Residuals of the identified model against each joint angle")
+        return JointResiduals(picture, guides, noise_mm > 0.0)
 
 
-def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray, judged: Judged) -> None:
+def _noise_mm(judged: Judged) -> float:
+    components = judged.identified_mm.shape[1]
+    return float(np.sqrt(np.trace(judged.covariance_mm2, axis1=1, axis2=2).mean() / components))
+
+
+def _band(axes: Axes, noise_mm: float) -> None:
+    if noise_mm > 0.0:
+        name = "± 2 u of the instrument"
+        axes.axhspan(-2.0 * noise_mm, 2.0 * noise_mm, color=MUTED, alpha=0.15, linewidth=0.0, label=name)
+
+
+def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray) -> bool:
+    """Draw the residuals over one angle; return whether there is a guide to the eye."""
+    guided = False
     names = zip((X, Y, Z), _DIRECTIONS, strict=True) if residual.shape[1] == 3 else [(AFTER, "length")]
     shown = slice(None, None, -(-len(residual) // _MOST_POINTS))
-    noise = float(np.sqrt(np.trace(judged.covariance_mm2, axis1=1, axis2=2).mean() / residual.shape[1]))
-    axes.axhspan(
-        -2.0 * noise, 2.0 * noise, color=MUTED, alpha=0.15, linewidth=0.0, label="± 2 u of the instrument"
-    )
     for component, (colour, name) in enumerate(names):
-        axes.plot(angle_deg[shown], residual[shown, component], ".", color=colour, markersize=2.0, alpha=0.45)
         grid, guide = eye_guide(angle_deg, residual[:, component])
-        axes.plot(grid, guide, color=colour, linewidth=1.6, label=name)
+        axes.plot(
+            angle_deg[shown],
+            residual[shown, component],
+            ".",
+            color=colour,
+            markersize=2.0,
+            alpha=0.45,
+            label=name,
+        )
+        if np.isfinite(guide).any():
+            guided = True
+            axes.plot(grid, guide, color=colour, linewidth=1.6)
+    return guided
 
 
 def residuals_by_joint(judged: Judged, model: Model) -> FloatArray:

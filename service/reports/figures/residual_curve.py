@@ -29,6 +29,8 @@ class CurveFigure:
 
     picture: Markup
     caption: str
+    line: bool  # one is drawn
+    values: bool  # one value is drawn for each number
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,9 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
         axes.set_ylabel(label(shown.quantity, _TALLEST_LABEL, printed_unit(shown.quantity_unit)))
         figure.legend(loc="outside upper left", ncols=4)
         picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
-    return CurveFigure(picture, " ".join(_caption(shown, chosen, blind, beyond, means)))
+    drawn, counts = bool(shown.line_x.size), _counts(shown)
+    caption = " ".join(_caption(shown, chosen, blind, beyond, means))
+    return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
 
 
 def _finite(curve: Curve) -> Curve:
@@ -217,9 +221,12 @@ def _caption(
     curve: Curve, chosen: IntArray, blind: BoolArray, beyond: int, means: _Means | None
 ) -> Iterator[str]:
     worth = int((~blind).sum())
-    evenly = "" if len(chosen) == worth else f"{len(chosen)} of "
-    yield f"Dots: {evenly}{worth:,} readings{', evenly chosen,' if evenly else ''}"
-    yield "as the model without this cause leaves them, with their standard uncertainty."
+    if worth:
+        evenly = "" if len(chosen) == worth else f"{len(chosen)} of "
+        whiskers = (curve.standard_uncertainty[chosen] > 0.0).any()
+        yield f"Dots: {evenly}{worth:,} readings{', evenly chosen,' if evenly else ''}"
+        stated = ", with their standard uncertainty" if whiskers else ""
+        yield f"as the model without this cause leaves them{stated}."
     if means is not None:
         yield f"Large dots: weighted means of up to {means.of} neighbours each, with their own."
     if beyond:
@@ -230,4 +237,5 @@ def _caption(
     if blind.any():
         count = int(blind.sum())
         feels = "feels" if count == 1 else "feel"
-        yield f"{count:,} more hardly {feels} it: the uncertainty is larger than the picture."
+        more = "more " if worth else ""
+        yield f"{count:,} {more}hardly {feels} it: the uncertainty is larger than the picture."

@@ -1,5 +1,6 @@
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -166,3 +167,34 @@ def test_gains_are_compared_where_there_are_two():
     assert gains((make_finding(),)) is None
     assert gains((make_finding(), make_gain_finding(gain=None))) is None
     assert "joint gain, joint 2" in gains((make_finding(), make_gain_finding()))
+
+
+def test_a_caption_tells_of_whiskers_dots_and_lines_that_are_drawn_only():
+    curve = make_curve()
+    nothing = np.zeros(0)
+    certain = replace(curve, standard_uncertainty=np.zeros(len(curve.x)))
+    blind = replace(curve, standard_uncertainty=np.full(len(curve.x), 1e6))
+
+    without_line = drawn(replace(curve, line_x=nothing, line=nothing, line_band=nothing))
+
+    assert drawn(curve).line
+    assert (without_line.line, without_line.values) == (False, False)
+    assert "standard uncertainty" in drawn(curve).caption
+    assert "standard uncertainty" not in drawn(certain).caption
+    assert "Dots:" not in drawn(blind).caption
+
+
+def test_values_for_numbers_are_no_line():
+    counted = replace(make_curve(), variable_unit="", x=np.arange(len(make_curve().x)) % 3.0)
+
+    made = drawn(counted)
+
+    assert (made.line, made.values) == (False, True)
+
+
+def test_noise_beyond_the_picture_is_not_in_its_legend():
+    within, _ = comparison(np.ones(5), np.ones(5), 0.5)
+    beyond, _ = comparison(np.ones(5), np.ones(5), 3.0)
+
+    assert "noise alone" in within
+    assert "noise alone" not in beyond

@@ -19,8 +19,8 @@ def pictures(identification, campaign):
     shown = judged(identification, campaign)
     space = work_space(shown)
     return {
-        "histogram": histogram(shown),
-        "joints": joint_residuals(shown, identification.model),
+        "histogram": histogram(shown, 0.016).picture,
+        "joints": joint_residuals(shown, identification.model).picture,
         "space": space.in_space,
         "views": space.views,
         "correlation": correlation_map(identification.model),
@@ -40,6 +40,28 @@ def test_a_picture_is_well_formed_and_takes_its_colours_from_the_page(pictures, 
     assert "var(--ink)" in svg
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", svg)  # no stand-in colour is left
     assert "style" not in svg  # which a page that allows none would not show
+
+
+@pytest.mark.parametrize(("noise_mm", "drawn"), [(0.016, True), (0.0, False), (1e-9, False)])
+def test_noise_is_in_the_legend_only_where_its_line_is_drawn(identification, campaign, noise_mm, drawn):
+    made = histogram(judged(identification, campaign), noise_mm)
+
+    assert made.noise_drawn is drawn
+    assert ("noise alone" in made.picture) is drawn
+
+
+def test_joints_that_stood_still_have_no_guide_and_certain_readings_no_band(identification, campaign):
+    shown = judged(identification, campaign)
+    moved = joint_residuals(shown, identification.model)
+    still = replace(shown.readings, stops=replace(shown.stops, joints_rad=np.zeros((60, 3))))
+    silent = replace(shown, readings=still, covariance_mm2=np.zeros((60, 3, 3)))
+
+    made = joint_residuals(silent, identification.model)
+
+    assert (moved.guides, moved.band) == (True, True)
+    assert (made.guides, made.band) == (False, False)
+    assert "2 u of the instrument" in moved.picture
+    assert "2 u of the instrument" not in made.picture
 
 
 def test_ids_of_different_pictures_do_not_meet(pictures):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from service.domain.results import NominalAndIdentified, Status
+from service.identification import identify
 from service.identification.rows import taken
 from service.reports.budget import budget
 from service.reports.conditions import ReportConditions
@@ -23,7 +24,9 @@ def test_one_sentence_says_before_after_uncertainty_and_noise(identification, ca
     assert made.good
     assert made.sentence.startswith("On 60 held-out positions the mean position error falls from ")
     assert made.sentence.count("(U = ") == 2
-    assert "the instrument's own noise alone would show 0.0160 mm" in made.sentence  # sqrt(8/pi) * 0.01
+    assert (
+        "the noise of instrument and robot alone would show 0.0160 mm" in made.sentence
+    )  # sqrt(8/pi) * 0.01
 
 
 @pytest.mark.parametrize("after_mm", [0.1, 0.2])
@@ -84,8 +87,29 @@ def test_a_single_held_out_configuration_tells_no_uncertainty(identification, ca
 
 
 def test_noise_that_nobody_stated_is_no_noise_of_zero(identification, campaign):
-    silent = replace(campaign.validation, standard_uncertainty_mm=np.zeros(60))
+    silent = NominalAndIdentified(make_statistics(noise_mm=0.0), make_statistics(noise_mm=0.0))
 
-    made = headline_of(identification, replace(campaign, validation=silent))
+    made = headline_of(replace(identification, validation=silent), campaign)
 
-    assert "the instrument's own noise is not stated" in made.sentence
+    assert "the noise of instrument and robot is not stated" in made.sentence
+    assert next(figure for figure in made.figures if figure.name == "Noise alone").remark == "not stated"
+
+
+@pytest.mark.parametrize(
+    ("held_out", "readings"), [(True, "60 held-out readings"), (False, "40 calibration readings")]
+)
+def test_the_noise_beside_the_figures_is_that_of_the_table_with_the_robots_scatter(
+    campaign, held_out, readings
+):
+    restless = replace(campaign, robot=replace(campaign.robot, repeatability_mm=0.03))
+    restless = restless if held_out else replace(restless, validation=None)
+    identification = identify(restless, ("base", "geometry"))
+    judging = identification.validation if held_out else identification.cross_validation
+
+    made = headline_of(identification, restless)
+
+    noise = next(figure for figure in made.figures if figure.name == "Noise alone")
+    assert noise.value == f"{judging.identified.noise_mm:.4f} mm"
+    assert judging.identified.noise_mm > 0.045  # the tracker alone would show 0.016 mm
+    assert noise.value in made.sentence
+    assert readings in noise.remark

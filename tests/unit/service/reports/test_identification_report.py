@@ -6,7 +6,7 @@ import pytest
 
 from service.domain.campaign import LegReadings
 from service.domain.cell import Artefact
-from service.domain.results import Outlier, PureError
+from service.domain.results import NominalAndIdentified, Outlier, PureError
 from service.identification import identify, predict
 from service.reports import (
     DiagnosisLink,
@@ -253,3 +253,30 @@ def test_a_report_that_cannot_be_written_says_where(tmp_path, campaign):
 
     with pytest.raises(UnwritableReportError, match=r"cannot be written to .*taken"):
         write_identification_report(tmp_path / "taken" / "report.html", ReportInput(UNFITTED, campaign))
+
+
+def test_captions_name_the_lines_that_are_drawn_and_no_others(tmp_path, identification, campaign):
+    points = campaign.validation
+    silent = replace(points, standard_uncertainty_mm=np.zeros(60))
+    still = replace(silent, stops=replace(points.stops, joints_rad=np.zeros((60, 3))))
+    quiet = NominalAndIdentified(make_statistics(noise_mm=0.0), make_statistics(noise_mm=0.0))
+
+    full = report_of(tmp_path, identification, campaign)
+    bare = report_of(tmp_path, replace(identification, validation=quiet), replace(campaign, validation=still))
+
+    for words in ("Dashed: ", "Lines: moving average", "Grey: ± 2 u"):
+        assert words in full
+        assert words not in bare
+
+
+def test_marks_of_parameters_are_explained_where_they_stand_and_nowhere_else(plain_report):
+    rows = plain_report.split("What it is</th>")[1]
+
+    for mark in ("prior", "together"):
+        explained = f'<span class="mark warn">{mark}</span> ' in plain_report.split("What it is</th>")[0]
+        assert explained is (f'<span class="mark warn">{mark}</span></th>' in rows)
+
+
+def test_no_table_with_and_without_outliers_is_promised_where_there_is_none(plain_report):
+    assert "None: every reading counts." in plain_report
+    assert "figures with and without" not in plain_report
