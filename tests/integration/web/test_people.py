@@ -23,6 +23,12 @@ def settings(settings, people):
     return settings
 
 
+@pytest.fixture(autouse=True)
+def unplugged(bench):
+    """A ballbar between two balls would forbid motion by itself."""
+    bench.ballbar.dead = True
+
+
 async def started(client):
     await client.post(SESSIONS, json=session_request())
     await client.post(f"{SESSIONS}/1/start")
