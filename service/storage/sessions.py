@@ -17,6 +17,7 @@ from service.storage.events import add_event
 from service.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
 from service.storage.request_keys import answered, once
 from service.storage.rows import add_row
+from service.storage.skipped_poses import skipped_poses
 from service.storage.tables import (
     added_stops,
     ballbar_entries,
@@ -262,23 +263,23 @@ def _measured() -> ColumnElement[int]:
         .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
         .scalar_subquery()
     )
-    return _by_role(_poses_told_of("measured", "/leg-"), points)
+    return _by_role(_poses_measured(), points)
 
 
 def _skipped() -> ColumnElement[int]:
     stops = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
-    return _by_role(_poses_told_of("skipped", "/"), stops)
+    return _by_role(skipped_poses(), stops)
 
 
-def _poses_told_of(kind: str, part: str) -> Any:
-    """Count the poses with an entry of this kind: "placement-1/pose-12/leg-2-3" is of pose 12."""
+def _poses_measured() -> Any:
+    """Count the poses of which a leg was measured: "placement-1/pose-12/leg-2-3" is of pose 12."""
     step = ballbar_entries.c.step_id
     # SQLite's cast takes the digits that a text begins with.
     pose = cast(func.substr(step, func.instr(step, "/pose-") + len("/pose-")), Integer)
     return (
         select(func.count(func.distinct(pose)))
-        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == kind)
-        .where(step.contains("/pose-"), step.contains(part))
+        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == "measured")
+        .where(step.contains("/pose-"), step.contains("/leg-"))
         .scalar_subquery()
     )
 
