@@ -1,0 +1,1 @@
+"""Random ballbar sessions with an operator who errs at every step and a cell that changes."""

@@ -1,0 +1,75 @@
+"""Sessions that are under way: copies of database and cell, kept while one session goes as it should."""
+
+import shutil
+import sqlite3
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from service.showcase.ballbar_person import PersonAtTablet
+from tests.studies.erring_operator.onlooked_cell import standing
+from tests.studies.erring_operator.service_here import ServiceHere
+
+_STEPS_BETWEEN = 4
+_ENDED = {"finished", "aborted", "failed"}
+
+
+@dataclass(frozen=True, slots=True)
+class Copy:
+    """Database and cell at one moment of a session."""
+
+    database: Path
+    cell: Path
+    precalibrated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """One robot's session, at many moments."""
+
+    scenario: str
+    seed: int
+    copies: Sequence[Copy]
+
+
+async def begin(scenario: str, seed: int, poses: int, folder: Path) -> Begun:
+    """Plan a session, walk through it rightly, and keep a copy every few steps."""
+    folder.mkdir(parents=True)
+    copies: list[Copy] = []
+    async with standing(scenario, seed, folder / "cell.json") as (_, addresses):
+        service = ServiceHere(folder, scenario, addresses)
+        await service.start()
+        try:
+            wanted = {"name": "six legs", "poses": poses, "seed": seed}
+            created = await service.http.post("/api/v1/ballbar-sessions", json=wanted)
+            created.raise_for_status()
+            person = PersonAtTablet(service.http, created.json()["id"])
+            for step in await _every_few_steps(service, person.path):
+                session = await person.walk(until=step)
+                if session["state"] in _ENDED:
+                    break
+                copies.append(_copy(service, folder, len(copies)))
+        finally:
+            await service.stop()
+    return Begun(scenario, seed, copies)
+
+
+async def _every_few_steps(service: ServiceHere, path: str) -> list[str]:
+    steps = (await service.http.get(f"{path}/steps")).json()["steps"]
+    return [step["id"] for step in steps[::_STEPS_BETWEEN]]
+
+
+def _copy(service: ServiceHere, folder: Path, number: int) -> Copy:
+    kept = Copy(
+        folder / f"{number}.sqlite3",
+        folder / f"{number}.cell.json",
+        any(line["kind"] == "computed" for line in service.lines()),
+    )
+    with (
+        closing(sqlite3.connect(service.database)) as source,
+        closing(sqlite3.connect(kept.database)) as copy,
+    ):
+        source.backup(copy)
+    shutil.copy(folder / "cell.json", kept.cell)
+    return kept

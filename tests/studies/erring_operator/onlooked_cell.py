@@ -1,0 +1,98 @@
+"""A simulated cell in this process, with an onlooker who sees every motion and where the ballbar is.
+
+The service reaches it over TCP like any cell; the onlooker looks at what is true, not at what is said.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+from simulators.ballbar import OnCalibrator, Seat, Span
+from simulators.clock import CellClock
+from simulators.instruments.cell_clock import clock_endpoint
+from simulators.instruments.endpoint import Address, Endpoint
+from simulators.instruments.hands import hands_endpoint
+from simulators.instruments.length_source import Electronics
+from simulators.instruments.nd28x import nd28x_endpoint
+from simulators.instruments.open_abb import MotionProgram
+from simulators.instruments.open_abb_server import robot_endpoint
+from simulators.journal import RememberedCell
+from simulators.physics.rigid import FloatArray
+from simulators.robot import JointMotion, SpeedLimits
+from simulators.scenario_file import load_scenario
+
+OnMotion: TypeAlias = Callable[[Sequence[FloatArray], SpeedLimits], None]
+DRIVERS = {
+    "open_abb": "abb_open_abb",
+    "nd28x": "heidenhain_nd",
+    "hands": "cell_hands",
+    "clock": "cell_clock",
+}
+
+
+class OnlookedCell(RememberedCell):
+    """A cell that tells of every motion before it begins, and remembers where the ballbar was when."""
+
+    def __init__(self, scenario: str, seed: int) -> None:
+        super().__init__(load_scenario(scenario), seed, CellClock(0))
+        self.on_motion: OnMotion = lambda waypoints, limits: None
+        self._seats: list[tuple[float, str]] = []
+
+    def set_off(
+        self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
+    ) -> JointMotion:
+        """Tell the onlooker, then move."""
+        self.on_motion(waypoints_rad, limits)
+        return super().set_off(waypoints_rad, limits, tool_mm)
+
+    def do(self, action: str, details: Mapping[str, str | int | float | bool]) -> None:
+        """Have the hands do one thing, and remember where the ballbar is then."""
+        super().do(action, details)
+        self.note_seat()
+
+    def note_seat(self) -> None:
+        """Remember where the ballbar is now."""
+        self._seats.append((self.clock.now_s, self.seat))
+
+    def seat_at(self, time_s: float) -> str:
+        """Return what the ballbar was on at a cell time, as `words` has it."""
+        return next((seat for since_s, seat in reversed(self._seats) if since_s <= time_s), "")
+
+    @property
+    def seat(self) -> str:
+        """What the ballbar is on now."""
+        return words(self.ballbar.seat(self.clock.now_s))
+
+
+def words(seat: Seat | None) -> str:
+    """Return a seat as "B1-T2", "T1-T3", "calibrator", or nothing for a ballbar that lies aside."""
+    if isinstance(seat, OnCalibrator):
+        return "calibrator"
+    return f"{seat.first}-{seat.second}" if isinstance(seat, Span) else ""
+
+
+@contextlib.asynccontextmanager
+async def standing(
+    scenario: str, seed: int, state: Path
+) -> AsyncIterator[tuple[OnlookedCell, list[Address]]]:
+    """Open a cell that stands where its state file left it, and close its endpoints with the context."""
+    cell = OnlookedCell(scenario, seed)
+    await cell.remember(state)
+    cell.note_seat()
+    endpoints = _endpoints(cell)
+    try:
+        yield cell, [await endpoint.open("127.0.0.1", 0) for endpoint in endpoints]
+    finally:
+        await asyncio.gather(*(endpoint.close() for endpoint in endpoints))
+
+
+def _endpoints(cell: OnlookedCell) -> list[Endpoint]:
+    bar = Electronics(cell.ballbar, cell.faults, cell.clock)
+    return [
+        robot_endpoint(cell, MotionProgram(cell)),
+        clock_endpoint(cell.clock),
+        nd28x_endpoint(bar),
+        hands_endpoint(cell),
+    ]

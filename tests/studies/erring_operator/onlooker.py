@@ -1,0 +1,132 @@
+"""What must never be, seen from outside: by what is true in the cell and what is on the disk."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from simulators.physics.rigid import FloatArray
+from simulators.robot import SpeedLimits
+from tests.studies.erring_operator.onlooked_cell import OnlookedCell
+from tests.studies.erring_operator.service_here import ServiceHere
+
+Line = dict[str, Any]
+_SLACK_DEG = 1e-3  # of a target on its way through the wire
+_ENDS = {"confirmed", "measured", "moved", "skipped", "reopened", "computed", "suspected", "answered"}
+_READS = ("/leg-", "side-", "initialise")
+
+
+@dataclass(slots=True)
+class Phase:
+    """Lengths between cups and nests that the session took note of, before or after the pre-calibration."""
+
+    wrong: int = 0  # not of the pair that was asked for
+    kept_silently: int = 0  # of the wrong ones, without a question
+    right: int = 0
+    questioned: int = 0  # of the right ones
+
+
+@dataclass(slots=True)
+class Seen:
+    """What an onlooker counts."""
+
+    motions: int = 0
+    faults: list[str] = field(default_factory=list)  # motions that must not have been
+    before: Phase = field(default_factory=Phase)
+    after: Phase = field(default_factory=Phase)
+    other_kept: Counter[str] = field(default_factory=Counter)  # wrong zeros and sides, kept silently
+    other_wrong: int = 0
+    examples: list[str] = field(default_factory=list)
+
+
+class Onlooker:
+    """Watches one session."""
+
+    def __init__(self, cell: OnlookedCell, service: ServiceHere, seen: Seen, begin: Sequence[Line]) -> None:
+        self._cell = cell
+        self._service = service
+        self._seen = seen
+        self._last = begin[-1]["number"] if begin else 0
+        self._computed = any(line["kind"] == "computed" for line in begin)
+        self.limits_deg: FloatArray | None = None  # of the cell file, (joints, 2)
+        self.speed_mm_s: float | None = None
+        cell.on_motion = self._motion
+
+    def _motion(self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits) -> None:
+        self._seen.motions += 1
+        seat = self._cell.seat
+        if "T" in seat:
+            self._fault(f"the arm moves with the ballbar at {seat}")
+        last = next((line for line in reversed(self._service.lines()) if _matters(line)), None)
+        if last is None or last["kind"] != "confirmed" or not last["step_id"].endswith("/move"):
+            self._fault(
+                f"the arm moves after {last and (last['kind'], last['step_id'], last['document']['text'])}"
+            )
+        elif not last["document"]["person"]:
+            self._fault("nobody confirmed by name")
+        if self.limits_deg is not None:
+            self._judge_limits(np.degrees(np.array(waypoints_rad)), limits)
+
+    def _judge_limits(self, targets_deg: FloatArray, limits: SpeedLimits) -> None:
+        lower, upper = np.array(self.limits_deg).T
+        outside = (targets_deg < lower - _SLACK_DEG) | (targets_deg > upper + _SLACK_DEG)
+        if outside.any():
+            self._fault(f"the arm is sent to {targets_deg[-1].round(2).tolist()}, outside the cell's limits")
+        if self.speed_mm_s is not None and limits.tool_mm_s > self.speed_mm_s + _SLACK_DEG:
+            self._fault(f"the arm is sent at {limits.tool_mm_s:g} mm/s, limit {self.speed_mm_s:g}")
+
+    def _fault(self, sentence: str) -> None:
+        self._seen.faults.append(sentence)
+
+    def read_ledger(self) -> None:
+        """Judge the lengths that were written since this was last asked."""
+        for line in self._service.lines(self._last):
+            self._last = line["number"]
+            self._computed |= line["kind"] == "computed"
+            if line["kind"] in {"measured", "suspected"} and line["document"]["length"] is not None:
+                self._judge_length(line)
+
+    def _judge_length(self, line: Line) -> None:
+        asked = asked_of(line["step_id"])
+        was = self._cell.seat_at(line["document"]["length"]["time_s"])
+        is_right = asked in {was, "-".join(reversed(was.split("-")))}
+        silent = line["kind"] == "measured" and line["document"]["suspicion"] is None
+        answered = line["kind"] == "measured" and not silent  # its question was counted when it was put
+        if answered:
+            return
+        if "/leg-" not in line["step_id"]:
+            self._seen.other_wrong += not is_right
+            if silent and not is_right:
+                self._seen.other_kept[f"{asked} on {was or 'nothing'}"] += 1
+            return
+        phase = self._seen.after if self._computed else self._seen.before
+        if is_right:
+            phase.right += 1
+            phase.questioned += not silent
+            return
+        phase.wrong += 1
+        phase.kept_silently += silent
+        if silent:
+            length = line["document"]["length"]
+            self._seen.examples.append(f"{line['step_id']} was {was}, {length['length_mm']:.4f} mm")
+
+
+def asked_of(step_id: str) -> str:
+    """Return what the ballbar has to be on: "B1-T2" of "placement-1/pose-3/leg-1-2"."""
+    last = step_id.rsplit("/", 1)[-1]
+    if last.startswith("leg-"):
+        _, cup, nest = last.split("-")
+        return f"B{cup}-T{nest}"
+    if last.startswith("side-"):
+        letter = "T" if step_id.startswith("tool") else "B"
+        _, first, second = last.split("-")
+        return f"{letter}{first}-{letter}{second}"
+    return "calibrator"
+
+
+def _matters(line: Line) -> bool:
+    text = line["document"]["text"]
+    state = text.partition(":")[0] in {"running", "paused", "pausing", "awaiting_confirmation", "aborting"}
+    return line["kind"] in _ENDS or (line["kind"] == "control" and state)

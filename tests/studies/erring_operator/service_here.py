@@ -1,0 +1,83 @@
+"""The service in this process, on a cell file that may be changed between two starts."""
+
+import contextlib
+import json
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from service.app.composition import open_context, program_version
+from service.settings import Settings
+from service.web.application import create_application
+from simulators.instruments.endpoint import Address
+from tests.studies.erring_operator.onlooked_cell import DRIVERS
+
+_ROBOTS = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
+_ANSWER_S = 300.0  # choosing poses takes half a minute, on a busy machine more
+
+
+class ServiceHere:
+    """Started, asked, ended and started again; the database stays."""
+
+    def __init__(self, folder: Path, scenario: str, addresses: Sequence[Address]) -> None:
+        self.database = folder / "sessions.sqlite3"
+        self._cell_file = folder / "cell.toml"
+        self._settings = Settings(f"sqlite:///{self.database}", cell_file=self._cell_file)
+        self._heading = _heading(scenario)
+        self._devices = _devices(addresses)
+        self._open: contextlib.AsyncExitStack | None = None
+        self._http: httpx.AsyncClient | None = None
+        self.describe()
+
+    @property
+    def http(self) -> httpx.AsyncClient:
+        """A client of the running service."""
+        if self._http is None:
+            raise RuntimeError("the service is not running")
+        return self._http
+
+    def describe(self, limits: str = "") -> None:
+        """Write the cell file; `limits` is its [limits] section."""
+        self._cell_file.write_text(f"{self._heading}\n{limits}\n{self._devices}", encoding="utf-8")
+
+    async def start(self) -> None:
+        """Start it on the cell file as it is now."""
+        async with contextlib.AsyncExitStack() as stack:
+            context = await stack.enter_async_context(open_context(self._settings))
+            app = create_application(program_version(), lambda: contextlib.nullcontext(context))
+            await stack.enter_async_context(app.router.lifespan_context(app))
+            transport = httpx.ASGITransport(app)
+            self._http = await stack.enter_async_context(
+                httpx.AsyncClient(transport=transport, base_url="http://localhost", timeout=_ANSWER_S)
+            )
+            self._open = stack.pop_all()
+
+    async def stop(self) -> None:
+        """End it in order; a motion that is under way ends by itself."""
+        if self._open is not None:
+            await self._open.aclose()
+        self._open = self._http = None
+
+    def lines(self, after: int = 0) -> list[dict[str, Any]]:
+        """Return the lines of all ledgers with a number above `after`, from the disk."""
+        with contextlib.closing(sqlite3.connect(f"file:{self.database}?mode=ro", uri=True)) as connection:
+            query = "SELECT id, step_id, kind, key, document FROM ballbar_entries WHERE id > ? ORDER BY id"
+            rows = connection.execute(query, (after,)).fetchall()
+        names = ("number", "step_id", "kind", "key", "document")
+        return [{**dict(zip(names, row, strict=True)), "document": json.loads(row[4])} for row in rows]
+
+
+def _heading(scenario: str) -> str:
+    robot = next(name for prefix, name in _ROBOTS.items() if scenario.startswith(prefix))
+    return f'robot = "{robot}"\n[ballbar]\nbase_points = 3\n'
+
+
+def _devices(addresses: Sequence[Address]) -> str:
+    return "\n".join(
+        f'[[device]]\nname = "{found.device}"\ndriver = "{DRIVERS[found.protocol]}"\n'
+        f'host = "{found.host}"\nport = {found.port}'
+        for found in addresses
+    )

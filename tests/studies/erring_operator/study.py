@@ -1,0 +1,54 @@
+"""The whole study, on a few processes."""
+
+import asyncio
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+from tests.studies.erring_operator.begun import Begun, begin
+from tests.studies.erring_operator.random_session import run_sessions
+from tests.studies.erring_operator.tally import Tally, joined
+
+ROBOTS = (
+    ("irb120-tilted", 0, 16),
+    ("lrmate-tilted", 1, 16),
+    ("irb120-tilted", 2, 16),
+    ("lrmate-tilted", 3, 8),
+    ("irb120-tilted", 4, 8),
+    ("lrmate-tilted", 5, 16),
+)  # scenario, seed, poses of the session
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """How much is tried."""
+
+    sessions: int = 1000
+    robots: int = len(ROBOTS)
+    deeds: int = 30  # of the operator in each session
+    share: float = 0.3  # of the steps at which the operator errs
+    seed: int = 0
+    processes: int = 2
+
+
+def study(wanted: Wanted, folder: Path) -> Tally:
+    """Walk the robots' sessions rightly, then run the random ones."""
+    # Not forked: an event loop and its threads do not survive that.
+    with ProcessPoolExecutor(wanted.processes, mp_context=get_context("spawn")) as pool:
+        robots = range(wanted.robots)
+        begun = list(pool.map(_begin, robots, [folder] * wanted.robots))
+        parts = range(wanted.processes)
+        tallies = [pool.submit(_run, wanted, part, begun, folder) for part in parts]
+        return joined([tally.result() for tally in tallies])
+
+
+def _begin(number: int, folder: Path) -> Begun:
+    scenario, seed, poses = ROBOTS[number]
+    return asyncio.run(begin(scenario, seed, poses, folder / f"robot-{number}"))
+
+
+def _run(wanted: Wanted, part: int, begun: Sequence[Begun], folder: Path) -> Tally:
+    numbers = range(part, wanted.sessions, wanted.processes)
+    return asyncio.run(run_sessions(numbers, begun, wanted.deeds, wanted.share, wanted.seed, folder))
