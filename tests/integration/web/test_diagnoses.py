@@ -237,7 +237,9 @@ async def test_a_diagnosis_asked_twice_with_one_key_runs_once(client, until):
 async def test_robots_with_two_serial_numbers_are_not_compared_with_each_other(settings, worker):
     for serial in ("120-1", "120-2"):
         settings.cell_file.write_text(CELL.replace("120-1", serial))
-        async with served(settings, Bench(), worker) as (client, until):
+        bench = Bench()
+        bench.robot.serial = serial
+        async with served(settings, bench, worker) as (client, until):
             path = await measured_session(client, until)
             asked = await client.post(f"{path}/diagnosis", json={})
             await until(asked.headers["Location"], "state", "succeeded")
