@@ -2,12 +2,12 @@
 
     python -m tests.studies.erring_operator --sessions 1000 --out out/erring-operator
 
-For each of a few simulated robots one session is walked rightly, and copies of database and cell are kept on the
-way. Each random session takes up one of these copies, or begins anew, and goes on with an operator who errs:
-wrong pairs, the bar left on or put on the calibrator, confirmations too early, a second tablet, reloads, wrong
-answers; and with a cell whose limits, cables and service change. Counted from outside: motions with the bar
-attached, unconfirmed or outside the limits; acknowledged lines that are lost; wrong lengths kept without a
-question, before and after the pre-calibration.
+For each of a few simulated robots one session is walked rightly, and copies of database and cell are kept on
+the way. Each random session takes up one of these copies and goes on with an operator who errs: wrong pairs,
+the bar left on or put on the calibrator, confirmations too early, a second tablet, reloads, wrong answers;
+and with a cell whose limits, serial numbers, cables and service change. Counted from outside: motions with
+the bar attached, unconfirmed or outside the limits; acknowledged lines that are lost; wrong lengths kept
+without a question, before and after the pre-calibration.
 """
 
 import argparse

@@ -1,13 +1,13 @@
 """Sessions that are under way: copies of database and cell, kept while one session goes as it should."""
 
 import shutil
-import sqlite3
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from service.showcase.ballbar_person import PersonAtTablet
+from service.storage.library import LIBRARY
 from tests.studies.erring_operator.onlooked_cell import standing
 from tests.studies.erring_operator.service_here import ServiceHere
 
@@ -67,8 +67,8 @@ def _copy(service: ServiceHere, folder: Path, number: int) -> Copy:
         any(line["kind"] == "computed" for line in service.lines()),
     )
     with (
-        closing(sqlite3.connect(service.database)) as source,
-        closing(sqlite3.connect(kept.database)) as copy,
+        closing(LIBRARY.connect(service.database)) as source,
+        closing(LIBRARY.connect(kept.database)) as copy,
     ):
         source.backup(copy)
     shutil.copy(folder / "cell.json", kept.cell)

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from simulators.ballbar import OnCalibrator, Seat, Span
 from simulators.clock import CellClock
+from simulators.instruments.ballbar_hid import HidBallbarGadget
 from simulators.instruments.cell_clock import clock_endpoint
 from simulators.instruments.endpoint import Address, Endpoint
 from simulators.instruments.hands import hands_endpoint
@@ -18,6 +19,7 @@ from simulators.instruments.length_source import Electronics
 from simulators.instruments.nd28x import nd28x_endpoint
 from simulators.instruments.open_abb import MotionProgram
 from simulators.instruments.open_abb_server import robot_endpoint
+from simulators.instruments.usbip import usbip_endpoint
 from simulators.journal import RememberedCell
 from simulators.physics.rigid import FloatArray
 from simulators.robot import JointMotion, SpeedLimits
@@ -27,6 +29,7 @@ OnMotion: TypeAlias = Callable[[Sequence[FloatArray], SpeedLimits], None]
 DRIVERS = {
     "open_abb": "abb_open_abb",
     "nd28x": "heidenhain_nd",
+    "hid": "ballbar_hid",
     "hands": "cell_hands",
     "clock": "cell_clock",
 }
@@ -38,6 +41,8 @@ class OnlookedCell(RememberedCell):
     def __init__(self, scenario: str, seed: int) -> None:
         super().__init__(load_scenario(scenario), seed, CellClock(0))
         self.on_motion: OnMotion = lambda waypoints, limits: None
+        self.swapped: dict[str, str] = {}  # device -> the serial number with which another one answers
+        self.faults.serial = lambda device, own, time_s: self.swapped.get(device, own)  # type: ignore[method-assign]
         self._seats: list[tuple[float, str]] = []
 
     def set_off(
@@ -81,18 +86,18 @@ async def standing(
     cell = OnlookedCell(scenario, seed)
     await cell.remember(state)
     cell.note_seat()
-    endpoints = _endpoints(cell)
+    endpoints = _endpoints(cell, tells_serial=seed % 2 == 1)
     try:
         yield cell, [await endpoint.open("127.0.0.1", 0) for endpoint in endpoints]
     finally:
         await asyncio.gather(*(endpoint.close() for endpoint in endpoints))
 
 
-def _endpoints(cell: OnlookedCell) -> list[Endpoint]:
+def _endpoints(cell: OnlookedCell, *, tells_serial: bool) -> list[Endpoint]:
     bar = Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         robot_endpoint(cell, MotionProgram(cell)),
         clock_endpoint(cell.clock),
-        nd28x_endpoint(bar),
+        usbip_endpoint("hid", HidBallbarGadget(bar)) if tells_serial else nd28x_endpoint(bar),
         hands_endpoint(cell),
     ]

@@ -10,6 +10,7 @@ import numpy as np
 from simulators.physics.rigid import FloatArray
 from simulators.robot import SpeedLimits
 from tests.studies.erring_operator.onlooked_cell import OnlookedCell
+from tests.studies.erring_operator.operator import ErringOperator
 from tests.studies.erring_operator.service_here import ServiceHere
 
 Line = dict[str, Any]
@@ -44,8 +45,16 @@ class Seen:
 class Onlooker:
     """Watches one session."""
 
-    def __init__(self, cell: OnlookedCell, service: ServiceHere, seen: Seen, begin: Sequence[Line]) -> None:
+    def __init__(
+        self,
+        cell: OnlookedCell,
+        service: ServiceHere,
+        operator: ErringOperator,
+        seen: Seen,
+        begin: Sequence[Line],
+    ) -> None:
         self._cell = cell
+        self._operator = operator
         self._service = service
         self._seen = seen
         self._last = begin[-1]["number"] if begin else 0
@@ -88,9 +97,15 @@ class Onlooker:
             if line["kind"] in {"measured", "suspected"} and line["document"]["length"] is not None:
                 self._judge_length(line)
 
+    def _is_foreign(self, time_s: float) -> bool:
+        since_s = self._operator.foreign_since_s
+        return since_s is not None and time_s > since_s and self._service.tells_serial
+
     def _judge_length(self, line: Line) -> None:
         asked = asked_of(line["step_id"])
         was = self._cell.seat_at(line["document"]["length"]["time_s"])
+        if line["kind"] == "measured" and self._is_foreign(line["document"]["length"]["time_s"]):
+            self._fault(f"{line['step_id']} was kept of a ballbar that nobody accepted")
         is_right = asked in {was, "-".join(reversed(was.split("-")))}
         silent = line["kind"] == "measured" and line["document"]["suspicion"] is None
         answered = line["kind"] == "measured" and not silent  # its question was counted when it was put

@@ -19,6 +19,10 @@ _API = "/api/v1"
 _READS = {"initialise", "measure_side", "connect_leg"}
 _ENDED = {"finished", "aborted", "failed"}
 _LOOK_S = 0.02
+_MEDDLING = (
+    *("second tablet", "reload", "back", "pause", "stop", "retry", "skip", "cable", "bar"),
+    *("another ballbar", "another robot"),
+)
 _TRIES = 5  # to have a length stored before the person thinks again
 
 
@@ -37,6 +41,7 @@ class ErringOperator:
         self.errors: Counter[str] = Counter()
         self.acknowledged: dict[int, str] = {}  # line -> key
         self.broken: list[str] = []  # answers that no client may get
+        self.foreign_since_s: float | None = None  # another ballbar is in the cell, and nobody accepted it
 
     # what the page does
 
@@ -109,11 +114,26 @@ class ErringOperator:
         return True
 
     async def _go_on(self, session: Session) -> None:
+        foreign = session["ballbar_in_question"]
+        if foreign is not None and self._rng.random() < 0.5:
+            await self._accept(foreign["serial_number"])
+            return
         name = {"planned": "start", "paused": "resume"}.get(session["state"], "confirm")
         answer = await self.act(name)
-        if answer.is_error:  # something is to be put right first: the bar is laid down, the cable plugged in
-            self.hands("plug_cable")
-            self.hands("detach")
+        if answer.is_error or foreign is not None or "robot answers" in session["reason"]:
+            self._put_right()
+
+    def _put_right(self) -> None:
+        """Lay the bar down, plug it in, switch it on, bring back what belongs here."""
+        for deed in ("plug_cable", "switch_on", "detach"):
+            self.hands(deed)
+        self._cell.swapped.clear()
+        self.foreign_since_s = None
+
+    async def _accept(self, serial_number: str) -> None:
+        answer = await self.act("confirm", accept_serial_number=serial_number)
+        if answer.is_success:
+            self.foreign_since_s = None
 
     async def _do(self, session: Session) -> None:
         """Do by hand what a step asks for, or forget to, and confirm it."""
@@ -123,15 +143,16 @@ class ErringOperator:
             self._connect_any(session)
         if kind != "move" and not self._errs(f"early confirm of {kind}"):
             self._by_hand(step)
-        elif kind == "detach" and self._rng.random() < 0.4:
-            self.errors["calibrator instead of laid down"] += 1
-            self.hands("calibrator", bars="base")
+        elif kind == "detach" and self._rng.random() < 0.6:
+            deed = self._rng.choice(("calibrator", "hold", "switch_off", "pull_cable"))
+            self.errors[f"{deed} instead of laid down"] += 1
+            self.hands(deed, **({"bars": "base"} if deed == "calibrator" else {}))
         answer = await self.act("confirm", step["id"])
         if answer.is_error:
             await asyncio.sleep(_LOOK_S)
-            if self._rng.random() < 0.7:
+            if self._rng.random() < 0.8:
                 self._by_hand(step)
-                self.hands("detach")
+                self._put_right()
             elif self._rng.random() < 0.3:
                 await self.act("skip", step["id"], reason="it cannot be done")
 
@@ -219,17 +240,7 @@ class ErringOperator:
     async def _meddle(self, session: Session) -> None:
         """Do what nobody asked for."""
         step_id = session["step"]["id"] if session["step"] else None
-        match self._rng.choice((
-            "second tablet",
-            "reload",
-            "back",
-            "pause",
-            "stop",
-            "retry",
-            "skip",
-            "cable",
-            "bar",
-        )):
+        match self._rng.choice(_MEDDLING):
             case "second tablet":
                 self._tablet = "tablet-2" if self._tablet == "tablet-1" else "tablet-1"
                 await self.act(self._rng.choice(("hand_over", "confirm", "store")), step_id)
@@ -243,6 +254,13 @@ class ErringOperator:
                 self.hands("detach")
             case "skip":
                 await self.act("skip", step_id, reason="no time")
+            case "another ballbar":
+                self.errors["another ballbar"] += 1
+                self._cell.swapped["ballbar"] = "777777"
+                self.foreign_since_s = self._cell.clock.now_s
+            case "another robot":
+                self.errors["another robot"] += 1
+                self._cell.swapped["robot"] = "777777"
             case name if name in {"back", "pause", "stop", "retry"}:
                 await self.act(name, step_id)
             case _:

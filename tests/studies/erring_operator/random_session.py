@@ -43,17 +43,17 @@ async def _run(
     shutil.copy(copy.database, folder / "sessions.sqlite3")
     async with standing(begun.scenario, begun.seed, folder / "cell.json") as (cell, addresses):
         service = ServiceHere(folder, begun.scenario, addresses)
-        onlooker = Onlooker(cell, service, tally.seen, service.lines())
         operator = ErringOperator(cell, rng, share)
+        onlooker = Onlooker(cell, service, operator, tally.seen, service.lines())
         faults = len(tally.seen.faults)
         try:
             await _start(service, operator)
             for _ in range(deeds):
                 if rng.random() < _CHANGES:
                     await _change(cell, service, operator, onlooker, rng)
+                onlooker.read_ledger()
                 if not await operator.deed():
                     break
-                onlooker.read_ledger()
         finally:
             await service.stop()
         onlooker.read_ledger()

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import httpx
 
 from service.app.composition import open_context, program_version
 from service.settings import Settings
+from service.storage.library import LIBRARY
 from service.web.application import create_application
 from simulators.instruments.endpoint import Address
 from tests.studies.erring_operator.onlooked_cell import DRIVERS
@@ -28,6 +28,7 @@ class ServiceHere:
         self._settings = Settings(f"sqlite:///{self.database}", cell_file=self._cell_file)
         self._heading = _heading(scenario)
         self._devices = _devices(addresses)
+        self.tells_serial = any(address.protocol == "hid" for address in addresses)
         self._open: contextlib.AsyncExitStack | None = None
         self._http: httpx.AsyncClient | None = None
         self.describe()
@@ -63,7 +64,7 @@ class ServiceHere:
 
     def lines(self, after: int = 0) -> list[dict[str, Any]]:
         """Return the lines of all ledgers with a number above `after`, from the disk."""
-        with contextlib.closing(sqlite3.connect(f"file:{self.database}?mode=ro", uri=True)) as connection:
+        with contextlib.closing(LIBRARY.connect(f"file:{self.database}?mode=ro", uri=True)) as connection:
             query = "SELECT id, step_id, kind, key, document FROM ballbar_entries WHERE id > ? ORDER BY id"
             rows = connection.execute(query, (after,)).fetchall()
         names = ("number", "step_id", "kind", "key", "document")
