@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test check accuracy diagnosis-report ballbar-report interruptions live-latency nightly clean
+.PHONY: setup demo test check accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -36,6 +36,18 @@ diagnosis-report: setup
 
 ballbar-report: setup
 	$(BIN)/python -m service.showcase.ballbar_report --out out/ballbar
+
+# An hour and a half on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
+hardening-report: setup
+	$(BIN)/python -m tests.studies.erring_operator --out out/hardening
+	$(BIN)/python -m tests.studies.wrong_pairs --out out/hardening
+	$(BIN)/python -m tests.studies.hostile_wires --out out/hardening
+	$(BIN)/python -m tests.studies.crowded_door --out out/hardening
+	$(BIN)/python -m tests.studies.giant_upload --out out/hardening
+	$(BIN)/python -m tests.studies.storage_refusals --lock-s 60 --out out/hardening
+	$(BIN)/python -m tests.studies.tampering --out out/hardening
+	$(BIN)/python -m tests.studies.durable_writes --out out/hardening
+	$(BIN)/python -m tests.studies.ready_again --readings 1000000 --out out/hardening
 
 # Two hundred kills of a ballbar session take a quarter of an hour; the latency of the live stream half a minute.
 interruptions: setup
