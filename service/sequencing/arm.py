@@ -3,7 +3,7 @@
 import asyncio
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -29,6 +29,7 @@ class Permission:
 _LOOK_TWICE_S: Final = 0.5  # between two looks; 0.02 deg/s is then seen in a reply rounded to 0.01 deg
 
 AskPermission: TypeAlias = Callable[[float], Permission]  # at a cell time
+BeforePiece: TypeAlias = Callable[[], Awaitable[None]]  # lets what the permission rests on be read anew
 
 
 class Arm:
@@ -44,6 +45,7 @@ class Arm:
         max_state_age_s: float = MAX_STATE_AGE_S,
         pieces: Pieces | None = None,
         wall_s: Callable[[], float] = time.monotonic,
+        before_piece: BeforePiece | None = None,
     ) -> None:
         self._controller = controller
         self._clock = clock
@@ -53,6 +55,7 @@ class Arm:
         self._max_state_age_s = max_state_age_s
         self._pieces = pieces
         self._pace = WallPace(wall_s)
+        self._before_piece = before_piece
         self._left_at: tuple[float, ...] | None = None
         self._direction = (0,) * len(limits)
 
@@ -81,6 +84,8 @@ class Arm:
         reading = await self._read_in_time()
         for number, piece_rad in enumerate(self._pieces_to(target_rad, reading)):
             if number > 0:
+                if self._before_piece is not None:
+                    await self._before_piece()
                 reading = await self._read_in_time()
             await self._move_piece(piece_rad, target_rad, reading)
 

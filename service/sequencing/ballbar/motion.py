@@ -55,6 +55,7 @@ class Motion:
             self._permission,
             plan.state_age_s,
             Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
+            before_piece=readings.settle,  # a piece may last longer than a sample of the ballbar counts
         )
         self._controller = cell.robot_controller
         self.moving = False

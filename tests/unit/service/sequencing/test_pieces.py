@@ -102,6 +102,24 @@ async def test_a_halt_takes_effect_after_the_piece_under_way():
     assert asked == [0, 1, 2, 3]  # everything is looked at before each piece
 
 
+async def test_what_the_permission_rests_on_is_read_anew_before_each_further_piece():
+    robot, clock = await connected()
+    looked_s, judged_s = [], []
+
+    async def look():
+        looked_s.append(clock.time_s)
+
+    def permission(now_s):
+        judged_s.append(now_s)
+        return Permission(SessionState.RUNNING, stop_requested=False, question=None)
+
+    arm = Arm(robot, clock, WIDE, 0.00035, permission, pieces=Pieces(IRB120, SLOW), before_piece=look)
+    await arm.move(TARGET)
+
+    assert len(looked_s) == len(robot.moves) - 1 > 10
+    assert looked_s == judged_s[1:]  # nothing has moved in between
+
+
 async def test_where_motions_take_no_wall_time_they_go_out_whole_from_the_second_on():
     robot, clock = await connected()
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
