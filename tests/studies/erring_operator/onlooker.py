@@ -40,6 +40,9 @@ class Seen:
     other_kept: Counter[str] = field(default_factory=Counter)  # wrong zeros and sides, kept silently
     other_wrong: int = 0
     examples: list[str] = field(default_factory=list)
+    walked_to_the_end: int = 0  # sessions
+    wrong_until_the_end: int = 0  # wrong legs of those
+    kept_at_the_end: list[str] = field(default_factory=list)  # of these, never asked about nor refuted
 
 
 class Onlooker:
@@ -59,6 +62,8 @@ class Onlooker:
         self._seen = seen
         self._last = begin[-1]["number"] if begin else 0
         self._computed = any(line["kind"] == "computed" for line in begin)
+        self._wrong = 0
+        self._kept: dict[str, str] = {}  # step -> what it truly was
         self.limits_deg: FloatArray | None = None  # of the cell file, (joints, 2)
         self.speed_mm_s: float | None = None
         cell.on_motion = self._motion
@@ -94,8 +99,27 @@ class Onlooker:
         for line in self._service.lines(self._last):
             self._last = line["number"]
             self._computed |= line["kind"] == "computed"
+            self._forget_what_counts_no_more(line)
             if line["kind"] in {"measured", "suspected"} and line["document"]["length"] is not None:
                 self._judge_length(line)
+
+    def _forget_what_counts_no_more(self, line: Line) -> None:
+        """Drop wrong lengths that were reopened, read anew, or refuted by the pre-calibration."""
+        step_id = line["step_id"]
+        takes_along = line["kind"] == "reopened" and step_id.rsplit("/", 1)[-1] in {"move", "initialise"}
+        group = step_id.rpartition("/")[0] + "/" if takes_along else None
+        found = line["document"].get("precalibration") or {}
+        refuted = {f"/pose-{config}/" for config in found.get("exchanged", ())}
+        for kept in [*self._kept]:
+            again = line["kind"] in {"reopened", "measured"} and kept == step_id
+            if again or (group and kept.startswith(group)) or any(pose in kept for pose in refuted):
+                del self._kept[kept]
+
+    def take_the_end(self) -> None:
+        """Count what a session that has finished keeps of wrong lengths."""
+        self._seen.walked_to_the_end += 1
+        self._seen.wrong_until_the_end += self._wrong
+        self._seen.kept_at_the_end += [f"{step_id} was {seat}" for step_id, seat in self._kept.items()]
 
     def _is_foreign(self, time_s: float) -> bool:
         since_s = self._operator.foreign_since_s
@@ -123,7 +147,9 @@ class Onlooker:
             return
         phase.wrong += 1
         phase.kept_silently += silent
+        self._wrong += 1
         if silent:
+            self._kept[line["step_id"]] = was
             length = line["document"]["length"]
             self._seen.examples.append(f"{line['step_id']} was {was}, {length['length_mm']:.4f} mm")
 

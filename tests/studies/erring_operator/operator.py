@@ -43,6 +43,10 @@ class ErringOperator:
         self.broken: list[str] = []  # answers that no client may get
         self.foreign_since_s: float | None = None  # another ballbar is in the cell, and nobody accepted it
 
+    def take_care(self) -> None:
+        """Err no more."""
+        self._share = 0.0
+
     # what the page does
 
     async def see(self) -> Session:

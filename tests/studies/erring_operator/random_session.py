@@ -15,6 +15,8 @@ from tests.studies.erring_operator.service_here import ServiceHere
 from tests.studies.erring_operator.tally import Tally
 
 _CHANGES = 0.02  # of the deeds: limits of the cell file, or a restart without a change
+_FINISHED = 0.1  # of the sessions are walked to their end, with an operator who errs no more after a while
+_MOST_DEEDS = 600
 _NARROW_DEG = 10.0  # about where the arm stands
 _SLOW_MM_S = 50.0
 
@@ -48,11 +50,16 @@ async def _run(
         faults = len(tally.seen.faults)
         try:
             await _start(service, operator)
-            for _ in range(deeds):
-                if rng.random() < _CHANGES:
+            finishes = rng.random() < _FINISHED
+            for deed in range(_MOST_DEEDS if finishes else deeds):
+                if deed == deeds:
+                    operator.take_care()
+                if deed < deeds and rng.random() < _CHANGES:
                     await _change(cell, service, operator, onlooker, rng)
                 onlooker.read_ledger()
                 if not await operator.deed():
+                    onlooker.read_ledger()
+                    onlooker.take_the_end()
                     break
         finally:
             await service.stop()

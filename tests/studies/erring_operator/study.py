@@ -12,10 +12,10 @@ from tests.studies.erring_operator.random_session import run_sessions
 from tests.studies.erring_operator.tally import Tally, joined
 
 ROBOTS = (
+    ("lrmate-tilted", 3, 8),
     ("irb120-tilted", 0, 16),
     ("lrmate-tilted", 1, 16),
     ("irb120-tilted", 2, 16),
-    ("lrmate-tilted", 3, 8),
     ("irb120-tilted", 4, 8),
     ("lrmate-tilted", 5, 16),
 )  # scenario, seed, poses of the session

@@ -59,6 +59,9 @@ def joined(tallies: Sequence[Tally]) -> Tally:
         whole.seen.examples += tally.seen.examples
         whole.seen.other_kept.update(tally.seen.other_kept)
         whole.seen.other_wrong += tally.seen.other_wrong
+        whole.seen.walked_to_the_end += tally.seen.walked_to_the_end
+        whole.seen.wrong_until_the_end += tally.seen.wrong_until_the_end
+        whole.seen.kept_at_the_end += tally.seen.kept_at_the_end
         _add(whole.seen.before, tally.seen.before)
         _add(whole.seen.after, tally.seen.after)
     return whole

@@ -1,0 +1,18 @@
+"""The study of operators who err: a tiny run, so that it does not rot; its figures are in docs."""
+
+import json
+
+from tests.studies.erring_operator.__main__ import main
+
+
+def test_nothing_moves_that_must_not_in_a_few_random_sessions(tmp_path, capsys):
+    asked = ["--sessions", "2", "--robots", "1", "--deeds", "8", "--processes", "1", "--seed", "5"]
+
+    status = main([*asked, "--out", str(tmp_path)])
+
+    found = json.loads((tmp_path / "erring_operator.json").read_text())
+    assert found["sessions"] == 2
+    assert found["accidents"] == found["motions_attached"] == 0
+    assert found["seen"]["faults"] == found["lost"] == found["broken"] == []
+    assert status == 0 or found["seen"]["motions"] == 0  # so few deeds need not move the arm
+    assert json.loads(capsys.readouterr().out) == found
