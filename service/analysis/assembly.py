@@ -55,6 +55,7 @@ def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession 
         tracker_position_mm=_tracker_position(registration),
         fixed_nests=cell.fixed_nests,
         registration=None if registration is None else WorldRegistration(registration.covariance),
+        simulated=any(session.setup.simulated for session in sessions),
         notes=tuple(_notes(calibration, validation)),
     )
 
@@ -74,6 +75,7 @@ def judged_by(campaign: Campaign, calibration: MeasuredSession, validation: Meas
         validation=point_readings(validation.points),
         reference=_reference(validation.fixed_nests),
         tracker_position_mm=_tracker_position(validation.registration),
+        simulated=bool(campaign.simulated) or validation.setup.simulated,
         notes=(
             *campaign.notes,
             f"Validation readings are those of session {validation.id}.",
@@ -155,9 +157,10 @@ def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> 
     yield f"Calibration readings are those of session {calibration.id} on {cell.name}."
     if validation is not None:
         yield f"Validation readings are those of session {validation.id}."
-    if cell.simulated is not None:
+    sessions = [calibration] if validation is None else [calibration, validation]
+    if any(session.setup.simulated for session in sessions):
         yield "SIMULATED: no robot and no instrument took part."
-    yield from _trackers([calibration] if validation is None else [calibration, validation])
+    yield from _trackers(sessions)
     for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
         if text:
             yield f"{what}: {text}"

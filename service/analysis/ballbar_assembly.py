@@ -105,6 +105,7 @@ def assemble_ballbar_campaign(
         ballbar_nominal_mm=kit.base_bars.nominal_mm,
         ballbar_range_mm=kit.range_mm,
         setup_uncertainty_mm=kit.setup_u_mm,
+        simulated=setup.simulated,
         notes=tuple(_notes(name, setup, kit, counting)),
     )
 

@@ -2,6 +2,8 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sized
+from dataclasses import replace
+from datetime import date
 from typing import Final, TypeAlias
 
 from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
@@ -36,16 +38,22 @@ class CampaignDesk:
         self._readings = readings
         self._of_ballbar = of_ballbar
 
-    async def upload(self, archive: bytes, name: str, key: RequestKey | None = None) -> int:
+    async def upload(
+        self, archive: bytes, name: str, measured_on: date | None = None, key: RequestKey | None = None
+    ) -> int:
         """Store an uploaded zip as it is and return its number; call it within a turn of `uploads`.
 
-        Cancelling it ends the reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
+        `measured_on` is the day of the readings, where it is not that of the archive. Cancelling it ends the
+        reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
         """
         made = None if key is None else await self._campaigns.answered(key)
         if made is not None:
             return made
         found = await self.uploads.read(archive, name)
-        return await self._campaigns.add(NewCampaign(name, found.robot, found.summary, archive), key)
+        summary = found.summary
+        if measured_on is not None:
+            summary = replace(summary, measured_on=measured_on.isoformat())
+        return await self._campaigns.add(NewCampaign(name, found.robot, summary, archive), key)
 
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
@@ -110,6 +118,8 @@ def summary_of(campaign: Campaign) -> CampaignSummary:
         reference_readings=_rows(campaign.reference),
         ignored=_first(campaign.ignored),
         notes=_first(campaign.notes),
+        simulated=campaign.simulated,
+        measured_on=None if campaign.measured_on is None else campaign.measured_on.isoformat(),
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from service.analysis.errors import NeverDiagnosedError, RobotsMixedError
-from service.diagnosis.comparison import CauseOverTime, DatedDiagnosis, compare
+from service.diagnosis.comparison import CauseOverTime, DatedDiagnosis, compare, place_in_time
 from service.storage.records import DiagnosisRecord
 
 
@@ -11,6 +11,8 @@ def compare_over_time(
     robot: str, records: Sequence[DiagnosisRecord]
 ) -> tuple[list[DiagnosisRecord], tuple[CauseOverTime, ...]]:
     """Return the records that were compared, in the order of their readings, and the causes in them.
+
+    Records that do not say when their readings were taken stand last, and nothing is subtracted from them.
 
     Of several diagnoses of the same readings the latest counts: they share their noise, so nothing can
     be learnt from their difference.
@@ -28,7 +30,7 @@ def compare_over_time(
             "has the names and serial numbers that there are."
         )
     _check_one_robot(robot, records)
-    counting = sorted(_latest(records), key=lambda record: (record.measured_at, record.id))
+    counting = sorted(_latest(records), key=lambda record: place_in_time(record.measured_at, record.id))
     dated = [DatedDiagnosis(record.id, record.measured_at, record.diagnosis) for record in counting]
     return counting, compare(dated)
 

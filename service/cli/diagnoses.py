@@ -42,7 +42,7 @@ def diagnose_command(
     if model_out is not None:
         _write_model(model_out, answer)
     if report is not None:
-        _write_report(report, campaign, answer)
+        _write_report(report, campaign, measured, answer)
     _print(answer, as_json=json)
     return 0 if answer.model is not None else 1
 
@@ -71,10 +71,13 @@ def _write_model(path: Path, answer: "Diagnosis") -> None:
         write_model(answer.model, path)
 
 
-def _write_report(path: Path, campaign: Path, answer: "Diagnosis") -> None:
-    from service.reports import DiagnosisInput, write_diagnosis_report
+def _write_report(path: Path, campaign: Path, measured: "Campaign", answer: "Diagnosis") -> None:
+    from service.reports import DiagnosisInput, ReportConditions, write_diagnosis_report
 
-    write_diagnosis_report(path, DiagnosisInput(answer, campaign=campaign.resolve().name))
+    day = "day not stated" if measured.measured_on is None else f"measured {measured.measured_on}"
+    named = f"{campaign.resolve().name}, {day}"
+    conditions = ReportConditions(simulated=bool(measured.simulated))
+    write_diagnosis_report(path, DiagnosisInput(answer, named, conditions))
 
 
 def _print(answer: "Diagnosis", *, as_json: bool) -> None:

@@ -7,7 +7,8 @@ certified nests, makes u too large, never too small. All tests of one comparison
 Scand. J. Statist. 6, 1979, 65-70): who looks at twenty causes over ten years finds no change by chance alone.
 
 A cause that was not found is not a cause of amplitude zero. Where a diagnosis does not name it, the reason
-is kept and nothing is subtracted.
+is kept and nothing is subtracted. Nor is it where nobody said when readings were taken: what has no place
+in time stands last, in the order of its numbers.
 """
 
 import math
@@ -30,10 +31,10 @@ _MINUTE: Final = len("2026-03-03T10:15")
 
 @dataclass(frozen=True, slots=True)
 class DatedDiagnosis:
-    """A diagnosis and when its readings were taken: a day, or UTC in ISO 8601."""
+    """A diagnosis and when its readings were taken: a day, or UTC in ISO 8601; None: nobody said."""
 
     id: int
-    measured_at: str
+    measured_at: str | None
     diagnosis: Diagnosis
 
 
@@ -53,7 +54,7 @@ class Sign:
     """What one diagnosis says of one cause; the numbers are None where it was not found."""
 
     diagnosis_id: int
-    measured_at: str
+    measured_at: str | None
     sighting: Sighting
     amplitude: float | None = None
     standard_uncertainty: float | None = None
@@ -78,7 +79,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class CauseOverTime:
-    """One cause in all diagnoses, oldest first."""
+    """One cause in all diagnoses, oldest first, and last those of which nobody said when."""
 
     effect: str
     subject: str
@@ -97,21 +98,30 @@ def compare(diagnoses: Sequence[DatedDiagnosis]) -> tuple[CauseOverTime, ...]:
     diagnoses : sequence of DatedDiagnosis
         Of one robot, each of other readings; in any order.
     """
-    dated = sorted(diagnoses, key=lambda entry: (entry.measured_at, entry.id))
+    dated = sorted(diagnoses, key=lambda entry: place_in_time(entry.measured_at, entry.id))
     seen = [amplitudes_of(entry.diagnosis) for entry in dated]
     keys = dict.fromkeys(key for amplitudes in seen for key in amplitudes)
     causes = [_over_time(key, dated, [amplitudes.get(key) for amplitudes in seen]) for key in keys]
     return _corrected(causes)
 
 
+def place_in_time(measured_at: str | None, number: int) -> tuple[bool, str, int]:
+    """Return what diagnoses are sorted by: what nobody dated comes last."""
+    return measured_at is None, measured_at or "", number
+
+
 def _over_time(
     key: Key, dated: Sequence[DatedDiagnosis], amplitudes: Sequence[Amplitude | None]
 ) -> CauseOverTime:
     signs = tuple(_sign(key, entry, found) for entry, found in zip(dated, amplitudes, strict=True))
-    found = [] if key.effect in _EVENTS else [sign for sign in signs if sign.sighting is Sighting.FOUND]
+    found = [] if key.effect in _EVENTS else [sign for sign in signs if _has_amplitude_and_day(sign)]
     changes = tuple(_change(earlier, later) for earlier, later in pairwise(found))
     overall = _change(found[0], found[-1]) if len(found) > 2 else None
     return CauseOverTime(key.effect, key.subject, key.variant, key.unit, signs, changes, overall)
+
+
+def _has_amplitude_and_day(sign: Sign) -> bool:
+    return sign.sighting is Sighting.FOUND and sign.measured_at is not None
 
 
 def _sign(key: Key, entry: DatedDiagnosis, found: Amplitude | None) -> Sign:
@@ -222,10 +232,9 @@ def _verdict(change: Change) -> str:
 
 
 def _moments(earlier: Sign, later: Sign) -> tuple[str, str]:
-    same_day = earlier.measured_at[:_DAY] == later.measured_at[:_DAY]
-    length = _MINUTE if same_day else _DAY
-    before, after = (sign.measured_at[:length].replace("T", " ") for sign in (earlier, later))
-    return before, after
+    first, last = earlier.measured_at or "", later.measured_at or ""
+    length = _MINUTE if first[:_DAY] == last[:_DAY] else _DAY
+    return first[:length].replace("T", " "), last[:length].replace("T", " ")
 
 
 def _number(value: float, u: float) -> str:

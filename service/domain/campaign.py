@@ -1,6 +1,7 @@
 """A campaign: one robot measured with one set-up, as tables of equal-length arrays."""
 
 from dataclasses import dataclass
+from datetime import date
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
@@ -125,5 +126,7 @@ class Campaign:
     ballbar_nominal_mm: float | None = None
     ballbar_range_mm: float | None = None
     setup_uncertainty_mm: float | None = None
+    simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
+    measured_on: date | None = None  # None: nobody said
     notes: tuple[str, ...] = ()
     ignored: tuple[str, ...] = ()  # columns and keys kept but not understood, one sentence each

@@ -1,8 +1,10 @@
 """`campaign.json`: everything of a campaign but its tables.
 
-One optional key is this program's own: `world_registration`, an object with `covariance_mm_rad`, the
-6x6 covariance (rows and columns: translation x y z in mm, rotation vector x y z in rad) of a small
-motion about the world origin by which the readings may sit wrong in the world.
+Three optional keys are this program's own. `simulated` is true where no robot and no instrument took part;
+where it is absent nobody said so. `measured_on` is the day of the readings, as 2026-03-03. And
+`world_registration` is an object with `covariance_mm_rad`, the 6x6 covariance (rows and columns: translation
+x y z in mm, rotation vector x y z in rad) of a small motion about the world origin by which the readings may
+sit wrong in the world.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,6 +18,7 @@ from service.exchange.covariance_document import covariance_document, read_covar
 from service.exchange.document import Node
 from service.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
 from service.exchange.json_text import Json
+from service.exchange.readings_origin import read_day, read_simulated
 from service.exchange.robot_document import (
     joints_document,
     masses_document,
@@ -47,7 +50,7 @@ _KEYS = frozenset({
     "masses", "gravity_m_s2_world", "gear_ratio", "typical_compliance_rad_per_Nmm", "robot_repeatability_mm",
     "u_includes_repeatability", "tool_nest_axis", "tracker_position_world_mm", "fixed_nests_certified_mm",
     "fixed_nest_u_mm", "ballbar_nominal_mm", "ballbar_range_mm", "setup_u_mm", "notes", "files",
-    "world_registration",
+    "world_registration", "simulated", "measured_on",
 })  # fmt: skip
 _JOINT_KEYS = frozenset({"joint", "alpha_deg", "a_mm", "theta_offset_deg", "d_mm", "sign"})
 
@@ -82,6 +85,8 @@ def read_description(root: Node) -> Description:
         ballbar_nominal_mm=_positive(root, "ballbar_nominal_mm"),
         ballbar_range_mm=_positive(root, "ballbar_range_mm"),
         setup_uncertainty_mm=_read_setup_uncertainty(root, files),
+        simulated=read_simulated(root, _read_notes(root)),
+        measured_on=read_day(root.optional("measured_on")),
         notes=_read_notes(root),
         ignored=tuple(_ignored(root)),
     )
@@ -258,6 +263,8 @@ def _optional_keys(campaign: Campaign) -> dict[str, Json]:
         "ballbar_nominal_mm": campaign.ballbar_nominal_mm,
         "ballbar_range_mm": campaign.ballbar_range_mm,
         "setup_u_mm": campaign.setup_uncertainty_mm,
+        "simulated": campaign.simulated,
+        "measured_on": None if campaign.measured_on is None else campaign.measured_on.isoformat(),
         "world_registration": None
         if registration is None
         else {"covariance_mm_rad": covariance_document(registration.covariance)},

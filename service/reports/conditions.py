@@ -36,7 +36,7 @@ class Period:
 class ReportConditions:
     """Everything optional; None and "" mean that it was not stated."""
 
-    simulated: bool = False
+    simulated: bool = False  # as the record of the readings says
     instruments: tuple[Instrument, ...] = ()
     artefacts: tuple[Artefact, ...] = ()
     robot_serial_number: str = ""

@@ -34,12 +34,6 @@ class DiagnosisInput:
     campaign: str = ""  # what the readings are called; "" is printed as not stated
     conditions: ReportConditions = field(default_factory=ReportConditions)
 
-    @property
-    def simulated(self) -> bool:
-        """Whether no robot took part; a campaign of simulated sessions says so in its notes."""
-        notes = self.conditions.notes
-        return self.conditions.simulated or any(note.startswith("SIMULATED") for note in notes)
-
 
 @dataclass(frozen=True, slots=True)
 class DependenceBlock:
@@ -98,7 +92,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions)),
-        "simulated": report.simulated,
+        "simulated": report.conditions.simulated,
         "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None),
         "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
         "findings": finding_blocks(diagnosis),

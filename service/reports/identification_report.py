@@ -79,7 +79,7 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
         campaign=campaign,
         conditions=conditions,
         condition_rows=tuple(condition_rows(conditions)),
-        simulated=_simulated(conditions, campaign),
+        simulated=conditions.simulated or bool(campaign.simulated),
         headline=headline(identification, shown, uncertainties),
         figures_rows=tuple(figures_rows(identification, shown)),
         far_out=FAR_OUT,
@@ -109,11 +109,6 @@ def _all_stops(campaign: Campaign) -> Iterator[Stops]:
     for table in (campaign.calibration, campaign.validation, campaign.legs, campaign.validation_legs):
         if table is not None:
             yield table.stops
-
-
-def _simulated(conditions: ReportConditions, campaign: Campaign) -> bool:
-    # A campaign assembled from simulated sessions says so in its notes, wherever it travels.
-    return conditions.simulated or any(note.startswith("SIMULATED") for note in campaign.notes)
 
 
 def _budget(

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, Row, Select, select
 
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
 from service.storage.events import add_event
+from service.storage.origins import simulated_campaign
 from service.storage.records import CampaignRecord, CampaignSummary, Page, RequestKey
 from service.storage.request_keys import answered, once
 from service.storage.rows import add_row
@@ -44,7 +45,7 @@ class CampaignRepository:
 
     async def get(self, campaign_id: int) -> CampaignRecord:
         """Return a campaign without its archive; raises NotFoundError."""
-        query = select(*_LISTED).where(campaigns.c.id == campaign_id)
+        query = _records().where(campaigns.c.id == campaign_id)
         row = await self._database.read(lambda c: c.execute(query).one_or_none())
         if row is None:
             raise NotFoundError("campaign", campaign_id)
@@ -52,7 +53,7 @@ class CampaignRepository:
 
     async def page(self, page: Page) -> list[CampaignRecord]:
         """Return campaigns, oldest first."""
-        query = select(*_LISTED).where(campaigns.c.id > page.after).order_by(campaigns.c.id).limit(page.limit)
+        query = _records().where(campaigns.c.id > page.after).order_by(campaigns.c.id).limit(page.limit)
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def archive(self, campaign_id: int) -> bytes:
@@ -78,6 +79,12 @@ def _add(connection: Connection, campaign: NewCampaign) -> int:
     return number
 
 
+def _records() -> Select[Any]:
+    return select(*_LISTED, simulated_campaign())
+
+
 def _record(row: Row[Any]) -> CampaignRecord:
     summary = from_document(CampaignSummary, row.summary)
-    return CampaignRecord(row.id, row.recorded_at, row.name, row.robot, tuple(row.session_ids), summary)
+    return CampaignRecord(
+        row.id, row.recorded_at, row.name, row.robot, tuple(row.session_ids), bool(row.simulated), summary
+    )

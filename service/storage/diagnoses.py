@@ -4,16 +4,17 @@ import dataclasses
 from datetime import date
 from typing import Any, Final
 
-from sqlalchemy import Connection, Row, Select, func, select
+from sqlalchemy import Connection, Row, Select, select
 
 from service.domain.diagnosis import Diagnosis
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
 from service.storage.jobs import add_job_state
+from service.storage.origins import Origin, simulated_campaign
 from service.storage.records import DiagnosisRecord, JobState, Page
 from service.storage.rows import add_row
-from service.storage.tables import campaigns, diagnoses, models, readings, sessions
+from service.storage.tables import campaigns, diagnoses, models
 
 _LISTED: Final = [column for column in diagnoses.c if column.name not in {"summary", "document"}]
 
@@ -27,15 +28,15 @@ class DiagnosisRepository:
     async def keep(self, job_id: int, campaign_id: int, found: Diagnosis, measured_on: date | None) -> int:
         """Store a diagnosis, with its model as a record of its own, and end the job.
 
-        `measured_on` is the day of the readings. Where nobody said it, it is when the session's last
-        reading was stored, and of an uploaded campaign when it came.
+        `measured_on` is the day of the readings. Else it is the day that the campaign states, or when the
+        session's last reading was stored; of an upload that says nothing it stays unknown.
         """
         document = to_document(dataclasses.replace(found, model=None))
         summary = to_document(without_drawings(found))
         model = None if found.model is None else (found.model.robot.name, to_document(found.model))
 
         def work(connection: Connection) -> int:
-            origin = _Origin(connection, campaign_id)
+            origin = Origin(connection, campaign_id)
             number = add_row(
                 connection,
                 diagnoses,
@@ -95,29 +96,6 @@ def without_drawings(diagnosis: Diagnosis) -> Diagnosis:
     )
 
 
-class _Origin:
-    """Where the readings of a campaign come from, inside the caller's transaction."""
-
-    def __init__(self, connection: Connection, campaign_id: int) -> None:
-        query = select(campaigns.c.recorded_at, campaigns.c.session_ids).where(campaigns.c.id == campaign_id)
-        self._connection = connection
-        self._stored_at, session_ids = connection.execute(query).one()
-        self._session_id = session_ids[0] if session_ids else None
-
-    def measured_at(self) -> str:
-        last = (
-            select(func.max(readings.c.recorded_at))
-            .where(readings.c.session_id == self._session_id)
-            .where(readings.c.recorded_at <= self._stored_at)  # a running session goes on measuring
-        )
-        return str(self._connection.scalar(last) or self._stored_at)
-
-    def robot_serial_number(self) -> str:
-        query = select(sessions.c.setup).where(sessions.c.id == self._session_id)
-        setup = self._connection.scalar(query)
-        return "" if setup is None else str(setup["cell"].get("robot_serial_number", ""))
-
-
 def _records(document: Any) -> Select[Any]:
     return (
         select(
@@ -125,21 +103,30 @@ def _records(document: Any) -> Select[Any]:
             document.label("told"),
             models.c.id.label("model_id"),
             campaigns.c.session_ids,
+            campaigns.c.recorded_at.label("came_at"),
+            simulated_campaign(),
         )
         .join(campaigns, campaigns.c.id == diagnoses.c.campaign_id)
         .outerjoin(models, models.c.diagnosis_id == diagnoses.c.id)
     )
 
 
+def _measured_at(row: Row[Any]) -> str | None:
+    """Return when the readings were taken; earlier versions put the moment in which an upload came."""
+    came = not row.session_ids and row.measured_at == row.came_at
+    return None if came or not row.measured_at else str(row.measured_at)
+
+
 def _record(row: Row[Any]) -> DiagnosisRecord:
     return DiagnosisRecord(
         id=row.id,
         recorded_at=row.recorded_at,
-        measured_at=row.measured_at,
+        measured_at=_measured_at(row),
         job_id=row.job_id,
         campaign_id=row.campaign_id,
         session_id=row.session_ids[0] if row.session_ids else None,
         model_id=row.model_id,
         robot_serial_number=row.robot_serial_number,
+        simulated=bool(row.simulated),
         diagnosis=from_document(Diagnosis, row.told),
     )

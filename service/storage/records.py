@@ -41,6 +41,7 @@ class SessionRecord:
     planned: int
     measured: int
     skipped: int
+    simulated: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +107,7 @@ class CampaignRecord:
     name: str
     robot: str
     session_ids: tuple[int, ...]
+    simulated: bool
     summary: "CampaignSummary"
 
 
@@ -120,6 +122,8 @@ class CampaignSummary:
     reference_readings: int
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    simulated: bool | None = None  # as its description says; None: it does not
+    measured_on: str | None = None  # a day; None: nobody said
 
 
 class JobKind(StrEnum):
@@ -172,6 +176,7 @@ class IdentificationRecord:
     campaign_id: int
     model_id: int | None
     robot: str
+    simulated: bool  # as its campaign
     identification: Identification
 
 
@@ -181,12 +186,13 @@ class DiagnosisRecord:
 
     id: int
     recorded_at: str
-    measured_at: str  # when its readings were taken: a day, or UTC in ISO 8601
+    measured_at: str | None  # when its readings were taken: a day, or UTC in ISO 8601; None: nobody said
     job_id: int
     campaign_id: int
     session_id: int | None  # whose readings it is of; None for an uploaded campaign
     model_id: int | None
     robot_serial_number: str  # empty where nobody said it
+    simulated: bool  # as its campaign
     diagnosis: Diagnosis
 
 
@@ -211,6 +217,7 @@ class ValidationRecord:
     job_id: int
     model_id: int
     campaign_id: int
+    simulated: bool  # as its campaign
     validation: Validation
 
 

@@ -11,6 +11,7 @@ from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
 from service.storage.jobs import add_job_state
+from service.storage.origins import simulated_campaign
 from service.storage.records import (
     IdentificationRecord,
     JobState,
@@ -95,12 +96,12 @@ class ResultRepository:
 
     async def validation(self, validation_id: int) -> ValidationRecord:
         """Return a validation; raises NotFoundError."""
-        query = select(validations).where(validations.c.id == validation_id)
+        query = _validations().where(validations.c.id == validation_id)
         return _validation(await self._one(query, "validation", validation_id))
 
     async def validations(self, page: Page) -> list[ValidationRecord]:
         """Return validations, oldest first."""
-        return [_validation(row) for row in await self._page(select(validations), validations, page)]
+        return [_validation(row) for row in await self._page(_validations(), validations, page)]
 
     async def _one(self, query: Select[Any], what: str, number: int) -> Row[Any]:
         row = await self._database.read(lambda c: c.execute(query).one_or_none())
@@ -115,7 +116,7 @@ class ResultRepository:
 
 def _identifications() -> Select[Any]:
     return (
-        select(identifications, models.c.id.label("model_id"), campaigns.c.robot)
+        select(identifications, models.c.id.label("model_id"), campaigns.c.robot, simulated_campaign())
         .join(campaigns, campaigns.c.id == identifications.c.campaign_id)
         .outerjoin(models, models.c.identification_id == identifications.c.id)
     )
@@ -124,7 +125,14 @@ def _identifications() -> Select[Any]:
 def _identification(row: Row[Any]) -> IdentificationRecord:
     found = from_document(Identification, row.document)
     return IdentificationRecord(
-        row.id, row.recorded_at, row.job_id, row.campaign_id, row.model_id, row.robot, found
+        row.id,
+        row.recorded_at,
+        row.job_id,
+        row.campaign_id,
+        row.model_id,
+        row.robot,
+        bool(row.simulated),
+        found,
     )
 
 
@@ -133,6 +141,14 @@ def _model(row: Row[Any]) -> ModelRecord:
     return ModelRecord(row.id, row.recorded_at, row.identification_id, row.diagnosis_id, row.robot, model)
 
 
+def _validations() -> Select[Any]:
+    judged = campaigns.c.id == validations.c.campaign_id
+    return select(validations, simulated_campaign()).join(campaigns, judged)
+
+
 def _validation(row: Row[Any]) -> ValidationRecord:
     found = from_document(Validation, row.document)
-    return ValidationRecord(row.id, row.recorded_at, row.job_id, row.model_id, row.campaign_id, found)
+    simulated = bool(row.simulated)
+    return ValidationRecord(
+        row.id, row.recorded_at, row.job_id, row.model_id, row.campaign_id, simulated, found
+    )

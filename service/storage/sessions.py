@@ -4,23 +4,23 @@ import asyncio
 import dataclasses
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Integer, Row, Select, case, cast, exists, func, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
 
 from service.domain.ballbar import BallbarPlan
 from service.domain.identities import IdentityTaken
 from service.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
 from service.storage.added_stops import stops_added_to
+from service.storage.counted_poses import measured_poses, skipped_poses
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import ConflictError, NotFoundError
 from service.storage.events import add_event
+from service.storage.origins import simulated_session
 from service.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
 from service.storage.request_keys import answered, once
 from service.storage.rows import add_row
-from service.storage.skipped_poses import skipped_poses
 from service.storage.tables import (
     added_stops,
-    ballbar_entries,
     events,
     notes,
     readings,
@@ -238,6 +238,7 @@ def _records() -> Select[Any]:
             _planned().label("planned"),
             _measured().label("measured"),
             _skipped().label("skipped"),
+            simulated_session(),
         )
         .join(session_states, session_states.c.session_id == sessions.c.id)
         .where(newest)
@@ -263,7 +264,7 @@ def _measured() -> ColumnElement[int]:
         .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
         .scalar_subquery()
     )
-    return _by_role(_poses_measured(), points)
+    return _by_role(measured_poses(), points)
 
 
 def _skipped() -> ColumnElement[int]:
@@ -271,22 +272,13 @@ def _skipped() -> ColumnElement[int]:
     return _by_role(skipped_poses(), stops)
 
 
-def _poses_measured() -> Any:
-    """Count the poses of which a leg was measured: "placement-1/pose-12/leg-2-3" is of pose 12."""
-    step = ballbar_entries.c.step_id
-    # SQLite's cast takes the digits that a text begins with.
-    pose = cast(func.substr(step, func.instr(step, "/pose-") + len("/pose-")), Integer)
-    return (
-        select(func.count(func.distinct(pose)))
-        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == "measured")
-        .where(step.contains("/pose-"), step.contains("/leg-"))
-        .scalar_subquery()
-    )
-
-
 def _by_role(ballbar: Any, points: Any) -> ColumnElement[int]:
     return case((sessions.c.role == "ballbar", ballbar), else_=points)
 
 
 def _record(row: Row[Any]) -> SessionRecord:
-    return SessionRecord(**{**row._asdict(), "state": SessionState(row.state)})
+    return SessionRecord(**{
+        **row._asdict(),
+        "state": SessionState(row.state),
+        "simulated": bool(row.simulated),
+    })

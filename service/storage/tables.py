@@ -195,7 +195,7 @@ diagnoses = sa.Table(
     _recorded(),
     _reference("job_id", "jobs"),
     _reference("campaign_id", "campaigns"),
-    sa.Column("measured_at", sa.Text, nullable=False),
+    sa.Column("measured_at", sa.Text, nullable=False),  # empty where nobody said it
     sa.Column("robot_serial_number", sa.Text, nullable=False),  # empty where nobody said it
     sa.Column("summary", sa.JSON, nullable=False),  # the document without what only a page draws
     sa.Column("document", sa.JSON, nullable=False),

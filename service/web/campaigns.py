@@ -2,25 +2,29 @@
 
 import asyncio
 import json
+from dataclasses import dataclass
+from datetime import date
 from pathlib import PurePath
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, HTTPException, Query, Request, Response, status
 from fastapi.exceptions import RequestValidationError
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import UploadFile
 
 from service.web.context import Context, Here
 from service.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
 from service.web.presence import while_present
 from service.web.problems import problems
-from service.web.schemas.base import VISIBLE
+from service.web.schemas.base import VISIBLE, Day
 from service.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
 
 router = APIRouter(tags=["campaigns"])
+_DAY_READER: Final = TypeAdapter(Day)
 _RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
 _BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
-_FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY}}
+_DAY = {"type": "string", "format": "date", "description": "Day of the readings."}
+_FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY, "measured_on": _DAY}}
 _BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -38,6 +42,22 @@ CampaignName = Annotated[
         min_length=1, max_length=200, pattern=VISIBLE, description="Else the file's name.", examples=["left"]
     ),
 ]
+MeasuredOn = Annotated[
+    Day | None,
+    Query(
+        description="Day of the readings; else that of the form, or of the campaign's description.",
+        examples=["2026-03-03"],
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class _Upload:
+    """What somebody sent; the file of a form has a name."""
+
+    archive: bytes
+    file_name: str
+    measured_on: date | None = None
 
 
 @router.post(
@@ -51,6 +71,7 @@ async def upload_campaign(
     request: Request,
     response: Response,
     name: CampaignName = None,
+    measured_on: MeasuredOn = None,
     key: IdempotencyKey = None,
 ) -> CampaignReply:
     """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
@@ -64,7 +85,7 @@ async def upload_campaign(
         response.headers["Location"] = f"/api/v1/campaigns/{number}"
         return campaign_reply(await here.campaigns.get(number))
     async with here.campaign_desk.uploads.turn():
-        number = await _stored(here, request, name, key)
+        number = await _stored(here, request, name, measured_on, key)
     response.headers["Location"] = f"/api/v1/campaigns/{number}"
     return campaign_reply(await here.campaigns.get(number))
 
@@ -110,19 +131,22 @@ async def download_campaign(here: Here, id: Id) -> Response:
     return Response(archive, media_type="application/zip", headers=saved_as)
 
 
-async def _stored(here: Context, request: Request, name: str | None, key: str | None) -> int:
+async def _stored(
+    here: Context, request: Request, name: str | None, measured_on: date | None, key: str | None
+) -> int:
     """Receive an archive and store it, unless the client goes away meanwhile."""
     try:
         async with asyncio.timeout(_RECEIVING_S):
-            archive, file_name = await _received(request)
+            sent = await _received(request)
     except TimeoutError as error:
         raise HTTPException(
             status.HTTP_408_REQUEST_TIMEOUT,
             f"The archive did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
         ) from error
-    stored_as = name or PurePath(file_name).stem or "campaign"
-    by_key = None if key is None else await asyncio.to_thread(request_key, request, key, archive)
-    return await while_present(request, here.campaign_desk.upload(archive, stored_as, by_key))
+    stored_as, day = name or PurePath(sent.file_name).stem or "campaign", measured_on or sent.measured_on
+    said = sent.archive if day is None else sent.archive + day.isoformat().encode()
+    by_key = None if key is None else await asyncio.to_thread(request_key, request, key, said)
+    return await while_present(request, here.campaign_desk.upload(sent.archive, stored_as, day, by_key))
 
 
 async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
@@ -149,22 +173,36 @@ def _media_type(request: Request) -> str:
     return request.headers.get("content-type", "").split(";")[0].strip().lower()
 
 
-async def _received(request: Request) -> tuple[bytes, str]:
-    """Return the archive and the name of its file; raises RequestValidationError where there is none."""
+async def _received(request: Request) -> _Upload:
+    """Return what was sent; raises RequestValidationError where there is no archive."""
     if _media_type(request) != "multipart/form-data":
-        archive, file_name = await request.body(), ""
+        upload = _Upload(await request.body(), "")
     else:
-        async with request.form() as form:
-            sent = form.get("file")
-            if isinstance(sent, UploadFile):
-                archive, file_name = await sent.read(), sent.filename or ""
-            else:
-                archive, file_name = b"", ""
-    if not archive:
+        upload = await _in_form(request)
+    if not upload.archive:
         fault = {
             "loc": ("body", "file"),
             "msg": "the zip of a campaign folder is required",
             "type": "missing",
         }
         raise RequestValidationError([fault])
-    return archive, file_name
+    return upload
+
+
+async def _in_form(request: Request) -> _Upload:
+    async with request.form() as form:
+        sent, said = form.get("file"), form.get("measured_on")
+        if not isinstance(sent, UploadFile):
+            return _Upload(b"", "")
+        return _Upload(await sent.read(), sent.filename or "", _day_in_form(said))
+
+
+def _day_in_form(said: object) -> date | None:
+    """Return the day that a form states; one left empty states none. Raises RequestValidationError."""
+    if said is None or said == "":
+        return None
+    try:
+        return _DAY_READER.validate_python(said)
+    except ValidationError as error:
+        faults = [{**fault, "loc": ("body", "measured_on")} for fault in error.errors()]
+        raise RequestValidationError(faults) from error

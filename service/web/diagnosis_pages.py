@@ -49,7 +49,7 @@ async def diagnoses_page(here: Here) -> HTMLResponse:
         here=here,
         rows=rows,
         shape=verdict_shape,
-        moment=_moment,
+        measured=measured_words,
         shown=_SHOWN,
     )
 
@@ -71,7 +71,6 @@ async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
         "diagnosis.html",
         here=here,
         record=record,
-        report=report,
         actions=actions,
         content=content,
     )
@@ -89,6 +88,11 @@ def _verdict(record: DiagnosisRecord) -> "VerdictWords":
     from service.reports import verdict_words
 
     return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None)
+
+
+def measured_words(said: str | None) -> str:
+    """Return when readings were taken, for people; None: nobody said."""
+    return "day not stated" if said is None else f"measured {_moment(said)}"
 
 
 def _moment(said: str) -> str:
@@ -132,8 +136,9 @@ async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignReco
         model = (await here.results.model(record.model_id)).model
         diagnosis = dataclasses.replace(diagnosis, model=model)
     conditions = ReportConditions(
+        simulated=record.simulated,
         robot_serial_number=record.robot_serial_number,
         written_at=_moment(record.recorded_at),
         notes=campaign.summary.notes,
     )
-    return DiagnosisInput(diagnosis, f"{campaign.name}, measured {_moment(record.measured_at)}", conditions)
+    return DiagnosisInput(diagnosis, f"{campaign.name}, {measured_words(record.measured_at)}", conditions)

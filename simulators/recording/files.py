@@ -67,6 +67,7 @@ def campaign_document(cell: Cell, files: dict[str, str]) -> dict[str, Any]:
         "tracker_position_world_mm": list(scenario.tracker.position_mm),
         "fixed_nests_certified_mm": [list(nest) for nest in scenario.table.fixed_nests_mm],
         "fixed_nest_u_mm": scenario.table.nest_u_mm,
+        "simulated": True,
         "files": files,
     }
 

@@ -162,7 +162,13 @@ def _remarks(table: MeasuredTable, model: IdentifiedModel) -> list[str]:
 def _noted(document: Mapping[str, Any], model: IdentifiedModel, files: Mapping[str, str]) -> dict[str, Any]:
     notes = document.get("notes")
     note = f"Replayed in the simulated cell with the identified model of {model.table.name}."
-    return {**document, "files": dict(files), "notes": [*(notes if isinstance(notes, list) else []), note]}
+    kept = {key: value for key, value in document.items() if key != "measured_on"}  # that day saw others
+    return {
+        **kept,
+        "simulated": True,
+        "files": dict(files),
+        "notes": [*(notes if isinstance(notes, list) else []), note],
+    }
 
 
 def _write_json(path: Path, document: Mapping[str, Any]) -> None:

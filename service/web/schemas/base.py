@@ -1,9 +1,10 @@
 """What all schemas share."""
 
 import math
+from datetime import date
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from service.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
 
@@ -41,6 +42,22 @@ class Request(BaseModel):
     def _whole_numbers(cls, body: object) -> object:
         # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
         return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+
+
+def _day(value: object) -> object:
+    # The strict mode of requests, meant for numbers, would take no text for a day; a lax one takes seconds.
+    if not isinstance(value, str):
+        return value
+    if len(value) != len("2026-03-03"):
+        raise ValueError("a day as 2026-03-03 is required")
+    return date.fromisoformat(value)
+
+
+Day = Annotated[date, BeforeValidator(_day)]
+Simulated = Annotated[
+    bool,
+    Field(description="True: the readings say of themselves that no robot and no instrument took part."),
+]
 
 
 def whole(value: object) -> object:

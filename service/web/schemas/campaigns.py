@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from service.storage.records import CampaignRecord
-from service.web.schemas.base import VISIBLE, Number, RecordedAt, RecordId, Reply, Request, example
+from service.web.schemas.base import VISIBLE, Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 
 
 class CampaignRequest(Request):
@@ -36,6 +36,11 @@ class CampaignReply(Reply):
     name: str = Field(examples=["left arm"])
     robot: str = Field(description="As the campaign names it; it brings its own table.")
     session_ids: list[int] = Field(description="It was made of these; empty for an upload.")
+    simulated: Simulated
+    measured_on: str | None = Field(
+        description="Day of the readings, as the upload or its description said; null: neither did.",
+        examples=["2026-03-03"],
+    )
     calibration_points: int = Field(examples=[55])
     validation_points: int = Field(examples=[1000])
     calibration_legs: int
@@ -55,6 +60,8 @@ def campaign_reply(record: CampaignRecord) -> CampaignReply:
         name=record.name,
         robot=record.robot,
         session_ids=list(record.session_ids),
+        simulated=record.simulated,
+        measured_on=summary.measured_on,
         calibration_points=summary.calibration_points,
         validation_points=summary.validation_points,
         calibration_legs=summary.calibration_legs,

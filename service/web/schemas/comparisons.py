@@ -60,7 +60,12 @@ class ComparisonReply(Reply):
 
     robot: str = Field(examples=["ABB IRB 120"])
     diagnoses: list[DiagnosisSummaryReply] = Field(
-        description="What was compared, oldest readings first; the latest of those of the same readings."
+        description="What was compared, oldest readings first, undated ones last; of those of the same "
+        "readings the latest."
+    )
+    undated: list[int] = Field(
+        description="Diagnoses of which nobody said when their readings were taken: last of the list, and "
+        "nothing is subtracted from them."
     )
     causes: list[CauseReply]
 
@@ -72,6 +77,7 @@ def comparison_reply(
     return ComparisonReply(
         robot=robot,
         diagnoses=[diagnosis_summary_reply(record) for record in records],
+        undated=[record.id for record in records if record.measured_at is None],
         causes=[_cause(cause) for cause in causes],
     )
 

@@ -1,24 +1,26 @@
 """Diagnoses: requests and records."""
 
-from datetime import date
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from service.domain.diagnosis import Confidence, Finding, Verdict
 from service.exchange.diagnosis_document import diagnosis_document
 from service.storage.records import DiagnosisRecord
-from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example, known
+from service.web.schemas.base import (
+    Day,
+    Number,
+    RecordedAt,
+    RecordId,
+    Reply,
+    Request,
+    Simulated,
+    example,
+    known,
+)
 from service.web.schemas.diagnosis_document import DiagnosisDocument
 from service.web.schemas.results import EffectNames
 
-
-def _day(value: object) -> object:
-    # The strict mode of requests, meant for numbers, would take no text for a day.
-    return date.fromisoformat(value) if isinstance(value, str) and len(value) == len("2026-03-03") else value
-
-
-Day = Annotated[date, BeforeValidator(_day)]
 StartEffects = Annotated[
     EffectNames | None,
     Field(
@@ -27,8 +29,11 @@ StartEffects = Annotated[
     ),
 ]
 MeasuredAt = Annotated[
-    str,
-    Field(description="When the readings were taken: a day, or UTC in ISO 8601.", examples=["2026-03-03"]),
+    str | None,
+    Field(
+        description="When the readings were taken: a day, or UTC in ISO 8601. Null: nobody said.",
+        examples=["2026-03-03"],
+    ),
 ]
 
 
@@ -41,8 +46,8 @@ class DiagnosisRequest(Request):
     effects: StartEffects = None
     measured_on: Day | None = Field(
         None,
-        description="Day of the readings, by which diagnoses are compared over time. Null: when the "
-        "session's last reading was stored, and of an uploaded campaign when it came.",
+        description="Day of the readings, by which diagnoses are compared over time. Null: the day that the "
+        "campaign states, or when the session's last reading was stored; else it is not known.",
     )
 
 
@@ -63,6 +68,7 @@ class DiagnosisReply(Reply):
     id: RecordId
     recorded_at: RecordedAt
     measured_at: MeasuredAt
+    simulated: Simulated
     job_id: RecordId
     campaign_id: RecordId
     session_id: RecordId | None = Field(description="Whose readings it is of; null: of an upload.")
@@ -88,6 +94,7 @@ class DiagnosisSummaryReply(Reply):
     id: RecordId
     recorded_at: RecordedAt
     measured_at: MeasuredAt
+    simulated: Simulated
     job_id: RecordId
     campaign_id: RecordId
     session_id: RecordId | None
@@ -106,6 +113,7 @@ def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
         id=record.id,
         recorded_at=record.recorded_at,
         measured_at=record.measured_at,
+        simulated=record.simulated,
         job_id=record.job_id,
         campaign_id=record.campaign_id,
         session_id=record.session_id,
@@ -122,6 +130,7 @@ def diagnosis_summary_reply(record: DiagnosisRecord) -> DiagnosisSummaryReply:
         id=record.id,
         recorded_at=record.recorded_at,
         measured_at=record.measured_at,
+        simulated=record.simulated,
         job_id=record.job_id,
         campaign_id=record.campaign_id,
         session_id=record.session_id,

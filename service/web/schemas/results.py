@@ -9,7 +9,7 @@ from service.effects.registry import EFFECTS
 from service.exchange.model_document import model_document
 from service.exchange.result_documents import identification_document, validation_document
 from service.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
-from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, example
+from service.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 
 EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
 
@@ -153,6 +153,7 @@ class IdentificationReply(Reply):
     job_id: RecordId
     campaign_id: RecordId
     model_id: int | None = Field(examples=[3])
+    simulated: Simulated
     document: IdentificationDocument
 
 
@@ -164,6 +165,7 @@ class ValidationReply(Reply):
     job_id: RecordId
     model_id: RecordId
     campaign_id: RecordId
+    simulated: Simulated
     document: ValidationDocument
 
 
@@ -192,6 +194,7 @@ def identification_reply(record: IdentificationRecord) -> IdentificationReply:
         job_id=record.job_id,
         campaign_id=record.campaign_id,
         model_id=record.model_id,
+        simulated=record.simulated,
         document=IdentificationDocument.model_validate(document),
     )
 
@@ -204,6 +207,7 @@ def validation_reply(record: ValidationRecord) -> ValidationReply:
         job_id=record.job_id,
         model_id=record.model_id,
         campaign_id=record.campaign_id,
+        simulated=record.simulated,
         document=ValidationDocument.model_validate(validation_document(record.validation)),
     )
 

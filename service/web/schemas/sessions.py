@@ -130,7 +130,8 @@ class SessionReply(Reply):
     )
     planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
     measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
-    skipped: int = Field(examples=[0])
+    skipped: int = Field(description="Of a ballbar session: poses left out.", examples=[0])
+    simulated: bool = Field(description="True: no robot and no instrument take part in this session.")
 
 
 class SessionDetailReply(SessionReply):
@@ -288,6 +289,7 @@ def session_reply(
         planned=record.planned,
         measured=record.measured,
         skipped=record.skipped,
+        simulated=record.simulated,
     )
 
 

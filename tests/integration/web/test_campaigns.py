@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import io
 import zipfile
+from datetime import date
 
 import pytest
 
@@ -52,6 +53,39 @@ async def test_a_form_with_a_file_serves_as_well(client):
 
     assert stored.status_code == 201, stored.text
     assert stored.json()["name"] == "left arm"
+
+
+async def test_the_day_of_the_readings_is_asked_for_and_not_made_up(client):
+    silent = write_campaign_zip(make_campaign())
+    dated = write_campaign_zip(make_campaign(measured_on=date(2025, 11, 3)))
+    file = {"file": ("left arm.zip", silent, "application/zip")}
+
+    told = [
+        await client.post(CAMPAIGNS, content=silent, headers=ZIP),
+        await client.post(CAMPAIGNS, content=silent, headers=ZIP, params={"measured_on": "2026-03-03"}),
+        await client.post(CAMPAIGNS, files=file, data={"measured_on": "2026-03-03"}),
+        await client.post(CAMPAIGNS, files=file, data={"measured_on": ""}),
+        await client.post(CAMPAIGNS, content=dated, headers=ZIP),
+        await client.post(CAMPAIGNS, content=dated, headers=ZIP, params={"measured_on": "2026-03-03"}),
+    ]
+
+    days = [reply.json()["measured_on"] for reply in told]
+    assert days == [None, "2026-03-03", "2026-03-03", None, "2025-11-03", "2026-03-03"]
+
+
+@pytest.mark.parametrize("said", ["3 March", "1700006400", "1700006400000", "2026-02-30"])
+async def test_a_day_that_is_none_is_refused_and_nothing_is_stored(client, said):
+    archive = write_campaign_zip(make_campaign())
+    file = {"file": ("left arm.zip", archive, "application/zip")}
+
+    refused = [
+        await client.post(CAMPAIGNS, content=archive, headers=ZIP, params={"measured_on": said}),
+        await client.post(CAMPAIGNS, files=file, data={"measured_on": said}),
+    ]
+
+    assert [reply.status_code for reply in refused] == [422, 422]
+    assert all("measured_on" in reply.json()["detail"] for reply in refused)
+    assert (await client.get(CAMPAIGNS)).json() == []
 
 
 async def test_an_upload_sent_twice_with_one_key_is_stored_once(client):

@@ -109,6 +109,28 @@ async def test_joint_3_is_compared_with_spring(client, diagnosed, worker):
     assert "grew by 0.0120 ± 0.0040 deg between 2026-03-03 and 2026-10-02" in cause["changes"][0]["sentence"]
 
 
+async def test_readings_without_a_day_stand_last_and_nothing_is_subtracted_from_them(client, diagnosed):
+    await diagnosed(await uploaded(client))
+    await diagnosed(await uploaded(client), measured_on="2026-10-02")
+
+    compared = (await client.get(f"{DIAGNOSES}/comparison", params={"robot": "elbow"})).json()
+
+    assert [entry["measured_at"] for entry in compared["diagnoses"]] == ["2026-10-02", None]
+    assert compared["undated"] == [1]
+    assert compared["causes"][0]["changes"] == []
+
+
+async def test_what_is_simulated_says_so_with_its_diagnosis_and_nothing_else_does(client, diagnosed):
+    told = [
+        (await client.get(await diagnosed(await uploaded(client, **said)))).json()["simulated"]
+        for said in ({"simulated": True}, {"simulated": False}, {}, {"notes": ("SIMULATED: no robot.",)})
+    ]
+
+    assert told == [True, False, False, True]
+    assert [entry["simulated"] for entry in (await client.get(DIAGNOSES)).json()] == told
+    assert [entry["simulated"] for entry in (await client.get("/api/v1/campaigns")).json()] == told
+
+
 async def test_of_two_diagnoses_of_the_same_readings_the_latest_counts(client, diagnosed):
     number = await uploaded(client)
     await diagnosed(number)

@@ -2,10 +2,13 @@
 
 import re
 from dataclasses import replace
+from datetime import date
 
 import pytest
 
+from service.domain.cell import SimulatedCell
 from service.exchange.campaign_zip import write_campaign_zip
+from service.web.diagnosis_pages import measured_words
 from tests.builders import make_campaign
 from tests.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
 
@@ -31,8 +34,9 @@ def worker():
 def diagnosed(client, until, worker):
     """Diagnose an uploaded campaign and return the number of the diagnosis."""
 
-    async def ask(answer, measured_on=None, **campaign):
+    async def ask(answer, measured_on=None, measured_on_in_file=None, **campaign):
         worker.answer = answer
+        campaign["measured_on"] = measured_on_in_file
         archive = write_campaign_zip(make_campaign(**campaign))
         headers = {"Content-Type": "application/zip"}
         number = (await client.post("/api/v1/campaigns", content=archive, headers=headers)).json()["id"]
@@ -94,11 +98,25 @@ async def test_a_number_that_there_is_not_gets_a_page_that_says_so(client, numbe
 
 
 async def test_a_simulated_campaign_says_so_on_a_service_that_is_not(client, diagnosed):
-    number = await diagnosed(consistent(), notes=("SIMULATED: no robot took part.",))
+    number = await diagnosed(consistent(), simulated=True)
 
     text = (await client.get(f"/diagnoses/{number}")).text
 
     assert 0 < text.index("SIMULATED.") < text.index('class="message"')
+    assert "SIMULATED</strong>" in (await client.get("/diagnoses")).text
+
+
+async def test_uploaded_readings_are_not_called_simulated_by_a_service_whose_cell_is(app, client, diagnosed):
+    number = await diagnosed(consistent())
+    here = app.state.context
+    app.state.context = replace(here, cell=replace(here.cell, simulated=SimulatedCell("irb120-tilted", 0)))
+
+    text = (await client.get(f"/diagnoses/{number}")).text
+    listed = (await client.get("/diagnoses")).text
+
+    assert "SIMULATED" not in text + listed
+    assert text.index("The cell of this service is a simulated one; nothing says so of these readings") > 0
+    assert "The cell of this service is a simulated one." in listed
 
 
 async def test_text_of_others_stays_text(client, diagnosed):
@@ -120,12 +138,25 @@ async def test_pages_are_no_part_of_the_api(client):
 
 
 async def test_a_day_is_shown_as_a_day_and_a_time_to_the_minute(client, diagnosed):
-    dated, timed = await diagnosed(consistent(), "2026-03-03"), await diagnosed(consistent())
+    number = await diagnosed(consistent(), "2026-03-03")
 
-    assert "measured 2026-03-03 \N{MIDDLE DOT}" in (await client.get(f"/diagnoses/{dated}")).text
-    assert re.search(
-        r"measured \d{4}-\d\d-\d\d \d\d:\d\d UTC", (await client.get(f"/diagnoses/{timed}")).text
-    )
+    assert "measured 2026-03-03 \N{MIDDLE DOT}" in (await client.get(f"/diagnoses/{number}")).text
+    assert measured_words("2026-03-03T09:12:33.125+00:00") == "measured 2026-03-03 09:12 UTC"
+
+
+async def test_readings_of_which_nobody_said_when_are_not_of_the_day_of_their_upload(client, diagnosed):
+    number = await diagnosed(consistent())
+
+    texts = [(await client.get(path)).text for path in ("/diagnoses", f"/diagnoses/{number}")]
+
+    assert all("day not stated" in text for text in texts)
+    assert not any("measured 20" in text for text in texts)
+
+
+async def test_a_day_in_the_description_of_an_upload_is_the_day_of_its_readings(client, diagnosed):
+    number = await diagnosed(consistent(), measured_on_in_file=date(2025, 11, 3))
+
+    assert "measured 2025-11-03" in (await client.get(f"/diagnoses/{number}")).text
 
 
 async def test_an_uploaded_campaign_has_no_session_to_measure_more_in(client, diagnosed):

@@ -75,8 +75,11 @@ def test_the_tracker_stands_where_its_registration_says_and_its_covariance_is_ca
 def test_a_simulated_session_says_so_in_the_notes_with_its_conditions():
     setup = changed_cell(simulated=SimulatedCell("irb120-tilted", 1), conditions=Conditions(load="2.7 kg"))
 
-    notes = assemble_campaign(measured(setup=setup)).notes
+    campaign = assemble_campaign(measured(setup=setup))
+    notes = campaign.notes
 
+    assert campaign.simulated
+    assert assemble_campaign(measured()).simulated is False
     assert any("SIMULATED" in note for note in notes)
     assert "Load: 2.7 kg" in notes
 
@@ -137,3 +140,12 @@ def test_readings_of_two_trackers_are_told_apart_with_what_that_means():
     assert any("registration of its own" in note for note in notes)
     assert "Tracker: serial number 390003, certificate KZ-4711. Readings: 2." in notes
     assert "Tracker: serial number 777777, certificate not stated. Readings: 1." in notes
+
+
+def test_a_campaign_is_simulated_where_any_of_its_sessions_is():
+    simulated = changed_cell(simulated=SimulatedCell("irb120-tilted", 1))
+
+    campaign = assemble_campaign(measured(1), measured(2, setup=simulated))
+
+    assert campaign.simulated
+    assert any(note.startswith("SIMULATED:") for note in campaign.notes)

@@ -244,3 +244,16 @@ def test_diagnoses_of_one_day_are_told_apart_by_the_minute():
 def test_nothing_found_is_nothing_to_compare():
     assert compare([]) == ()
     assert compare([dated(1, SPRING), dated(2, AUTUMN)]) == ()
+
+
+def test_what_nobody_dated_stands_last_and_is_subtracted_from_nothing():
+    (cause,) = compare([
+        dated(1, None, backlash(0.5)),
+        dated(2, AUTUMN, backlash(0.033)),
+        dated(3, SPRING, backlash(0.021)),
+        dated(4, None, backlash(0.9)),
+    ])
+
+    assert [sign.diagnosis_id for sign in cause.signs] == [3, 2, 1, 4]
+    assert [(change.from_id, change.to_id) for change in cause.changes] == [(3, 2)]
+    assert cause.overall is None

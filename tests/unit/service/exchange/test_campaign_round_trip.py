@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from datetime import date
 
 import numpy as np
 import pytest
@@ -167,3 +168,20 @@ def test_unknown_values_become_empty_cells_and_not_nan():
     text = campaign_files(make_campaign(calibration=make_points(stops=stops)))["calibration.csv"]
 
     assert "nan" not in text.lower()
+
+
+@pytest.mark.parametrize("simulated", [True, False, None])
+def test_whether_it_is_simulated_and_its_day_travel_with_a_campaign(simulated):
+    campaign = make_campaign(simulated=simulated, measured_on=date(2025, 11, 3))
+
+    read = written_and_read(campaign)
+
+    assert (read.simulated, read.measured_on, read.ignored) == (simulated, date(2025, 11, 3), ())
+
+
+@pytest.mark.parametrize(
+    ("note", "simulated"),
+    [("SIMULATED: no robot took part.", True), ("SIMULATED load of 3 kg", None), ("simulated", None)],
+)
+def test_an_archive_of_an_earlier_version_says_by_its_note_that_it_is_simulated(note, simulated):
+    assert written_and_read(make_campaign(notes=(note,))).simulated is simulated

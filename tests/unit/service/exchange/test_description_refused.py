@@ -216,6 +216,19 @@ REFUSED = {
         "must be symmetric",
     ),
     "a note that is no text": (put("notes", value=[3]), BadValueError, "notes[0]", "3 is not text"),
+    "a simulation that is perhaps one": (
+        put("simulated", value="yes"),
+        BadValueError,
+        "simulated",
+        "neither true nor false",
+    ),
+    "a day that there is not": (
+        put("measured_on", value="2026-02-30"),
+        BadValueError,
+        "measured_on",
+        "'2026-02-30' is no day; one as 2026-03-03 is required",
+    ),
+    "a day by its week": (put("measured_on", value="2026-W10-2"), BadValueError, "measured_on", "is no day"),
     "files that are a list": (
         put("files", value=[]),
         BadValueError,

@@ -233,10 +233,8 @@ def test_a_parameter_that_the_model_does_not_hold_is_left_out():
     assert "It is the start model: nothing was added." in text
 
 
-@pytest.mark.parametrize("source", ["conditions", "notes"])
-def test_a_simulated_diagnosis_says_so_before_anything_else(tmp_path, source):
-    notes = ("SIMULATED: no robot took part.",) if source == "notes" else ()
-    conditions = ReportConditions(simulated=source == "conditions", notes=notes)
+def test_a_simulated_diagnosis_says_so_before_anything_else(tmp_path):
+    conditions = ReportConditions(simulated=True)
 
     write_diagnosis_report(tmp_path / "r.html", DiagnosisInput(plain(), conditions=conditions))
 

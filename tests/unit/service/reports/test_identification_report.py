@@ -150,12 +150,12 @@ def test_stated_conditions_stand_in_the_report(tmp_path, campaign):
     assert "Session calibration 09:00 to 10:10" in text
 
 
-@pytest.mark.parametrize("source", ["conditions", "notes"])
+@pytest.mark.parametrize("source", ["conditions", "campaign"])
 def test_a_simulated_measurement_says_so_before_anything_else(tmp_path, campaign, source):
     conditions = ReportConditions(simulated=source == "conditions")
-    notes = ("SIMULATED: no robot took part.",) if source == "notes" else ()
+    measured = replace(campaign, simulated=source == "campaign")
 
-    html = report_of(tmp_path, UNFITTED, replace(campaign, notes=notes), conditions=conditions)
+    html = report_of(tmp_path, UNFITTED, measured, conditions=conditions)
 
     assert 0 < html.index("SIMULATED.") < html.index("<h1>")
 

@@ -66,4 +66,4 @@ def test_a_recorded_campaign_lies_in_its_folder(tmp_path):
     sizes = ["--configurations", "5", "--validation", "0", "--reference-every", "0"]
 
     assert answers(json.dumps(["irb120-clean", "--out", str(tmp_path), *sizes]) + "\n", main) == "0\n"
-    assert (tmp_path / "campaign.json").is_file()
+    assert json.loads((tmp_path / "campaign.json").read_text())["simulated"] is True

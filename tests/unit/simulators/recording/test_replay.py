@@ -82,12 +82,14 @@ def test_orientations_are_left_out_because_this_tracker_reads_points(campaign):
 
 
 def test_the_description_stays_and_says_that_it_is_a_replay(campaign):
-    campaign.write("calibration", [ROW], robot="ours", notes=["first"])
+    campaign.write("calibration", [ROW], robot="ours", notes=["first"], measured_on="2026-03-03")
 
     campaign.replay()
 
     document = json.loads((campaign.out / "campaign.json").read_text())
     assert document["robot"] == "ours"
+    assert document["simulated"] is True
+    assert "measured_on" not in document  # that day was another one's
     assert document["notes"][0] == "first"
     assert "Replayed in the simulated cell" in document["notes"][1]
     truth = json.loads((campaign.out / "truth.json").read_text())

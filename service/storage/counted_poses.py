@@ -1,8 +1,8 @@
-"""How many poses a ballbar session has left out, from the newest word of the ledger on each of them.
+"""How many poses a ballbar session has measured and left out, from its ledger.
 
-A pose that was skipped and measured at a later attempt is not left out, nor one whose skip was taken back.
-One that the next pre-calibration offers again is open, until it is skipped anew. It is what the situation of
-a session counts, which replays the whole ledger: a list of sessions cannot.
+Left out are those of which the newest word is a skip: not one that was measured at a later attempt, nor one
+whose skip was taken back. One that the next pre-calibration offers again is open, until it is skipped anew.
+It is what the situation of a session counts, which replays the whole ledger: a list of sessions cannot.
 """
 
 from typing import Any, Final
@@ -13,6 +13,17 @@ from service.storage.tables import ballbar_entries, sessions
 
 _POSE: Final = "/pose-"
 _LAST_ATTEMPT: Final = "%/again-2/%"  # after the third nothing is offered again
+
+
+def measured_poses() -> Any:
+    """Count the poses of which a leg was measured: "placement-1/pose-12/leg-2-3" is of pose 12."""
+    step = ballbar_entries.c.step_id
+    return (
+        select(func.count(func.distinct(_number_of(step))))
+        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == "measured")
+        .where(step.contains(_POSE), step.contains("/leg-"))
+        .scalar_subquery()
+    )
 
 
 def skipped_poses() -> Any:
@@ -50,12 +61,15 @@ def _is_offered_again(skip: Any) -> ColumnElement[bool]:
     return and_(func.coalesce(first, "null") == "object", skip.c.step_id.not_like(_LAST_ATTEMPT))
 
 
+def _number_of(step: Any) -> ColumnElement[int]:
+    # SQLite's cast takes the digits that a text begins with.
+    return cast(func.substr(step, func.instr(step, _POSE) + len(_POSE)), Integer)
+
+
 def _pose_of(step: Any) -> ColumnElement[str]:
     """Return "placement-1/pose-12" of "placement-1/pose-12/again/leg-2-3"."""
-    after = func.instr(step, _POSE) + len(_POSE)
-    # SQLite's cast takes the digits that a text begins with.
-    digits = func.length(cast(cast(func.substr(step, after), Integer), String))
-    return func.substr(step, 1, after - 1 + digits)
+    digits = func.length(cast(_number_of(step), String))
+    return func.substr(step, 1, func.instr(step, _POSE) + len(_POSE) - 1 + digits)
 
 
 def _begins_with(step: Any, group: Any, mark: str) -> tuple[ColumnElement[bool], ColumnElement[bool]]:

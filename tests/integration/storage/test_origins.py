@@ -1,0 +1,115 @@
+"""Whether readings are simulated, and when they were taken, is told by their record, however old it is."""
+
+from dataclasses import replace
+
+import pytest
+
+from service.domain.ballbar import EntryKind, LedgerEntry
+from service.domain.cell import SimulatedCell
+from service.storage.ballbar_ledger import BallbarLedger
+from service.storage.campaigns import CampaignRepository, NewCampaign
+from service.storage.diagnoses import DiagnosisRepository
+from service.storage.documents import to_document
+from service.storage.jobs import JobRepository
+from service.storage.records import CampaignSummary, JobKind, Page
+from service.storage.results import ResultRepository
+from service.storage.rows import add_row
+from service.storage.sessions import SessionRepository
+from service.storage.tables import diagnoses
+from tests.ballbar_sessions import make_ballbar_plan, measured
+from tests.builders import make_identification
+from tests.diagnoses import make_diagnosis
+from tests.measured_sessions import make_plan, make_setup
+
+REAL = make_setup()
+SIMULATED = replace(REAL, cell=replace(REAL.cell, simulated=SimulatedCell("irb120-tilted", 0)))
+EMPTY = CampaignSummary(0, 0, 0, 0, 0)
+
+
+class Records:
+    def __init__(self, database):
+        self.sessions = SessionRepository(database)
+        self.campaigns = CampaignRepository(database)
+        self.results = ResultRepository(database)
+        self.diagnoses = DiagnosisRepository(database)
+        self.jobs = JobRepository(database)
+
+    async def campaign(self, session_ids=(), **summary):
+        stored = NewCampaign("left", "elbow", replace(EMPTY, **summary), b"zip", tuple(session_ids))
+        return await self.campaigns.add(stored)
+
+    async def diagnosis(self, campaign_id):
+        job = await self.jobs.add(JobKind.DIAGNOSIS, {})
+        return await self.diagnoses.keep(job, campaign_id, make_diagnosis(), None)
+
+
+@pytest.fixture
+def records(database):
+    return Records(database)
+
+
+async def test_a_campaign_is_simulated_where_any_of_its_sessions_is(records):
+    real = await records.sessions.add("first", REAL, make_plan(3))
+    simulated = await records.sessions.add("second", SIMULATED, make_plan(3))
+
+    for numbers in ((real,), (simulated,), (real, simulated)):
+        await records.campaign(numbers)
+
+    assert [session.simulated for session in await records.sessions.page(Page())] == [False, True]
+    assert [entry.simulated for entry in await records.campaigns.page(Page())] == [False, True, True]
+
+
+async def test_results_and_diagnoses_are_simulated_as_the_campaign_that_they_are_of(records):
+    for said in (True, None):
+        campaign_id = await records.campaign(simulated=said)
+        await records.diagnosis(campaign_id)
+        job = await records.jobs.add(JobKind.IDENTIFICATION, {})
+        await records.results.keep_identification(job, campaign_id, make_identification())
+
+    assert [entry.simulated for entry in await records.diagnoses.page(Page())] == [True, False]
+    assert [entry.simulated for entry in await records.results.identifications(Page())] == [True, False]
+
+
+async def test_uploads_stored_by_an_earlier_version_say_it_by_their_note(records):
+    await records.campaign(notes=("By hand.", "SIMULATED: no robot took part."))
+    await records.campaign(notes=("SIMULATED load of 3 kg",))
+    await records.campaign(notes=("SIMULATED: by whoever wrote it",), simulated=False)
+
+    assert [entry.simulated for entry in await records.campaigns.page(Page())] == [True, False, False]
+
+
+async def test_a_ballbar_session_is_dated_by_its_last_length(database, records):
+    ledger = BallbarLedger(database)
+    number = await records.sessions.add("first", REAL, make_ballbar_plan())
+    await ledger.append(number, measured("placement-1/pose-1/leg-1-1"))
+    taken = (await ledger.page(number))[-1].recorded_at
+    await ledger.append(number, LedgerEntry("placement-1/pose-1/detach", EntryKind.CONFIRMED, 90.0))
+
+    found = await records.diagnoses.get(await records.diagnosis(await records.campaign([number])))
+
+    assert found.measured_at == taken
+
+
+async def test_an_upload_has_the_day_that_somebody_stated_or_none(records):
+    silent, dated = await records.campaign(), await records.campaign(measured_on="2025-11-03")
+
+    for number in (silent, dated):
+        await records.diagnosis(number)
+
+    assert [entry.measured_at for entry in await records.diagnoses.page(Page())] == [None, "2025-11-03"]
+
+
+async def test_the_moment_of_an_upload_that_an_earlier_version_kept_is_no_day_of_its_readings(
+    database, records
+):
+    campaign_id = await records.campaign()
+    came_at = (await records.campaigns.get(campaign_id)).recorded_at
+    job = await records.jobs.add(JobKind.DIAGNOSIS, {})
+    row = {"job_id": job, "campaign_id": campaign_id, "robot_serial_number": ""}
+    told = to_document(replace(make_diagnosis(), model=None))
+
+    for measured_at in (came_at, "2025-11-03"):
+        documents = {"measured_at": measured_at, "summary": told, "document": told}
+        await database.write(lambda c, more=documents: add_row(c, diagnoses, **row, **more))
+
+    assert [entry.measured_at for entry in await records.diagnoses.page(Page())] == [None, "2025-11-03"]
