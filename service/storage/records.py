@@ -205,6 +205,7 @@ class ModelRecord:
     identification_id: int | None
     diagnosis_id: int | None
     robot: str
+    simulated: bool  # as the campaign that it was made from
     model: Model
 
 

@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, select
+from sqlalchemy import Connection, Row, Select, func, select
 
 from service.domain.results import Identification, Model, Validation
 from service.domain.session import SessionPlan
@@ -22,7 +22,7 @@ from service.storage.records import (
 )
 from service.storage.rows import add_row
 from service.storage.sessions import add_session
-from service.storage.tables import campaigns, identifications, models, validations
+from service.storage.tables import campaigns, diagnoses, identifications, models, validations
 
 
 class ResultRepository:
@@ -88,11 +88,11 @@ class ResultRepository:
 
     async def model(self, model_id: int) -> ModelRecord:
         """Return a model; raises NotFoundError."""
-        return _model(await self._one(select(models).where(models.c.id == model_id), "model", model_id))
+        return _model(await self._one(_models().where(models.c.id == model_id), "model", model_id))
 
     async def models(self, page: Page) -> list[ModelRecord]:
         """Return models, oldest first."""
-        return [_model(row) for row in await self._page(select(models), models, page)]
+        return [_model(row) for row in await self._page(_models(), models, page)]
 
     async def validation(self, validation_id: int) -> ValidationRecord:
         """Return a validation; raises NotFoundError."""
@@ -136,9 +136,20 @@ def _identification(row: Row[Any]) -> IdentificationRecord:
     )
 
 
+def _models() -> Select[Any]:
+    made_from = func.coalesce(identifications.c.campaign_id, diagnoses.c.campaign_id)
+    return (
+        select(models, simulated_campaign())
+        .outerjoin(identifications, identifications.c.id == models.c.identification_id)
+        .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
+        .join(campaigns, campaigns.c.id == made_from)
+    )
+
+
 def _model(row: Row[Any]) -> ModelRecord:
     model = from_document(Model, row.document)
-    return ModelRecord(row.id, row.recorded_at, row.identification_id, row.diagnosis_id, row.robot, model)
+    origin = row.identification_id, row.diagnosis_id
+    return ModelRecord(row.id, row.recorded_at, *origin, row.robot, bool(row.simulated), model)
 
 
 def _validations() -> Select[Any]:

@@ -63,7 +63,7 @@ class ComparisonReply(Reply):
         description="What was compared, oldest readings first, undated ones last; of those of the same "
         "readings the latest."
     )
-    undated: list[int] = Field(
+    undated_ids: list[int] = Field(
         description="Diagnoses of which nobody said when their readings were taken: last of the list, and "
         "nothing is subtracted from them."
     )
@@ -77,7 +77,7 @@ def comparison_reply(
     return ComparisonReply(
         robot=robot,
         diagnoses=[diagnosis_summary_reply(record) for record in records],
-        undated=[record.id for record in records if record.measured_at is None],
+        undated_ids=[record.id for record in records if record.measured_at is None],
         causes=[_cause(cause) for cause in causes],
     )
 

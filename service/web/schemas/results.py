@@ -177,6 +177,7 @@ class ModelReply(Reply):
     identification_id: RecordId | None = Field(description="Which made it; null: a diagnosis did.")
     diagnosis_id: RecordId | None = Field(description="Which made it; null: an identification did.")
     robot: str = Field(examples=["ABB IRB 120"])
+    simulated: Simulated
     effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
     parameters: list[ParameterDocument]
     repeatability_mm: float | None = Field(description="Of the arm, per axis.", examples=[0.0035])
@@ -221,6 +222,7 @@ def model_reply(record: ModelRecord) -> ModelReply:
         identification_id=record.identification_id,
         diagnosis_id=record.diagnosis_id,
         robot=record.robot,
+        simulated=record.simulated,
         effects=document["effects"],
         parameters=[ParameterDocument.model_validate(entry) for entry in document["parameters"]],
         repeatability_mm=document["repeatability_mm"],

@@ -17,7 +17,7 @@ from service.storage.rows import add_row
 from service.storage.sessions import SessionRepository
 from service.storage.tables import diagnoses
 from tests.ballbar_sessions import make_ballbar_plan, measured
-from tests.builders import make_identification
+from tests.builders import make_identification, make_model
 from tests.diagnoses import make_diagnosis
 from tests.measured_sessions import make_plan, make_setup
 
@@ -64,10 +64,18 @@ async def test_results_and_diagnoses_are_simulated_as_the_campaign_that_they_are
         campaign_id = await records.campaign(simulated=said)
         await records.diagnosis(campaign_id)
         job = await records.jobs.add(JobKind.IDENTIFICATION, {})
-        await records.results.keep_identification(job, campaign_id, make_identification())
+        await records.results.keep_identification(job, campaign_id, make_identification(model=make_model()))
 
     assert [entry.simulated for entry in await records.diagnoses.page(Page())] == [True, False]
     assert [entry.simulated for entry in await records.results.identifications(Page())] == [True, False]
+    models = await records.results.models(Page())
+    assert [entry.simulated for entry in models] == [True, True, False, False]
+    assert [(await records.results.model(entry.id)).simulated for entry in models] == [
+        True,
+        True,
+        False,
+        False,
+    ]
 
 
 async def test_uploads_stored_by_an_earlier_version_say_it_by_their_note(records):

@@ -116,7 +116,7 @@ async def test_readings_without_a_day_stand_last_and_nothing_is_subtracted_from_
     compared = (await client.get(f"{DIAGNOSES}/comparison", params={"robot": "elbow"})).json()
 
     assert [entry["measured_at"] for entry in compared["diagnoses"]] == ["2026-10-02", None]
-    assert compared["undated"] == [1]
+    assert compared["undated_ids"] == [1]
     assert compared["causes"][0]["changes"] == []
 
 
