@@ -44,6 +44,7 @@ class SessionPage {
   #path = `/api/v1/ballbar-sessions/${this.#id}`;
   #connection = new Connection();
   #drawing = false;
+  #handsExist = false;
   #speaking = null;
   #saying = null;
 
@@ -76,7 +77,7 @@ class SessionPage {
     this.live.open();
     stayAwake(() => this.live.restart());
     this.refresh().catch((error) => this.#missing(error));
-    this.hands.exist().then((simulated) => this.#showHands(simulated));
+    this.hands.exist().then((exist) => ((this.#handsExist = exist), this.draw()));
   }
 
   #furnish() {
@@ -112,7 +113,7 @@ class SessionPage {
       this.dock.show(this.model, this.texts);
       this.actions.show(screen, this.model, this.texts);
       this.#showLength();
-      if (!this.#at.simulated.hidden) this.hands.show(this.texts);
+      this.#showSimulated(this.model.session?.simulated === true);
     });
   }
 
@@ -195,10 +196,14 @@ class SessionPage {
     this.draw();
   }
 
-  #showHands(simulated) {
+  // The session says whether it is simulated; the hands are those of the cell that the service has now.
+  #showSimulated(simulated) {
+    const hands = simulated && this.#handsExist;
     showIf(this.#at.simulated, simulated);
+    showIf(this.#at.hands, hands);
+    showIf(this.#at["hands-title"], hands);
     document.body.classList.toggle("is-simulated", simulated);
-    this.draw();
+    if (hands) this.hands.show(this.texts);
   }
 
   #news(before, session) {
