@@ -101,7 +101,12 @@ class BallbarDesk:
         made = await self._sessions.answered(key)
         if made is not None:
             return made
-        return await self._plans.shared(key.key, key, lambda: self._plan(name, setup, wish, key))
+        return await self._plans.shared(key.key, key, lambda: self._plan_once(name, setup, wish, key))
+
+    async def _plan_once(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey) -> int:
+        """Plan unless that was done between the question whether it was and the answer."""
+        made = await self._sessions.answered(key)
+        return await self._plan(name, setup, wish, key) if made is None else made
 
     async def _plan(self, name: str, setup: SessionSetup, wish: BallbarWish, key: RequestKey | None) -> int:
         kit = kit_of(setup)

@@ -229,6 +229,35 @@ async def test_the_number_of_cups_is_that_of_the_kit(scene):
         await scene.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
 
 
+async def test_a_plan_that_was_stored_while_another_request_looked_for_it_is_not_made_again(
+    scene, monkeypatch
+):
+    setup, key = SessionSetup(domain_cell(ballbar=BallbarKit())), RequestKey("k", "fingerprint")
+    asked, stored, look = [], asyncio.Event(), scene.sessions.answered
+
+    async def choose(setup, wish):
+        asked.append(wish)
+        return make_ballbar_plan()
+
+    async def look_and_be_slow(key):
+        found = await look(key)
+        await stored.wait()
+        return found
+
+    desk = BallbarDesk(
+        scene.sessions, scene.ledger, scene.rack, lambda setup: None, choose, scene.make_runner
+    )
+    monkeypatch.setattr(scene.sessions, "answered", look_and_be_slow)
+    second = asyncio.create_task(desk.plan("six legs", setup, BallbarWish(), key))
+    await asyncio.sleep(0.05)
+    monkeypatch.setattr(scene.sessions, "answered", look)
+    first = await desk.plan("six legs", setup, BallbarWish(), key)
+    stored.set()
+
+    assert await second == first
+    assert len(asked) == 1
+
+
 async def test_a_plan_that_is_asked_for_again_while_it_is_made_is_made_once(scene):
     setup, key = SessionSetup(domain_cell(ballbar=BallbarKit())), RequestKey("k", "fingerprint")
     asked, gate = [], asyncio.Event()
