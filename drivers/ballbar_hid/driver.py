@@ -51,16 +51,13 @@ class HidBallbar:
         return self._port.is_open
 
     async def connect(self) -> None:
-        """Open the device, ask how long it is and wait for a report; raises ConnectFailedError."""
+        """Open the device, ask how long it is and let it send; raises ConnectFailedError."""
         await self._port.open()
         self._last = None
         try:
             async with self._turn():
                 self._nominal_mm = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES)).nominal_mm
                 await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
-                await self._next_reading()
-        except NoReplyError as error:
-            raise ConnectFailedError(str(error)) from error
         except DeviceRefusedError as error:
             await self._port.close()
             raise ConnectFailedError(
@@ -87,6 +84,8 @@ class HidBallbar:
     async def read(self) -> BallbarReading:
         """Return a reading that was made after it was asked for."""
         async with self._turn():
+            if self._last is None:  # the first one after connecting only tells where the count stands
+                await self._next_reading()
             reading = await self._next_reading()
         signal = _signal(reading)
         return BallbarReading(

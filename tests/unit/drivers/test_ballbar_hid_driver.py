@@ -155,12 +155,13 @@ async def test_a_bar_without_a_length_is_none():
     assert not port.is_open
 
 
-async def test_a_silent_device_is_told_when_connecting():
+async def test_a_device_may_begin_to_send_after_connecting_and_a_silent_one_is_told():
     port = FakePort()
     port.reports = [None]
+    driver = await connected(port)
 
-    with pytest.raises(ConnectFailedError, match="check its battery"):
-        await connected(port)
+    with pytest.raises(NoReplyError, match="check its battery"):
+        await driver.read()
 
 
 @pytest.mark.parametrize("status", [Status.OVERSPEED, Status.NOT_REFERENCED, Status(7)])
