@@ -379,10 +379,10 @@ def test_a_simulated_session_says_so_on_a_service_with_a_real_cell_and_offers_no
         expect(page.locator("#hands-title")).to_be_hidden()
 
 
-def test_before_the_pre_calibration_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):
+def test_where_legs_are_too_much_alike_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):
     desk.show(swaps_can_be_seen=False)
-    expect(tablet.locator("#hint")).to_contain_text("cannot be seen yet")
-    expect(tablet.locator("#hint")).to_contain_text("tests all assignments")
+    expect(tablet.locator("#hint")).to_contain_text("Not every swap can be seen")
+    expect(tablet.locator("#hint")).to_contain_text("once more")
 
     desk.show(swaps_can_be_seen=True)
     expect(tablet.locator("#hint")).to_be_hidden()
