@@ -12,6 +12,7 @@ from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import evaluate
 from service.identification.problem import automatic_effects, build
 from service.planning.candidates import Candidates, draw_candidates
+from service.planning.clear_ways import clear_order
 from service.planning.exchange import Selection, choose_by_exchange
 from service.planning.work_space import WorkSpace, nominal_chain
 
@@ -65,14 +66,16 @@ def plan_calibration(
     candidates = draw_candidates(space, max(n, n_candidates), rng)
     chosen = choose_calibration(space, candidates, n, rng, effects).indices
     order = rng.permutation(chosen)  # a slow drift then looks like noise, not like a joint's error
-    stops = with_revisits(_stops(candidates.subset(order)), rng)
+    order = order[clear_order(space, candidates.joints_rad[order])]
+    stops = with_revisits(space, _stops(candidates.subset(order)), rng)
     return SessionPlan("calibration", stops, approach_offset_rad=space.approach_offset_rad)
 
 
 def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
     """Draw n random configurations and visit them on short ways; parameters and errors as above."""
     candidates = draw_candidates(space, n, _generator(seed, "validation"))
-    ordered = candidates.subset(short_tour(candidates.joints_rad))
+    tour = short_tour(candidates.joints_rad)
+    ordered = candidates.subset(tour[clear_order(space, candidates.joints_rad[tour])])
     return SessionPlan("validation", _stops(ordered), approach_offset_rad=space.approach_offset_rad)
 
 
@@ -144,7 +147,9 @@ def _stops(candidates: Candidates) -> tuple[PlannedStop, ...]:
     )
 
 
-def with_revisits(stops: tuple[PlannedStop, ...], rng: np.random.Generator) -> tuple[PlannedStop, ...]:
+def with_revisits(
+    space: WorkSpace, stops: tuple[PlannedStop, ...], rng: np.random.Generator
+) -> tuple[PlannedStop, ...]:
     """Return the stops and after them the revisits: a tenth, never fewer than five, in another order.
 
     They come after all first visits, so that what changed meanwhile is in their differences. Fewer than
@@ -154,6 +159,8 @@ def with_revisits(stops: tuple[PlannedStop, ...], rng: np.random.Generator) -> t
     drawn = np.resize(rng.permutation(len(stops)), count)
     if np.all(np.diff(drawn) > 0):  # by chance the order of the first visits
         drawn = drawn[::-1]
+    joints = np.array([stop.joints_rad for stop in stops])
+    drawn = drawn[clear_order(space, joints[drawn], joints[-1])]
     again = (stops[index] for index in drawn)
     first = max(stop.config for stop in stops) + 1
     revisits = tuple(

@@ -25,6 +25,7 @@ COLUMN_RADIUS_MM: Final = 150.0  # foot and shoulder of a table robot
 COLUMN_ABOVE_SHOULDER_MM: Final = 100.0  # its second motor stands up there
 
 _WRIST_JOINTS = 3  # the last joints, whose origins are wrist and flange
+_SHOULDER_JOINTS = 2  # the first joints, whose origins stay with the column
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +93,13 @@ def is_clear(space: WorkSpace, chain: Chain) -> BoolArray:
     beside_column = (distance >= COLUMN_RADIUS_MM) | (height >= _column_top_mm(space))
     clear: BoolArray = np.all(above_table & beside_column, axis=0)
     return clear
+
+
+def heights_above_table_mm(space: WorkSpace, joints_rad: FloatArray) -> FloatArray:
+    """Return how high the lowest of elbow, wrist, flange and nests is above the table, shape (n,)."""
+    chain = nominal_chain(space, joints_rad)
+    points = np.concatenate([chain.origin[_SHOULDER_JOINTS:], nest_places(space, chain)])
+    return np.asarray(points[..., 2].min(axis=0) - space.table_z_mm)
 
 
 def within(limits: tuple[JointRange, ...], joints_rad: FloatArray) -> BoolArray:

@@ -79,7 +79,7 @@ def test_a_jacobian_is_the_difference_quotient_of_the_nominal_robot():
 
 @pytest.mark.parametrize(("n", "again"), [(3, 5), (5, 5), (30, 5), (50, 5), (51, 6), (120, 12)])
 def test_a_tenth_is_visited_again_and_never_fewer_than_five(n, again):
-    stops = with_revisits(tuple(make_stop(config) for config in range(1, n + 1)), rng())
+    stops = with_revisits(SPACE, tuple(make_stop(config) for config in range(1, n + 1)), rng())
 
     revisits = [stop for stop in stops if stop.repeat_of is not None]
     assert len(stops) == n + again
@@ -93,7 +93,9 @@ def test_a_tenth_is_visited_again_and_never_fewer_than_five(n, again):
 
 @pytest.mark.parametrize("seed", range(50))
 def test_revisits_come_in_another_order_than_the_first_visits(seed):
-    stops = with_revisits(tuple(make_stop(config) for config in range(1, 6)), np.random.default_rng(seed))
+    stops = with_revisits(
+        SPACE, tuple(make_stop(config) for config in range(1, 6)), np.random.default_rng(seed)
+    )
 
     assert [stop.repeat_of for stop in stops[5:]] != [1, 2, 3, 4, 5]
 
