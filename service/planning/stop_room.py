@@ -1,7 +1,8 @@
 """Whether the arm has room at stops that somebody gives: bodies above floor or table, tool off the arm.
 
 Refused is what would touch, by the capsules that ballbar plans have (`ballbar/bodies`); chosen stops keep
-more room than that (`work_space`). Between two stops nothing is looked at here.
+more room than that (`work_space`), and come in an order whose ways keep off the table (`clear_ways`). Between
+two given stops nothing is looked at.
 """
 
 from collections.abc import Iterator, Sequence
