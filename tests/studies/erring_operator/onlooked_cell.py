@@ -66,6 +66,11 @@ class OnlookedCell(RememberedCell):
         return next((seat for since_s, seat in reversed(self._seats) if since_s <= time_s), "")
 
     @property
+    def is_blind(self) -> bool:
+        """Whether the ballbar reads no length: it is switched off, unplugged, or out of its range."""
+        return self.ballbar.sample(self.clock.now_s).signal != "good"
+
+    @property
     def seat(self) -> str:
         """What the ballbar is on now."""
         return words(self.ballbar.seat(self.clock.now_s))

@@ -56,6 +56,7 @@ def joined(tallies: Sequence[Tally]) -> Tally:
         whole.broken += tally.broken
         whole.seen.motions += tally.seen.motions
         whole.seen.faults += tally.seen.faults
+        whole.seen.unseen += tally.seen.unseen
         whole.seen.examples += tally.seen.examples
         whole.seen.other_kept.update(tally.seen.other_kept)
         whole.seen.other_wrong += tally.seen.other_wrong
