@@ -347,36 +347,11 @@ def test_the_page_speaks_the_language_that_was_chosen(desk, tablet):
 
 def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
     desk.simulated = False
-    desk.show(simulated=False)
 
     with a_tablet(chromium, url) as page:
         page.goto("/operator/3")
         expect(page.locator("#names")).to_have_text("B2T3")
         expect(page.locator("#simulated")).to_be_hidden()
-
-
-def test_a_session_on_a_real_cell_is_not_called_simulated_by_a_service_that_has_another_one(
-    desk, chromium, url
-):
-    desk.show(simulated=False)
-
-    with a_tablet(chromium, url) as page:
-        with page.expect_response("**/api/v1/simulated-hands"):
-            page.goto("/operator/3")
-        expect(page.locator("#names")).to_have_text("B2T3")
-        page.locator("#mute").click()  # which draws the page anew
-        expect(page.locator("#simulated")).to_be_hidden()
-
-
-def test_a_simulated_session_says_so_on_a_service_with_a_real_cell_and_offers_no_hands(desk, chromium, url):
-    desk.simulated = False
-
-    with a_tablet(chromium, url) as page:
-        page.goto("/operator/3")
-        expect(page.locator("#names")).to_have_text("B2T3")
-        expect(page.locator("#simulated")).to_contain_text("SIMULATED")
-        expect(page.locator("#hands")).to_be_hidden()
-        expect(page.locator("#hands-title")).to_be_hidden()
 
 
 def test_where_legs_are_too_much_alike_the_page_says_that_a_swap_cannot_be_seen(desk, tablet):

@@ -44,7 +44,6 @@ class SessionPage {
   #path = `/api/v1/ballbar-sessions/${this.#id}`;
   #connection = new Connection();
   #drawing = false;
-  #handsExist = false;
   #speaking = null;
   #saying = null;
 
@@ -77,7 +76,7 @@ class SessionPage {
     this.live.open();
     stayAwake(() => this.live.restart());
     this.refresh().catch((error) => this.#missing(error));
-    this.hands.exist().then((exist) => ((this.#handsExist = exist), this.draw()));
+    this.hands.exist().then((simulated) => this.#showHands(simulated));
   }
 
   #furnish() {
@@ -113,7 +112,7 @@ class SessionPage {
       this.dock.show(this.model, this.texts);
       this.actions.show(screen, this.model, this.texts);
       this.#showLength();
-      this.#showSimulated(this.model.session?.simulated === true);
+      if (!this.#at.simulated.hidden) this.hands.show(this.texts);
     });
   }
 
@@ -196,14 +195,10 @@ class SessionPage {
     this.draw();
   }
 
-  // The session says whether it is simulated; the hands are those of the cell that the service has now.
-  #showSimulated(simulated) {
-    const hands = simulated && this.#handsExist;
+  #showHands(simulated) {
     showIf(this.#at.simulated, simulated);
-    showIf(this.#at.hands, hands);
-    showIf(this.#at["hands-title"], hands);
     document.body.classList.toggle("is-simulated", simulated);
-    if (hands) this.hands.show(this.texts);
+    this.draw();
   }
 
   #news(before, session) {
