@@ -12,6 +12,8 @@ import time
 from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
+from drivers.api import MotionGuard
+from service.sequencing.notices import motion_notice
 from service.web.tablet import routes
 
 ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm", "answer", "resume"]
@@ -115,6 +117,7 @@ class FakeDesk:
             "simulated": True,
             "robot": "FANUC LR Mate 200iC",
             "question": None,
+            "motion_notice": motion_notice(MotionGuard(longest_piece_s=1.0)),
             "reason": "",
             "ledger_number": 1,
             "step": leg(),

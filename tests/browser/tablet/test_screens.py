@@ -46,7 +46,7 @@ STATES = {
     "no_signal": sample("no_signal", None),
 }
 LAYOUTS = [(PORTRAIT, "en"), (PORTRAIT, "fr"), (LANDSCAPE, "en"), (LANDSCAPE, "fr")]
-BLOCKS = ".top, .notices, .ask, .picture, .panel, .last, .gauge, .actions, .dock"
+BLOCKS = ".top, .notices, .ask, .picture, .panel, .last, .gauge, .caution, .actions, .dock"
 # Blocks that lie on another one, and blocks whose content is larger than they are (a list may scroll).
 COVERED = f"""() => {{
   const blocks = [...document.querySelectorAll("{BLOCKS}")].filter((node) => node.offsetHeight);
@@ -239,6 +239,8 @@ def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
     }
     desk.show(step=step("measure_side", artefact="tool", points=["T1", "T2"]))
 
+    expect(tablet.locator("#names")).to_have_text("T1T2")  # drawn with it: no picture of the step before
+    expect(tablet.locator("#picture")).to_be_visible()
     expect(tablet.locator("#picture .tag")).to_have_count(3)
     at = tablet.locator("#picture .ball").evaluate_all(
         "all => all.map(ball => ball.getBoundingClientRect().x)"

@@ -2,6 +2,7 @@
 
 import { Actions } from "./actions.js";
 import { Refused, ask } from "./api.js";
+import { Caution } from "./caution.js";
 import { Connection } from "./connection.js";
 import { Dialogues } from "./dialogues.js";
 import { Dock } from "./dock.js";
@@ -83,6 +84,7 @@ class SessionPage {
     const at = this.#at;
     this.top = new Top(at);
     this.stage = new Stage(at, () => this.draw());
+    this.caution = new Caution(at.caution);
     this.gauge = new Gauge(at, this.texts);
     this.dialogues = new Dialogues(at.dialogue, this.texts);
     this.dock = new Dock(at.dock, (act) => this.#tapped(act));
@@ -110,6 +112,7 @@ class SessionPage {
       this.top.show(this.model, this.texts);
       this.stage.show(screen, this.model, this.texts);
       this.dock.show(this.model, this.texts);
+      this.caution.show(screen, this.model.session, this.texts);
       this.actions.show(screen, this.model, this.texts);
       this.#showLength();
       if (!this.#at.simulated.hidden) this.hands.show(this.texts);

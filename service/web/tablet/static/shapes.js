@@ -30,3 +30,10 @@ export function buttonShape(act) {
   const icon = { class: "icon", viewBox: "0 0 24 24", "aria-hidden": "true" };
   return drawn("svg", icon, drawn("path", { d: BUTTONS[act] }));
 }
+
+// An emergency stop: the red mushroom on its yellow plate.
+export function cautionShape() {
+  const shape = { class: "mushroom", viewBox: "0 0 40 40", "aria-hidden": "true" };
+  const disc = (r, name) => drawn("circle", { cx: 20, cy: 20, r, class: name });
+  return drawn("svg", shape, disc(19, "plate"), disc(12, "button"), drawn("path", { d: "M13.5 17a7 7 0 0 1 7-4", class: "gleam" }));
+}
