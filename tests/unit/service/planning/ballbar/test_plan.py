@@ -184,3 +184,8 @@ def test_a_plan_of_twice_as_many_poses_as_a_pre_calibration_needs_has_it_where_i
     plan = plan_at(ballbar_cell(), [fixture_before_the_arm()], 24, seed=1)
 
     assert (plan.precalibrate_after, plan.check_at_end) == (12, False)
+
+
+@pytest.mark.parametrize(("floor_z_mm", "table_z_mm"), [(None, 0.0), (120.0, 120.0), (-300.0, -300.0)])
+def test_the_floor_that_the_cell_states_is_the_table_of_its_ballbar_plans(floor_z_mm, table_z_mm):
+    assert cell_for(domain_cell(limits=CellLimits(floor_z_mm=floor_z_mm))).table_z_mm == table_z_mm
