@@ -8,7 +8,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from service.domain.cell import Cell
@@ -20,7 +20,9 @@ from service.operation.devices import Rack
 from service.operation.errors import DeviceInUseError
 from service.operation.present_cell import PresentCell, speed_limits
 from service.planning.added_stops import Addition, WantedStop, addition
+from service.planning.cell_bodies import CellBodies, bodies_of
 from service.planning.stop_room import what_is_in_the_way
+from service.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
 from service.sequencing.cell import SessionCell
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import NotNowError, PlanRefusedError
@@ -177,9 +179,10 @@ class SessionDesk:
             plan = await self._sessions.plan(session_id)
             cell = self._present.bound((await self._sessions.setup(session_id)).cell)
             found = addition(cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
+            notice = await asyncio.to_thread(_judged_ways, bodies_of(cell), plan, found.stops)
             added = AddedStops(session_id, name, found.stops, wanted.diagnosis_id)
             await self._take_up(added, cell, plan, key)
-            return found
+            return replace(found, notice=notice)
 
     async def _take_up(
         self, added: AddedStops, cell: Cell, plan: SessionPlan, key: RequestKey | None
@@ -242,7 +245,8 @@ class SessionDesk:
         # On a thread: it goes through the whole plan first.
         history = await self._history(record)
         left = [stop for stop in plan.stops if stop.config not in history.done]
-        await self._refuse_below_floor(record.id, left, plan.approach_offset_rad)
+        if cell.bodies is not None:
+            await asyncio.to_thread(_refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
         runner = await asyncio.to_thread(self._make_runner, plan, cell, journal, history)
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
@@ -261,16 +265,6 @@ class SessionDesk:
         task.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await task
-
-    async def _refuse_below_floor(
-        self, session_id: int, stops: Sequence[PlannedStop], approach_offset_rad: float | None
-    ) -> None:
-        cell = self._present.bound((await self._sessions.setup(session_id)).cell)
-        blocked = await asyncio.to_thread(
-            what_is_in_the_way, cell, stops, approach_offset_rad, floor_only=True
-        )
-        if blocked is not None:
-            raise PlanRefusedError(blocked)
 
     async def _run(self, session_id: int, runner: SessionRunner) -> None:
         try:
@@ -313,6 +307,7 @@ class SessionDesk:
             certified_lengths=cell.certified_lengths,
             attachment=setup.attachment,
             expected=self._rack.expected(),
+            bodies=bodies_of(cell),
         )
 
     async def _history(self, record: SessionRecord) -> SessionHistory:
@@ -343,6 +338,26 @@ class SessionDesk:
         if runner is None:
             raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
         return runner
+
+
+def _refuse_below_floor(
+    bodies: CellBodies, stops: Sequence[PlannedStop], approach_offset_rad: float | None
+) -> None:
+    """Raise PlanRefusedError for the first stop, else the first way to one, that leads through the floor."""
+    ways = ways_between(stops, approach_offset_rad)
+    blocked = what_is_in_the_way(bodies, stops, approach_offset_rad, floor_only=True)
+    blocked = blocked or what_blocks_a_way(bodies, ways, floor_only=True)
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
+
+
+def _judged_ways(bodies: CellBodies, plan: SessionPlan, added: Sequence[PlannedStop]) -> str:
+    """Return what to watch on the ways to added stops; raises PlanRefusedError where one cannot be."""
+    ways = ways_between((*plan.stops[-1:], *added), plan.approach_offset_rad)
+    blocked = what_blocks_a_way(bodies, ways)
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
+    return what_to_watch(bodies, ways)
 
 
 def _refuse_unfit(record: SessionRecord, cell: Cell, plan: SessionPlan, done: frozenset[int]) -> None:

@@ -49,6 +49,7 @@ class Addition:
 
     stops: tuple[PlannedStop, ...]
     left_out: tuple[LeftOut, ...]
+    notice: str = ""  # on the ways to them: for whoever confirms
 
 
 def addition(

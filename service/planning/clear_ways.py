@@ -2,6 +2,9 @@
 
 Two stops that are clear of the table say nothing of the straight joint motion between them: a tenth of such
 ways dips below it. Who chooses the stops also chooses their order, so an order is found that avoids them.
+
+Looked at are points with room about them. The capsules by which given ways are judged (`way_room`) would
+change orders on which published figures rest (decision 0019).
 """
 
 from collections.abc import Iterator

@@ -6,6 +6,7 @@ from drivers.api import Clock, MotionLimits, PointTracker, RobotController
 from service.domain.cell import CertifiedLength
 from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from service.domain.session import Vector
+from service.planning.cell_bodies import CellBodies
 from service.sequencing.acquaintances import Expected
 
 
@@ -32,3 +33,4 @@ class SessionCell:
     certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
     attachment: int = 1  # how often the tool has been mounted
     expected: Expected = field(default_factory=Expected)  # which devices must answer
+    bodies: CellBodies | None = None  # by which ways are looked at beforehand; None: they are not

@@ -16,7 +16,7 @@
 """
 
 from collections import Counter, deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
 from drivers.errors import (
@@ -43,6 +43,7 @@ from service.sequencing.execution import Execution
 from service.sequencing.journal import SessionHistory, SessionJournal
 from service.sequencing.limits import binding_speed
 from service.sequencing.notices import end_of_motion
+from service.sequencing.outlook import outlook
 from service.sequencing.pace import Pace
 from service.sequencing.pieces import Pieces
 from service.sequencing.plans import (
@@ -201,8 +202,8 @@ class SessionRunner:
     async def _session(self) -> None:
         if has_ended(self.state):
             return
-        asked = f"{self._acquaintances.question or ''} {CELL_CLEAR}"  # also of before a restart
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, asked.lstrip())
+        foreign = self._acquaintances.question or ""  # also of before a restart
+        await self._wait_before([stop for stop in self._plan.stops if stop.config not in self._done], foreign)
         while not await self._finished():
             while self._agenda:
                 await self._carry_out(self._agenda.popleft())
@@ -232,6 +233,12 @@ class SessionRunner:
         self._journal.forget()
         self._measured = False
         self._failures_in_a_row = 0
+
+    async def _wait_before(self, stops: Sequence[PlannedStop], what: str) -> None:
+        """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""
+        ahead = await outlook(self._cell, stops, self._plan.approach_offset_rad)
+        asked = " ".join(filter(None, (what, ahead, CELL_CLEAR)))
+        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, asked)
 
     async def _heed_requests(self) -> bool:
         """Pause or end where that was asked for; returns whether the session was paused meanwhile."""
@@ -297,7 +304,7 @@ class SessionRunner:
     async def _confirm_added(self) -> None:
         asked = frozenset(self._added)
         what = "The configurations that were added to the plan come next."
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{what} {CELL_CLEAR}")
+        await self._wait_before([stop for stop in self._plan.stops if stop.config in asked], what)
         self._added -= asked  # not those that came while the question was open
 
     def _on_measured(self, stop: PlannedStop) -> None:

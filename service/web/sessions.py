@@ -7,7 +7,9 @@ from fastapi import APIRouter, Body, Response, status
 
 from service.analysis.tasks import PlanTask
 from service.domain.session import Registration, SessionPlan, StopSkipped
+from service.planning.cell_bodies import bodies_of
 from service.planning.stop_room import what_is_in_the_way
+from service.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
 from service.sequencing.dry_run import check_plan, motion_limits
 from service.sequencing.errors import PlanRefusedError
 from service.storage.errors import ConflictError
@@ -48,9 +50,9 @@ Anybody = Annotated[RequestOfPerson | None, Body()]
 @router.post(
     "",
     status_code=status.HTTP_201_CREATED,
-    response_model=SessionReply | JobReply,
+    response_model=SessionDetailReply | JobReply,
     responses={
-        201: {"model": SessionReply, "description": "The session is planned; nothing has moved."},
+        201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
         202: {
             "model": JobReply,
             "description": "A worker chooses the configurations; the job's result is the session.",
@@ -60,16 +62,22 @@ Anybody = Annotated[RequestOfPerson | None, Body()]
 )
 async def plan_session(
     here: Here, wanted: SessionRequest, response: Response, key: OptionalKey
-) -> SessionReply | JobReply:
-    """Plan a session: with configurations given (201), or to be chosen by a job (202). Nothing moves."""
+) -> SessionDetailReply | JobReply:
+    """Plan a session: with configurations given (201), or to be chosen by a job (202). Nothing moves.
+
+    A way between given configurations on which the arm would touch floor, table or itself is refused where
+    the cell states its floor; else the `notes` of the session say so, and the question before it moves.
+    """
     setup = SessionSetup(here.cell, wanted.attachment)
     template = plan_template(wanted, here.cell)
     if isinstance(wanted.plan, GivenStops):
         plan = given_plan(template, wanted.plan)
-        await asyncio.to_thread(_refuse_unfit, here, plan)
+        notice = await asyncio.to_thread(_judged, here, plan)
         number = await here.sessions.add(wanted.name, setup, plan, key)
+        if notice and notice not in await here.sessions.notes(number):  # a repeated request finds it there
+            await here.sessions.note(number, notice)
         response.headers["Location"] = f"/api/v1/sessions/{number}"
-        return await _shown(here, number)
+        return await get_session(here, number)
     task = PlanTask(setup, template, wanted.plan.configurations, wanted.plan.seed)
     number = await here.job_desk.plan(wanted.name, task, key)
     response.status_code = status.HTTP_202_ACCEPTED
@@ -177,14 +185,17 @@ async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | No
         )
 
 
-def _refuse_unfit(here: Context, plan: SessionPlan) -> None:
-    """Raise PlanRefusedError for a plan that this cell cannot do, now and not at its start."""
+def _judged(here: Context, plan: SessionPlan) -> str:
+    """Return what to watch on the ways of a plan; raises PlanRefusedError where this cell cannot do it."""
     cell = here.cell
     limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
     check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
-    blocked = what_is_in_the_way(cell, plan.stops, plan.approach_offset_rad)
+    bodies, ways = bodies_of(cell), ways_between(plan.stops, plan.approach_offset_rad)
+    blocked = what_is_in_the_way(bodies, plan.stops, plan.approach_offset_rad)
+    blocked = blocked or what_blocks_a_way(bodies, ways)
     if blocked is not None:
         raise PlanRefusedError(blocked)
+    return what_to_watch(bodies, ways)
 
 
 async def _shown(here: Context, number: int) -> SessionReply:

@@ -69,8 +69,9 @@ def wanted_stops(wanted: AdditionRequest) -> WantedStops:
 
 def addition_reply(found: Addition, session: SessionReply) -> AdditionReply:
     """Return what was added as it travels."""
+    added = f"Added {numbers(found.stops)}; a person confirms before the robot goes there."
     return AdditionReply(
-        sentence=f"Added {numbers(found.stops)}; a person confirms before the robot goes there.",
+        sentence=" ".join(filter(None, (added, found.notice))),
         stops=[stop_reply(stop) for stop in found.stops],
         left_out=[LeftOutReply(configuration=e.number, reason=e.reason) for e in found.left_out],
         session=session,

@@ -1,9 +1,13 @@
 """Given stops at which the arm would touch floor, table or itself are refused, and at the act too."""
 
+from math import radians
+
 import pytest
 
+from drivers.errors import ConnectionLostError
 from service.app import create_app
 from tests.integration.web.bench import CELL, session_request, stops
+from tests.integration.web.conftest import asking
 from tests.integration.web.test_sessions import connected
 
 SESSIONS = "/api/v1/sessions"
@@ -55,3 +59,103 @@ async def test_a_floor_that_is_stated_higher_since_binds_at_the_start(settings, 
     assert answer.status_code == 409
     assert "below floor or table" in answer.json()["detail"]
     assert bench.robot.moves == 0
+
+
+BEFORE = [-80.0, 80.0, -40.0, 0.0, -70.0, -130.0]
+BEYOND = [-40.0, 80.0, -30.0, -40.0, 90.0, -20.0]  # above the table as well; the way there leads through it
+DEPTH = "tool nest 2 would be 76 mm below floor or table"
+
+
+@pytest.fixture
+async def on_a_stated_floor(settings, bench):
+    settings.cell_file.write_text(CELL + "[limits]\nfloor_z_mm = 0.0\n")
+    app = create_app(settings, bench.registry())
+    async with app.router.lifespan_context(app), connected(app) as client:
+        yield client
+
+
+async def test_a_way_through_a_stated_floor_is_refused_with_both_configurations(on_a_stated_floor):
+    refused = await on_a_stated_floor.post(SESSIONS, json=session_request(plan=given(BEFORE, BEYOND)))
+
+    assert refused.status_code == 409
+    sentence = refused.json()["detail"]
+    assert "from configuration 1 to the approach to configuration 2" in sentence
+    assert DEPTH in sentence
+    assert "Change the order" in sentence
+
+
+async def test_a_way_through_an_assumed_floor_is_said_at_the_planning_and_before_the_confirmation(client):
+    wanted = session_request(plan=given(BEFORE, BEYOND))
+    key = {"Idempotency-Key": "once"}
+    planned, repeated = [await client.post(SESSIONS, json=wanted, headers=key) for _ in range(2)]
+    started = await client.post(f"{planned.headers['Location']}/start")
+
+    assert planned.status_code == 201, planned.text
+    (note,) = repeated.json()["notes"]
+    assert DEPTH in note
+    assert planned.json()["notes"] == [note]
+    assert DEPTH in started.json()["sentence"]
+    assert DEPTH in started.json()["session"]["question"]
+
+
+async def test_of_clear_ways_nothing_is_said(client):
+    planned = await client.post(SESSIONS, json=session_request())
+    started = await client.post(f"{planned.headers['Location']}/start")
+
+    assert planned.json()["notes"] == []
+    assert started.json()["session"]["question"].startswith("The robot is about to move.")
+
+
+async def test_the_way_from_where_a_connected_arm_stands_is_looked_at(client, bench):
+    await bench.robot.connect()
+    await bench.robot.move_joints(tuple(radians(angle) for angle in BEFORE))
+    wanted = session_request(plan=given(BEYOND))
+
+    planned = await client.post(SESSIONS, json=wanted)
+    started = await client.post(f"{planned.headers['Location']}/start")
+
+    assert planned.json()["notes"] == []
+    assert "from where the arm stands to the approach to configuration 1" in started.json()["sentence"]
+    assert DEPTH in started.json()["sentence"]
+
+
+async def test_a_robot_that_does_not_say_where_it_stands_keeps_no_question_waiting(client, bench):
+    async def fail():
+        raise ConnectionLostError("the link is gone")
+
+    await bench.robot.connect()
+    bench.robot.read_joints = fail
+    planned = await client.post(SESSIONS, json=session_request(plan=given(BEYOND)))
+    started = await client.post(f"{planned.headers['Location']}/start")
+
+    assert started.json()["session"]["question"].startswith("The robot is about to move.")
+
+
+SEEN = [12.0, 55.0, 11.0, -127.0, 80.0, 145.0]  # by the tracker; the way to it leads through the table
+MORE = {"person": "Ada", "configurations": [{"joints_deg": SEEN}]}
+
+
+async def test_an_added_configuration_behind_a_stated_floor_is_refused(on_a_stated_floor):
+    planned = await on_a_stated_floor.post(SESSIONS, json=session_request(plan=given(BEFORE)))
+    refused = await on_a_stated_floor.post(f"{planned.headers['Location']}/configurations", json=MORE)
+
+    assert refused.status_code == 409, refused.text
+    assert "from configuration 1 to the approach to configuration 2" in refused.json()["detail"]
+
+
+async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, bench, until):
+    await bench.robot.connect()
+    path = (await client.post(SESSIONS, json=session_request(plan=given(BEFORE)))).headers["Location"]
+    bench.robot.gate.clear()
+    await client.post(f"{path}/start")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    await bench.robot.sent.wait()
+
+    added = await client.post(f"{path}/configurations", json=MORE)
+    bench.robot.gate.set()
+    await asking(client)(path, "state", "awaiting_confirmation")
+    question = (await client.get(path)).json()["question"]
+
+    assert "tool nest 2 would be 75 mm below floor or table" in added.json()["sentence"]
+    assert "from where the arm stands to the approach to configuration 2" in question
+    assert "tool nest 2 would be 75 mm below floor or table" in question
