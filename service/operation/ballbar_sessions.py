@@ -345,6 +345,7 @@ class BallbarDesk:
             sight=fixed.sight,
             watching=self.watching.count(session_id),
             motion_notice=self._rack.motion_notice,
+            people=self._present.people,
         )
 
     async def _require(self, session_id: int) -> SessionRecord:

@@ -29,6 +29,7 @@ class BallbarView:
     watching: int  # tablets that follow it
     trouble: str | None = None  # why the session waits for the disk
     motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
+    people: tuple[str, ...] = ()  # who may have the arm move; empty: whoever gives a name
 
     @property
     def kit(self) -> BallbarKit:

@@ -32,6 +32,11 @@ class PresentCell:
         self._cell = cell
         self._read_again = read_again
 
+    @property
+    def people(self) -> tuple[str, ...]:
+        """Who may have the arm move; empty: whoever gives a name."""
+        return () if self._cell is None else self._cell.people
+
     async def require_unchanged(self) -> None:
         """Raise CellChangedError where the cell file does not say what the service was started with."""
         if self._read_again is None:
@@ -54,7 +59,7 @@ class PresentCell:
 
         Raises PersonMissingError, PersonUnknownError.
         """
-        return require_announced(person, () if self._cell is None else self._cell.people)
+        return require_announced(person, self.people)
 
     def require_same_robot(self, stored: Cell) -> None:
         """Raise PlanRefusedError where a session was planned for a robot of another serial number."""

@@ -50,6 +50,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         question=view.question,
         trouble=view.trouble,
         motion_notice=view.motion_notice,
+        people=list(view.people),
         ledger_number=view.newest_entry,
         step=_present_step(view),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),

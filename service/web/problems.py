@@ -49,6 +49,8 @@ _IN_WORDS: Final = {  # of patterns
     NAME_PATTERN: "A name has a letter or a digit, and only characters that can be seen",
     KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
 }
+_NAME: Final = "name"  # the kind of problem that another person's name solves
+_OF_NAMES: Final = (PersonMissingError, PersonUnknownError, PersonUnreadableError)
 MEDIA_TYPE: Final = "application/problem+json"
 _METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
 
@@ -99,7 +101,8 @@ class Problem(BaseModel):
     """What went wrong, where, and what to do."""
 
     type: str = Field(
-        description="Identifies the kind of problem.", examples=["urn:truepose:problem:not-found"]
+        description="Identifies the kind of problem; `urn:truepose:problem:name`: give another name.",
+        examples=["urn:truepose:problem:not-found"],
     )
     title: str = Field(description="The HTTP status in words.", examples=["Not Found"])
     status: int = Field(description="The HTTP status.", examples=[404])
@@ -108,13 +111,16 @@ class Problem(BaseModel):
 
 
 def problem_response(
-    request: Request, status: int, detail: str, headers: Mapping[str, str] | None = None
+    request: Request,
+    status: int,
+    detail: str,
+    headers: Mapping[str, str] | None = None,
+    kind: str | None = None,
 ) -> JSONResponse:
-    """Return a problem document."""
+    """Return a problem document; its kind is that of the status unless another one is given."""
     title = HTTPStatus(status).phrase
-    kind = title.lower().replace(" ", "-")
     body = Problem(
-        type=f"urn:truepose:problem:{kind}",
+        type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
         title=title,
         status=status,
         detail=detail,
@@ -145,7 +151,8 @@ def install(app: FastAPI) -> None:
 async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
     status = next(status for kind, status in _STATUS.items() if isinstance(error, kind))
     headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
-    return problem_response(request, status, str(error), headers)
+    kind = _NAME if isinstance(error, _OF_NAMES) else None
+    return problem_response(request, status, str(error), headers, kind)
 
 
 async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
@@ -188,7 +195,9 @@ def _allowed_methods(request: Request) -> list[str]:
 async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
     if not isinstance(error, RequestValidationError):
         raise error
-    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(error.errors()))
+    faults = error.errors()
+    kind = _NAME if faults[0]["loc"][-1] == "person" else None
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind)
 
 
 def _sentence(faults: Any) -> str:

@@ -104,6 +104,10 @@ class BallbarSessionReply(Reply):
     motion_notice: str | None = Field(
         description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
     )
+    people: list[str] = Field(
+        description="Who may act, as the cell file announces them; empty: whoever gives a name.",
+        examples=[["Ada Byron", "Grace Hopper"]],
+    )
     ledger_number: int | None = Field(description="Number of the newest entry; null before the first.")
     step: PresentStepReply | None = Field(description="Null: nothing is left to do.")
     suspicion: SuspicionReply | None

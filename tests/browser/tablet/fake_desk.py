@@ -101,6 +101,7 @@ class FakeDesk:
         self.acts = []  # what was carried out
         self.hands = []
         self.hands_refuse = None
+        self.name_refused = None  # the sentence about each act's name
         self.simulated = True
         self.planning = None  # an event for which planning waits
         self.plan_keys = []
@@ -118,6 +119,7 @@ class FakeDesk:
             "robot": "FANUC LR Mate 200iC",
             "question": None,
             "motion_notice": motion_notice(MotionGuard(longest_piece_s=1.0)),
+            "people": [],
             "reason": "",
             "ledger_number": 1,
             "step": leg(),
@@ -197,6 +199,8 @@ class FakeDesk:
             return None
         if act.get("step_id") not in {None, self.session["step"]["id"]}:
             return _problem(409, "That step is no longer the present one.")
+        if self.name_refused and act["act"] != "stop":
+            return _problem(409, self.name_refused, "urn:truepose:problem:name")
         self.acts.append(act)
         self.show(acting={"tablet": act["tablet"], "person": act["person"]})
         return None
@@ -225,5 +229,6 @@ def _event(name, document):
     return f"event: {name}\ndata: {json.dumps(document)}\n\n"
 
 
-def _problem(status, detail):
-    return JSONResponse({"status": status, "detail": detail}, status, media_type="application/problem+json")
+def _problem(status, detail, type="urn:truepose:problem:conflict"):
+    body = {"type": type, "status": status, "detail": detail}
+    return JSONResponse(body, status, media_type="application/problem+json")

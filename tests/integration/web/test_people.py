@@ -9,6 +9,7 @@ from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
 
 SESSIONS = "/api/v1/sessions"
+NAME = "urn:truepose:problem:name"
 UNREADABLE = ["\u200b", "\u202e", "\u0301", "...", "\ue000", "A\u0000", "\U000f0000A"]
 
 
@@ -46,6 +47,7 @@ async def test_a_name_that_nobody_can_read_confirms_nothing(client, bench, name)
 
     assert refused.status_code in {409, 422}
     assert "name" in refused.json()["detail"]
+    assert refused.json()["type"] == NAME
     assert bench.robot.moves == 0
 
 
@@ -100,7 +102,16 @@ async def test_at_the_tablet_everybody_may_stop_and_only_those_announced_act(cli
 
     assert [answer.status_code for answer in (begun, stopped)] == [200, 200]
     assert [answer.status_code for answer in (refused, taken_over, confirmed)] == [409, 409, 409]
+    assert {answer.json()["type"] for answer in (refused, taken_over, confirmed)} == {NAME}
     assert {line["person"] for line in await tablet.ledger()} <= {None, "Grace Hopper", "Mallory"}
+
+
+async def test_a_ballbar_session_says_who_may_act(client):
+    await client.post(BALLBAR_SESSIONS, json=WANTED)
+
+    session = await Tablet(client).see()
+
+    assert session["people"] == ["Ada Lovelace", "Grace Hopper"]
 
 
 async def test_the_cell_says_who_may(client):

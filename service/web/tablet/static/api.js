@@ -6,9 +6,10 @@ const GATEWAY = [502, 504]; // said by something between here and the service
 export class Unreached extends Error {}
 
 export class Refused extends Error {
-  constructor(status, sentence) {
-    super(sentence ?? "");
+  constructor(status, problem) {
+    super(problem?.detail ?? "");
     this.status = status;
+    this.ofName = problem?.type === "urn:truepose:problem:name";
   }
 }
 
@@ -29,7 +30,7 @@ async function reached(path, request, patience_ms) {
 export async function ask(path, request = {}, patience_ms = PATIENCE_MS) {
   const [reply, answer] = await reached(path, request, patience_ms);
   if (GATEWAY.includes(reply.status)) throw new Unreached(String(reply.status));
-  if (!reply.ok) throw new Refused(reply.status, answer?.detail);
+  if (!reply.ok) throw new Refused(reply.status, answer);
   return answer;
 }
 

@@ -1,6 +1,7 @@
 // Questions the page itself asks. They lie over the picture and never over the dock: STOP stays in reach.
 
 import { element } from "./elements.js";
+import { isTaken, same } from "./people.js";
 
 const OTHER = "skip.other";
 const LENGTH = ["skip.short", "skip.long", "skip.unstable"];
@@ -9,6 +10,9 @@ const REASONS = { measure_side: [...LENGTH, ...HANDS, OTHER], precalibrate: ["sk
 const OF_POSE = [...LENGTH, ...HANDS, OTHER];
 const OF_OTHERS = [...HANDS, "skip.cannot", OTHER];
 const OUT = { out_low: "skip.short", out_high: "skip.long", unstable: "skip.unstable" };
+
+// The service's own sentence, beside what it is about.
+const refusal = (sentence) => (sentence ? element("p", { class: "refused", id: "refused", role: "alert", lang: "en" }, sentence) : null);
 
 export class Dialogues {
   #place;
@@ -36,17 +40,29 @@ export class Dialogues {
     if (this.open) this.#show();
   }
 
-  name(present, kept) {
-    const keep = (form) => {
+  // `people`: whom the cell announces; one tap chooses. Else a name is written. Whoever has none may watch.
+  name({ present, people, refused }, kept) {
+    const known = isTaken(present, people) && !refused;
+    const keep = (name) => (this.#leave(), kept(name));
+    const shared = { must: !known, cancel: known ? "dialogue.cancel" : people.length ? "name.watch" : null };
+    if (people.length) return this.#put({ ...shared, title: "name.choose", text: refused ? null : "name.choose_text", parts: () => this.#people(people, present, refused, keep) });
+    const submitted = (form) => {
       const name = form.elements.person.value.trim();
-      if (!name) return;
-      this.#leave();
-      kept(name);
+      if (name) keep(name);
     };
-    const input = () =>
-      element("label", { class: "field" }, this.#texts.say("name.label"),
-        element("input", { name: "person", value: present ?? "", maxlength: 100, required: true, autocomplete: "name" }));
-    this.#put({ must: !present, title: "name.title", text: "name.text", parts: () => [input()], does: "name.keep", submitted: keep });
+    return this.#put({ ...shared, title: "name.title", text: "name.text", parts: () => this.#written(present, refused), does: "name.keep", submitted });
+  }
+
+  #people(people, present, refused, keep) {
+    const choice = (name) =>
+      element("button", { type: "button", class: "person", "aria-pressed": same(present, name) ? "true" : "false", onclick: () => keep(name) }, name);
+    return [refusal(refused), element("div", { class: "people" }, ...people.map(choice))];
+  }
+
+  #written(present, refused) {
+    const input = element("input", { name: "person", value: present ?? "", maxlength: 100, required: true, autocomplete: "name",
+      "aria-invalid": refused ? "true" : "false", "aria-describedby": refused ? "refused" : null });
+    return [element("label", { class: "field" }, this.#texts.say("name.label"), input), refusal(refused)];
   }
 
   // `step`: of a pose the whole rest is skipped.
@@ -113,10 +129,10 @@ export class Dialogues {
   }
 
   #show() {
-    const { title, text, values, parts, does, danger, must, submitted } = this.#ask;
+    const { title, text, values, parts, does, danger, cancel = "dialogue.cancel", submitted } = this.#ask;
     const say = (key) => this.#texts.say(key, values);
     const buttons = [
-      must ? null : element("button", { type: "button", class: "main plain", onclick: () => this.close() }, say("dialogue.cancel")),
+      cancel && element("button", { type: "button", class: "main plain", onclick: () => this.#leave() }, say(cancel)),
       does ? element("button", { class: danger ? "main danger" : "main" }, say(does)) : null,
     ];
     const form = element("form", { novalidate: true },

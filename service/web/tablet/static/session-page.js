@@ -10,6 +10,7 @@ import { showIf, write } from "./elements.js";
 import { Gauge } from "./gauge.js";
 import { Hands } from "./hands.js";
 import { Live } from "./live.js";
+import { isTaken } from "./people.js";
 import { Queue } from "./queue.js";
 import { Sender } from "./sender.js";
 import { READ, answeredBy, hasEnded, onlyNow, screenOf, stepOf, takesReason } from "./situation.js";
@@ -73,7 +74,6 @@ class SessionPage {
   open() {
     this.texts.translate(document);
     this.draw();
-    if (!this.tablet.person) this.#askName();
     this.live.open();
     stayAwake(() => this.live.restart());
     this.refresh().catch((error) => this.#missing(error));
@@ -124,6 +124,7 @@ class SessionPage {
     const before = this.model.session;
     if (before && (session.ledger_number ?? 0) < (before.ledger_number ?? 0)) return;
     this.model.session = session;
+    if (!before && !isTaken(this.tablet.person, session.people)) this.#askName();
     if (measured(session.last_outcome)) this.model.stored = session.last_outcome;
     if (before) this.#news(before, session);
     else if (session.suspicion) this.#connection.read(session.suspicion.length_mm);
@@ -140,7 +141,9 @@ class SessionPage {
   // A tap: kept until it is answered, or, where it sets something going, sent now or never.
   act(act, more = {}) {
     const { session, sample } = this.model;
-    const tap = { act, step_id: stepOf(session, act), person: this.tablet.person, tablet: this.tablet.id, ...more };
+    // Nobody has to say a name in danger.
+    const person = this.tablet.person ?? (act === "stop" ? this.texts.record("name.none") : null);
+    const tap = { act, step_id: stepOf(session, act), person, tablet: this.tablet.id, ...more };
     if (!tap.person) return this.#askName();
     if (!tap.reason && takesReason(session, sample, act)) return this.dialogues.off((reason) => this.act(act, { ...more, reason }));
     if (onlyNow(session, act)) return this.sender.now(act === "confirm" ? { ...tap, ...this.#seen(session, sample) } : tap);
@@ -173,8 +176,10 @@ class SessionPage {
     return this.dialogues.skip(session.step, sample?.state, chosen);
   }
 
-  #askName() {
-    this.dialogues.name(this.tablet.person, (name) => {
+  // `refused`: what the service said of the name that is kept.
+  #askName(refused = "") {
+    const people = this.model.session?.people ?? [];
+    this.dialogues.name({ present: this.tablet.person, people, refused }, (name) => {
       this.tablet.person = name;
       this.draw();
     });
@@ -294,6 +299,7 @@ class SessionPage {
 
   async #dropped(tap, error) {
     await this.refresh().catch(() => null);
+    if (error.ofName) return this.#askName(error.message);
     const name = this.texts.say(ACTS[tap.act]);
     const gone = tap.step_id !== null && tap.step_id !== this.model.session?.step?.id;
     const step = this.model.stepsById.get(tap.step_id);
