@@ -85,7 +85,7 @@ class Readings:
         sampled_at_ms = self._wall_ms()
         time_s = await self._clock.now_s() if reading is None else reading.time_s
         off_mm = _off_nominal_mm(reading, now, self._kit)
-        self.evidence.note(reading, off_mm)
+        self.evidence.note(reading, off_mm, asked=now.step is not None and now.step.kind in READINGS)
         if self.evidence.is_stale(time_s):
             reading = None  # what a device only repeats is no length
         self._take(reading, off_mm)

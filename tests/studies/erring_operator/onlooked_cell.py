@@ -66,9 +66,9 @@ class OnlookedCell(RememberedCell):
         return next((seat for since_s, seat in reversed(self._seats) if since_s <= time_s), "")
 
     @property
-    def is_blind(self) -> bool:
-        """Whether the ballbar reads no length: it is switched off, unplugged, or out of its range."""
-        return self.ballbar.sample(self.clock.now_s).signal != "good"
+    def is_silent(self) -> bool:
+        """Whether the ballbar gives no signal: it is switched off or unplugged."""
+        return self.ballbar.sample(self.clock.now_s).signal == "none"
 
     @property
     def seat(self) -> str:

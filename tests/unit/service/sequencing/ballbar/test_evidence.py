@@ -18,7 +18,7 @@ class Stream:
         self.now_s = 100.0
         self.number = 0
 
-    def see(self, *deviations_mm, signal="good", off_mm=..., sequence=...):
+    def see(self, *deviations_mm, signal="good", off_mm=..., sequence=..., asked=False):
         """Take samples; NaN is a sample without signal."""
         for shown_mm in deviations_mm:
             self.now_s += STEP_S
@@ -26,7 +26,7 @@ class Stream:
             what = "none" if math.isnan(shown_mm) else signal
             count = self.number if sequence is ... else sequence
             reading = BallbarReading(shown_mm, what, 0.0001, self.now_s, None, count)
-            self.evidence.note(reading, shown_mm if off_mm is ... else off_mm)
+            self.evidence.note(reading, shown_mm if off_mm is ... else off_mm, asked=asked)
         return self
 
     def lose_link(self, samples=10):
@@ -49,6 +49,7 @@ class Stream:
 
 STILL = [0.3, 0.3002] * 5
 NONE = [math.nan] * 8
+OUT = [1.3] * 8  # beyond the range
 SWAYS = [0.7 * math.sin(0.9 * n) for n in range(20)]
 
 
@@ -75,6 +76,31 @@ def test_a_ballbar_that_has_run_to_its_end_is_off_whatever_its_own_zero_is(off_m
     by_signal = Stream().see(*STILL).see(*[0.2] * 8, signal="out_of_range")
 
     assert (by_value.says, by_signal.says) == ("off", "off")
+
+
+def test_a_ballbar_that_runs_to_its_end_while_a_length_is_asked_for_may_hang_where_it_does_not_read():
+    stream = Stream().see(*STILL, asked=True).see(*OUT, asked=True).see(*OUT * 5)
+
+    assert stream.says == "unknown"
+    assert stream.against == NOTHING_KNOWN
+
+
+def test_a_ballbar_that_wakes_at_its_end_may_have_been_put_on_where_it_does_not_read():
+    slept, dropped = Stream().see(*STILL, *OUT, *NONE * 3, *OUT), Stream().see(*STILL, *OUT, *NONE, *OUT)
+
+    assert (slept.says, dropped.says) == ("unknown", "off")  # a radio link drops samples
+
+
+def test_a_ballbar_that_was_at_its_end_before_anybody_looked_may_hang():
+    assert Stream().see(*OUT).says == "unknown"
+
+
+@pytest.mark.parametrize("after", [NONE, SWAYS, [*STILL, *OUT], [1.2, 1.4, 1.3]], ids=len)
+def test_one_that_may_hang_is_off_once_it_falls_silent_or_is_moved(after):
+    stream = Stream().see(*OUT, asked=True).see(*after)
+
+    assert stream.says in {"off", "in_hand"}
+    assert stream.against is None
 
 
 def test_where_the_zero_is_not_known_every_good_reading_may_be_a_length_within_the_range():

@@ -14,6 +14,7 @@ from tests.unit.service.sequencing.ballbar.sessions import joints, make_plan
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 DETACH, MOVE = "placement-1/pose-1/detach", "placement-1/pose-2/move"
+LAST_LEG = "placement-1/pose-1/leg-3-1"
 LEG, NEXT = "placement-1/pose-1/leg-1-2", "placement-1/pose-1/leg-2-1"
 
 
@@ -49,19 +50,43 @@ async def test_a_motion_is_not_confirmed_while_the_ballbar_is_back_on(what):
         assert len(bench.robot.moves) == before
 
 
-async def test_a_ballbar_that_is_held_in_the_hand_or_has_run_to_its_end_is_believed_to_be_off():
+@pytest.mark.parametrize("beyond_mm", [None, 1.05], ids=["held in the hand", "run to its end"])
+async def test_a_ballbar_that_was_seen_to_come_off_is_believed_to_be_off(beyond_mm):
     async with Bench(PLAN) as bench:
         await bench_at(bench, DETACH)
         bench.hands.hold()
+        bench.bar.out_of_range_mm = beyond_mm
+
         await bench.press(ActName.CONFIRM)
+
         assert not bench.now.attached
 
-        await bench.until(MOVE)
+
+async def test_a_ballbar_put_on_where_it_does_not_read_takes_a_reason_before_the_arm_moves():
+    async with Bench(PLAN) as bench:
+        await bench_at(bench, MOVE)
+        await bench.clock.advance(2.0)
         bench.hands.connect("leg", (1, 1))
         bench.bar.out_of_range_mm = 1.05
-        await bench.press(ActName.CONFIRM)
 
-        assert bench.runner.robot_moving
+        with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+            await bench.press(ActName.CONFIRM)
+
+
+async def test_a_leg_left_out_because_it_is_too_long_takes_a_reason_where_the_ballbar_stays_on():
+    async with Bench(PLAN) as bench:
+        await bench_at(bench, LAST_LEG)
+        bench.hands.connect("leg", (3, 1))
+        bench.bar.out_of_range_mm = 1.05
+        await bench.clock.advance(0.5)
+        await bench.press(ActName.SKIP, reason="too long")
+
+        with pytest.raises(ReasonMissingError, match="Nothing is known of the ballbar"):
+            await bench.press(ActName.CONFIRM)
+
+        bench.hands.detach()
+        await bench.press(ActName.CONFIRM)
+        assert not bench.now.attached
 
 
 @pytest.mark.parametrize("fault", [NoReplyError, ConnectionLostError])
