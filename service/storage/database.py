@@ -27,7 +27,7 @@ from service.storage.errors import DamagedDatabaseError, StorageError, StorageUn
 from service.storage.library import LIBRARY
 from service.storage.lock import ServiceLock
 from service.storage.place import Place
-from service.storage.refusals import damaged, translated
+from service.storage.refusals import REFUSED, damaged, translated
 from service.storage.schema import bring_up_to_date
 from service.storage.seal import Seal
 from service.storage.verification import stream_findings
@@ -80,7 +80,7 @@ class Database:
                 schema = bring_up_to_date(self._connection, str(self.file))
             note_how_it_was_left(self._raw, self.file, self.left, log_bytes, self.condition)
             self._seal.break_open(self._raw)
-        except (DatabaseError, LIBRARY.DatabaseError) as error:
+        except REFUSED as error:
             self._connection.close()
             raise translated(self.file, error) from error
         except BaseException:
@@ -225,7 +225,7 @@ class Database:
             with self._connection.begin():
                 result = work(self._connection)
             self._seal.note_newest(self._raw)
-        except DatabaseError as error:
+        except REFUSED as error:
             raise self._noted(error) from error
         return result
 
@@ -273,7 +273,7 @@ class Database:
         try:
             with self._reading, self._read_engine.begin() as connection:
                 return work(connection)
-        except DatabaseError as error:
+        except REFUSED as error:
             raise self._noted(error) from error
 
     def _noted(self, error: Exception) -> StorageError:
@@ -308,7 +308,7 @@ def _beside(wanted: _Wanted, connection: Connection) -> _End:
     try:
         with connection.begin_nested():
             return wanted.work(connection), None
-    except DatabaseError as error:
+    except REFUSED as error:
         # The library may have ended the whole transaction by itself; alone, each has its own answer.
         raise _NotTogetherError from error
     except Exception as error:

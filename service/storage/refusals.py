@@ -12,14 +12,16 @@ from service.storage.errors import (
     StorageError,
     StorageUnavailableError,
 )
+from service.storage.library import LIBRARY
 
+REFUSED: Final = (DatabaseError, LIBRARY.DatabaseError)  # the chain asks the library without the toolkit
 _DAMAGE: Final = ("malformed", "corrupt", "no such table", "no such column", "disk image", "decode to UTF-8")
 
 
 def translated(file: Path, error: Exception) -> StorageError:
     """Return an error of the library, wrapped or as it is, as one of ours."""
     said = str(error.orig if isinstance(error, DatabaseError) else error)
-    if isinstance(error, IntegrityError):
+    if isinstance(error, (IntegrityError, LIBRARY.IntegrityError)):
         return ConflictError(f"The records do not allow that ({said}); nothing was kept.")
     if "not a database" in said:
         return ForeignDatabaseError(f"{file} is not a SQLite database; choose another file.")

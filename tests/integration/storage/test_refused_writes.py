@@ -70,6 +70,25 @@ async def test_a_full_disk_refuses_until_there_is_room(database):
     assert await names(database) == [*kept, "last"]
 
 
+@pytest.mark.parametrize("others", [0, 3])
+async def test_a_link_for_which_there_is_no_room_is_refused_like_any_record(database, others):
+    def linked(connection):
+        link = (
+            "INSERT INTO links (stream, record, record_id, hash) VALUES (0, 'sessions', 1, zeroblob(100000))"
+        )
+        connection.connection.cursor().execute(link)
+
+    full = await database.on_writer(lambda c: c.execute("PRAGMA page_count").fetchone()[0])
+    await database.on_writer(lambda c: c.execute(f"PRAGMA max_page_count={full + 10}"))
+    wants = [add(database, f"number {n}") for n in range(others)]
+    *results, refused = await asyncio.gather(*wants, database.write(linked), return_exceptions=True)
+
+    assert isinstance(refused, StorageUnavailableError), refused
+    assert results == [*range(1, others + 1)]
+    await asyncio.wait_for(database.writable(), 10)
+    await add(database, "last")
+
+
 async def test_writes_that_come_together_share_a_commit_and_fail_alone(database):
     def refused(connection):
         connection.exec_driver_sql("UPDATE sessions SET name = 'other'")
