@@ -35,7 +35,7 @@ from service.sequencing.ballbar.foresight import Foresight
 from service.sequencing.ballbar.runner import BallbarRunner
 from service.sequencing.ballbar.situation import Situation, situation
 from service.sequencing.errors import NotNowError
-from service.sequencing.states import after_restart, has_ended, words
+from service.sequencing.states import has_ended, words
 from service.sequencing.watchful_robot import WatchfulRobot
 from service.storage.ballbar_ledger import BallbarLedger
 from service.storage.errors import NotFoundError
@@ -372,9 +372,10 @@ def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:
     """Return where a session stands that nobody runs: it never says that it runs."""
     kit = kit_of(fixed.setup)
     found = situation(fixed.plan, kit, entries)
-    if found.state not in {SessionState.RUNNING, SessionState.PAUSING}:
+    if found.state not in {SessionState.RUNNING, SessionState.PAUSING, SessionState.ABORTING}:
         return found
-    text = control.state_text(after_restart(found.state), control.NOBODY_RUNS)
+    # Also of one whose end was asked for: it can be asked for again, and any other act has it take place.
+    text = control.state_text(SessionState.AWAITING_CONFIRMATION, control.NOBODY_RUNS)
     return situation(
         fixed.plan, kit, [*entries, LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=text)]
     )

@@ -1,6 +1,7 @@
 """What act handlers and loops of a session share: its book, its devices, and the changes that both make.
 
-Every method that appends is called with `changing` held, so that lines reach the ledger one at a time.
+Every method that appends is called with `changing` held, so that lines reach the ledger one at a time; `keep`
+and `note_failure` take it themselves.
 """
 
 import asyncio
@@ -99,6 +100,14 @@ class Floor:
     async def hold(self, reason: str) -> None:
         """Have the session wait for a person: something is not as it was left."""
         await self._await_person(f"{_sentence(reason)} {_PUT_IT_RIGHT}")
+
+    async def note_failure(self, error: Exception) -> None:
+        """Put a failure on record once lines are taken; else whoever shows it says that nobody runs it."""
+        reason = f"The program failed ({type(error).__name__}): {error}"
+        try:
+            await self.keep(lambda: self.hold(reason))
+        except Exception as second:  # the run ends with the first one: the log must not name another instead
+            error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
 
     async def _await_person(self, reason: str) -> None:
         if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:

@@ -192,14 +192,9 @@ class BallbarRunner:
             await self._readings.close()
         for result in results:
             if isinstance(result, Exception):
-                await self._note_failure(result)
+                await self._floor.note_failure(result)
                 raise result
         return self.situation.state
-
-    async def _note_failure(self, error: Exception) -> None:
-        with contextlib.suppress(RecordRefusedError):  # then whoever shows it says that nobody runs it
-            async with self._floor.changing:
-                await self._floor.hold(f"The program failed ({type(error).__name__}): {error}")
 
     def _loops(self) -> tuple[Coroutine[Any, Any, None], ...]:
         return self._conduct(), self._follow_ballbar(), self._follow_robot(), self._arrears.follow()

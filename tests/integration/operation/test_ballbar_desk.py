@@ -168,12 +168,12 @@ async def test_a_runner_that_fails_gives_the_devices_back(scene):
     assert (await scene.act(second, key="k2")).entry is not None
 
 
-async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene):
+@pytest.mark.parametrize("state", [SessionState.RUNNING, SessionState.PAUSING, SessionState.ABORTING])
+async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
     session_id = await scene.planned()
     await scene.act(session_id)
-    running = control.state_text(SessionState.RUNNING, "Ada started the session.")
-    entry = LedgerEntry("", EntryKind.CONTROL, 2.0, "Ada", text=running)
-    await scene.ledger.append(session_id, entry, (SessionState.RUNNING, "Ada started the session."))
+    entry = LedgerEntry("", EntryKind.CONTROL, 2.0, "Ada", text=control.state_text(state, "Ada asked."))
+    await scene.ledger.append(session_id, entry, (state, "Ada asked."))
 
     scene.runners[0].failure.set()
     while scene.desk.runner(session_id) is not None:

@@ -102,6 +102,46 @@ async def test_a_stop_that_the_disk_does_not_take_stops_all_the_same():
             await bench.running
 
 
+@pytest.mark.parametrize("ending", [True, False])
+async def test_a_failure_on_a_full_disk_is_on_record_once_there_is_room(ending):
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(CUP)
+        if ending:
+            await begin_motion(bench, CUP)
+            await bench.press(ActName.ABORT, step_id=None)
+        bench.disk.fill()
+        bench.runner._readings.poll = unplugged
+        await bench.clock.advance(1.0)
+
+        assert not bench.running.done()
+        bench.disk.make_room()
+        with pytest.raises(RuntimeError, match="a mistake of the program"):
+            await bench.running
+        assert bench.states()[-1] is (SessionState.ABORTED if ending else SessionState.AWAITING_CONFIRMATION)
+
+
+async def unplugged(*_, **__):
+    raise RuntimeError("a mistake of the program")
+
+
+async def test_a_run_ends_with_what_failed_first_also_where_that_cannot_be_put_on_record():
+    async with Bench(PLAN) as bench:
+        await bench.start()
+        await bench.until(LEG)
+
+        async def lost():
+            raise DiskFullError
+
+        bench.runner._readings.poll = unplugged
+        bench.clock.now_s = lost
+        await bench.clock.advance(1.0)
+
+        with pytest.raises(RuntimeError, match="a mistake of the program") as raised:
+            await bench.running
+        assert raised.value.__notes__ == ["Nor could that be kept (DiskFullError): "]
+
+
 async def test_a_button_pressed_before_the_restart_is_on_record_comes_after_it():
     async with Bench(PLAN) as bench:
         await bench.start()
