@@ -1,14 +1,14 @@
 """A person at the tablet of a simulated cell, over REST like any tablet, with a ledger of their own.
 
 They do with the simulated hands what the page asks, press the button, and write down what was acknowledged.
-A request that gets no answer is repeated with the same key until the service is there again.
+A request that gets no answer, or none but that it cannot be done now (503), is repeated with the same key.
 """
 
 import asyncio
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import httpx
 
@@ -21,6 +21,7 @@ _PATIENCE_S: Final = 90.0  # until a service that was killed is there again, on 
 _TRIES: Final = 400  # to have a length stored before its step is skipped
 _LOOK_S: Final = 0.02
 _UNREADABLE: Final = "The length is out of range."
+Session: TypeAlias = dict[str, Any]  # as the service shows it
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +43,11 @@ class OwnLedger:
     repeated: int = 0  # requests that were sent more than once
 
 
+def present_step(session: Session) -> str | None:
+    """Return the id of the present step; None where there is none."""
+    return None if session["step"] is None else str(session["step"]["id"])
+
+
 class PersonAtTablet:
     """Walks through one ballbar session."""
 
@@ -52,7 +58,7 @@ class PersonAtTablet:
         self._keys: Iterator[int] = itertools.count(1)
         self.ledger = OwnLedger()
         self.refusals: list[str] = []  # what the hands could not do, in the cell's words
-        self.seen: dict[str, Any] | None = None  # the session as it was last told
+        self.seen: Session | None = None  # the session as it was last told
         self.hands_free = asyncio.Event()  # cleared: the person waits and sends nothing
         self.hands_free.set()
 
@@ -61,21 +67,22 @@ class PersonAtTablet:
         """Where the session is."""
         return f"{_API}/ballbar-sessions/{self._id}"
 
-    async def walk(self, until: str | None = None) -> dict[str, Any]:
+    async def walk(self, until: str | None = None) -> Session:
         """Go through the session to its end, or until the step named `until` is the present one."""
+        return await self.walk_until(lambda session: until is not None and present_step(session) == until)
+
+    async def walk_until(self, reached: Callable[[Session], bool]) -> Session:
+        """Go through the session to its end, or until what it shows is what was to be reached."""
         while True:
             session = await self.session()
-            step = session["step"]
-            if session["state"] in {"finished", "aborted", "failed"}:
-                return session
-            if until is not None and step is not None and step["id"] == until:
+            if session["state"] in {"finished", "aborted", "failed"} or reached(session):
                 return session
             await self._go_on(session)
 
-    async def session(self) -> dict[str, Any]:
+    async def session(self) -> Session:
         """Return the session as the service has it."""
         answer = await self._reach("GET", f"/ballbar-sessions/{self._id}")
-        found: dict[str, Any] = answer.json()
+        found: Session = answer.json()
         self.seen = found
         return found
 
@@ -97,7 +104,7 @@ class PersonAtTablet:
             self.refusals.append(answer.json()["detail"])
         return answer
 
-    async def _go_on(self, session: dict[str, Any]) -> None:
+    async def _go_on(self, session: Session) -> None:
         state, step = session["state"], session["step"]
         if state == "paused" and step is not None and step["kind"] == "precalibrate":
             await self.act("skip", step["id"], reason=session["reason"])
@@ -156,15 +163,13 @@ class PersonAtTablet:
         self, method: str, path: str, body: dict[str, Any] | None = None, key: str | None = None
     ) -> httpx.Response:
         """Send a request until it is answered; raises ServiceFailedError after a minute and a half."""
-        headers = {} if key is None else {"Idempotency-Key": key}
         deadline = asyncio.get_running_loop().time() + _PATIENCE_S
         sent = 0
         while asyncio.get_running_loop().time() < deadline:
             await self.hands_free.wait()
             sent += 1
-            try:
-                answer = await self._http.request(method, f"{_API}{path}", json=body, headers=headers)
-            except httpx.TransportError:
+            answer = await self._send(method, path, body, key)
+            if answer is None:
                 await asyncio.sleep(_AGAIN_S)
                 continue
             self.ledger.repeated += key is not None and sent > 1
@@ -172,3 +177,14 @@ class PersonAtTablet:
                 raise RequestRefusedError(f"The service refused {method} {path}: {answer.text}")
             return answer
         raise ServiceFailedError(f"The service does not answer {method} {path} any more; see its log.")
+
+    async def _send(
+        self, method: str, path: str, body: dict[str, Any] | None, key: str | None
+    ) -> httpx.Response | None:
+        """Send a request once; None where it has no answer, or none but that it cannot be done for now."""
+        headers = {} if key is None else {"Idempotency-Key": key}
+        try:
+            answer = await self._http.request(method, f"{_API}{path}", json=body, headers=headers)
+        except httpx.TransportError:
+            return None
+        return None if answer.status_code == httpx.codes.SERVICE_UNAVAILABLE else answer

@@ -82,6 +82,13 @@ class KilledService:
         """Where it listens."""
         return f"http://127.0.0.1:{self._port}"
 
+    @property
+    def pid(self) -> int:
+        """Of the process that runs; raises ServiceFailedError where none does."""
+        if self._process is None or self._process.returncode is not None:
+            raise ServiceFailedError(f"The service does not run; see {self._log}.")
+        return self._process.pid
+
     async def start(self) -> float:
         """Start it and return after how many seconds of wall time it answered; raises ServiceFailedError."""
         began = time.monotonic()
