@@ -9,9 +9,9 @@ import numpy as np
 
 from simulators.physics.rigid import FloatArray
 from simulators.robot import SpeedLimits
-from tests.studies.erring_operator.onlooked_cell import OnlookedCell
 from tests.studies.erring_operator.operator import ErringOperator
-from tests.studies.erring_operator.service_here import ServiceHere
+from tests.studies.taken_up.onlooked_cell import OnlookedCell
+from tests.studies.taken_up.service_here import ServiceHere
 
 Line = dict[str, Any]
 _SLACK_DEG = 1e-3  # of a target on its way through the wire

@@ -12,7 +12,7 @@ from typing import Any
 
 import httpx
 
-from tests.studies.erring_operator.onlooked_cell import OnlookedCell
+from tests.studies.taken_up.onlooked_cell import OnlookedCell
 
 Session = dict[str, Any]
 _API = "/api/v1"

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.studies.erring_operator.begun import Begun, Copy
-from tests.studies.erring_operator.onlooked_cell import OnlookedCell, standing
 from tests.studies.erring_operator.onlooker import Onlooker
 from tests.studies.erring_operator.operator import ErringOperator
-from tests.studies.erring_operator.service_here import ServiceHere
 from tests.studies.erring_operator.tally import Tally
+from tests.studies.taken_up.begun import Begun, Copy
+from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
+from tests.studies.taken_up.service_here import ServiceHere
 
 _CHANGES = 0.02  # of the deeds: limits of the cell file, or a restart without a change
 _FINISHED = 0.1  # of the sessions are walked to their end, with an operator who errs no more after a while

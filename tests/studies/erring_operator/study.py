@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from tests.studies.erring_operator.begun import Begun, begin
 from tests.studies.erring_operator.random_session import run_sessions
 from tests.studies.erring_operator.tally import Tally, joined
+from tests.studies.taken_up.begun import Begun, begin
 
 ROBOTS = (
     ("lrmate-tilted", 3, 8),
@@ -46,7 +46,7 @@ def study(wanted: Wanted, folder: Path) -> Tally:
 
 def _begin(number: int, folder: Path) -> Begun:
     scenario, seed, poses = ROBOTS[number]
-    return asyncio.run(begin(scenario, seed, poses, folder / f"robot-{number}"))
+    return asyncio.run(begin(scenario, seed, {"poses": poses, "seed": seed}, folder / f"robot-{number}"))
 
 
 def _run(wanted: Wanted, part: int, begun: Sequence[Begun], folder: Path) -> Tally:

@@ -26,13 +26,6 @@ from simulators.robot import JointMotion, SpeedLimits
 from simulators.scenario_file import load_scenario
 
 OnMotion: TypeAlias = Callable[[Sequence[FloatArray], SpeedLimits], None]
-DRIVERS = {
-    "open_abb": "abb_open_abb",
-    "nd28x": "heidenhain_nd",
-    "hid": "ballbar_hid",
-    "hands": "cell_hands",
-    "clock": "cell_clock",
-}
 
 
 class OnlookedCell(RememberedCell):

@@ -1,7 +1,6 @@
 """The service in this process, on a cell file that may be changed between two starts."""
 
 import contextlib
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,11 @@ import httpx
 
 from service.app.composition import open_context, program_version
 from service.settings import Settings
-from service.storage.library import LIBRARY
 from service.web.application import create_application
 from simulators.instruments.endpoint import Address
-from tests.studies.erring_operator.onlooked_cell import DRIVERS
+from tests.studies.taken_up.cell_text import cell_text
+from tests.studies.taken_up.ledger_on_disk import lines
 
-_ROBOTS = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
 _ANSWER_S = 300.0  # choosing poses takes half a minute, on a busy machine more
 
 
@@ -26,8 +24,8 @@ class ServiceHere:
         self.database = folder / "sessions.sqlite3"
         self._cell_file = folder / "cell.toml"
         self._settings = Settings(f"sqlite:///{self.database}", cell_file=self._cell_file)
-        self._heading = _heading(scenario)
-        self._devices = _devices(addresses)
+        self._scenario = scenario
+        self._addresses = addresses
         self.tells_serial = any(address.protocol == "hid" for address in addresses)
         self._open: contextlib.AsyncExitStack | None = None
         self._http: httpx.AsyncClient | None = None
@@ -42,7 +40,7 @@ class ServiceHere:
 
     def describe(self, limits: str = "") -> None:
         """Write the cell file; `limits` is its [limits] section."""
-        self._cell_file.write_text(f"{self._heading}\n{limits}\n{self._devices}", encoding="utf-8")
+        self._cell_file.write_text(cell_text(self._scenario, self._addresses, limits), encoding="utf-8")
 
     async def start(self) -> None:
         """Start it on the cell file as it is now."""
@@ -64,21 +62,4 @@ class ServiceHere:
 
     def lines(self, after: int = 0) -> list[dict[str, Any]]:
         """Return the lines of all ledgers with a number above `after`, from the disk."""
-        with contextlib.closing(LIBRARY.connect(f"file:{self.database}?mode=ro", uri=True)) as connection:
-            query = "SELECT id, step_id, kind, key, document FROM ballbar_entries WHERE id > ? ORDER BY id"
-            rows = connection.execute(query, (after,)).fetchall()
-        names = ("number", "step_id", "kind", "key", "document")
-        return [{**dict(zip(names, row, strict=True)), "document": json.loads(row[4])} for row in rows]
-
-
-def _heading(scenario: str) -> str:
-    robot = next(name for prefix, name in _ROBOTS.items() if scenario.startswith(prefix))
-    return f'robot = "{robot}"\n[ballbar]\nbase_points = 3\n'
-
-
-def _devices(addresses: Sequence[Address]) -> str:
-    return "\n".join(
-        f'[[device]]\nname = "{found.device}"\ndriver = "{DRIVERS[found.protocol]}"\n'
-        f'host = "{found.host}"\nport = {found.port}'
-        for found in addresses
-    )
+        return lines(self.database, after)

@@ -1,15 +1,16 @@
 """Sessions that are under way: copies of database and cell, kept while one session goes as it should."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from service.showcase.ballbar_person import PersonAtTablet
 from service.storage.library import LIBRARY
-from tests.studies.erring_operator.onlooked_cell import standing
-from tests.studies.erring_operator.service_here import ServiceHere
+from tests.studies.taken_up.onlooked_cell import standing
+from tests.studies.taken_up.service_here import ServiceHere
 
 _STEPS_BETWEEN = 4
 _ENDED = {"finished", "aborted", "failed"}
@@ -33,19 +34,23 @@ class Begun:
     copies: Sequence[Copy]
 
 
-async def begin(scenario: str, seed: int, poses: int, folder: Path) -> Begun:
-    """Plan a session, walk through it rightly, and keep a copy every few steps."""
+async def begin(
+    scenario: str, seed: int, wanted: Mapping[str, Any], folder: Path, most: int | None = None
+) -> Begun:
+    """Plan the session that is `wanted`, walk through it rightly, and keep a copy every few steps.
+
+    `most` is how many copies are kept; None: as many as the session has.
+    """
     folder.mkdir(parents=True)
     copies: list[Copy] = []
     async with standing(scenario, seed, folder / "cell.json") as (_, addresses):
         service = ServiceHere(folder, scenario, addresses)
         await service.start()
         try:
-            wanted = {"name": "six legs", "poses": poses, "seed": seed}
-            created = await service.http.post("/api/v1/ballbar-sessions", json=wanted)
+            created = await service.http.post("/api/v1/ballbar-sessions", json={"name": "six legs", **wanted})
             created.raise_for_status()
             person = PersonAtTablet(service.http, created.json()["id"])
-            for step in await _every_few_steps(service, person.path):
+            for step in (await _every_few_steps(service, person.path))[:most]:
                 session = await person.walk(until=step)
                 if session["state"] in _ENDED:
                     break

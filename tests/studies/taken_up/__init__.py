@@ -1,0 +1,1 @@
+"""Ballbar sessions that a study takes up where it likes: the cell they stand in, the service, the copies."""
