@@ -4,21 +4,17 @@
 one writer and sixteen on the same database, so that a disk that slows down slows both.
 """
 
-import argparse
 import asyncio
-import json
 import statistics
-import sys
-import tempfile
 import time
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 from service.storage.database import Database
 from service.storage.library import VERSION
 from service.storage.readings import ReadingRepository
 from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.studies.running import from_command_line
 
 WRITERS = 16
 
@@ -65,33 +61,25 @@ class _Session:
 
 async def durable(folder, writes, readings, runs):
     """Write and return how fast that was."""
-    with tempfile.TemporaryDirectory(dir=folder) as fresh:
-        database = Database(f"sqlite:///{fresh}/truepose.sqlite3")
-        number = await SessionRepository(database).add("long", make_setup(), make_plan())
-        session = _Session(ReadingRepository(database), number)
-        early_ms = await session.median_ms(writes)
-        one, sixteen = [], []
-        for _ in range(runs):
-            one.append(await session.rate(1, writes))
-            sixteen.append(await session.rate(WRITERS, max(1, writes // 4)))
-        while session.taken < readings:
-            await session.rate(200, 10)
-        late_ms = await session.median_ms(writes)
-        database.close()
+    database = Database(f"sqlite:///{folder}/truepose.sqlite3")
+    number = await SessionRepository(database).add("long", make_setup(), make_plan())
+    session = _Session(ReadingRepository(database), number)
+    early_ms = await session.median_ms(writes)
+    one, sixteen = [], []
+    for _ in range(runs):
+        one.append(await session.rate(1, writes))
+        sixteen.append(await session.rate(WRITERS, max(1, writes // 4)))
+    while session.taken < readings:
+        await session.rate(200, 10)
+    late_ms = await session.median_ms(writes)
+    database.close()
     ratio = statistics.median(sixteen) / statistics.median(one)
     return Durable(VERSION, tuple(one), tuple(sixteen), ratio, session.taken, early_ms, late_ms)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    for name, number in (("writes", 300), ("readings", 50_000), ("runs", 5)):
-        parser.add_argument(f"--{name}", type=int, default=number)
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    found = asyncio.run(durable(options.out, options.writes, options.readings, options.runs))
-    (options.out / "durable_writes.json").write_text(json.dumps(asdict(found), indent=1))
-    sys.stdout.write(
+def told(found):
+    """Return what was found, in words."""
+    return (
         f"SQLite {found.sqlite}: 1 writer {statistics.median(found.one_per_s):.0f}/s, "
         f"{WRITERS} writers {statistics.median(found.sixteen_per_s):.0f}/s, ratio {found.ratio:.2f}\n"
         f"one reading: {found.early_ms:.2f} ms early, {found.late_ms:.2f} ms after {found.readings}\n"
@@ -99,4 +87,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    from_command_line(__doc__, "durable_writes", durable, told, writes=300, readings=50_000, runs=5)

@@ -4,14 +4,10 @@
 service as `truepose serve` does, asks `/health` until it answers, writes, and kills it, again and again.
 """
 
-import argparse
 import asyncio
 import json
-import sys
-import tempfile
 import time
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import httpx
 import numpy as np
@@ -23,6 +19,7 @@ from service.storage.documents import to_document
 from service.storage.sessions import SessionRepository
 from tests.integration.web.bench import CELL, session_request
 from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.studies.running import from_command_line
 
 _AT_A_TIME = 20_000
 _ADDRESS = 'host = "127.0.0.1"\nport = 9'
@@ -107,17 +104,9 @@ async def ready_again(folder, readings, runs):
     return Ready(readings, file.stat().st_size / 1e6, after_kills, p95_s, longest_s, integrity)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--readings", type=int, default=1_000_000)
-    parser.add_argument("--runs", type=int, default=40)
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=options.out) as folder:
-        found = asyncio.run(ready_again(Path(folder), options.readings, options.runs))
-    (options.out / "ready_again.json").write_text(json.dumps(asdict(found), indent=1))
-    sys.stdout.write(
+def told(found):
+    """Return what was found, in words."""
+    return (
         f"{found.readings} readings, {found.megabytes:.0f} MB: ready after {len(found.ready_s)} kills in "
         f"{min(found.ready_s):.2f} to {max(found.ready_s):.2f} s, p95 {found.p95_s:.2f} s; "
         f"looked through: {found.integrity}, /health within {found.longest_health_s:.2f} s meanwhile\n"
@@ -125,4 +114,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    from_command_line(__doc__, "ready_again", ready_again, told, readings=1_000_000, runs=40)

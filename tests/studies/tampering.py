@@ -5,14 +5,11 @@ service closed in order, with its seal, and one whose service was killed, with i
 noticed is counted as harmless only where every record, link and trigger reads as before.
 """
 
-import argparse
 import asyncio
 import contextlib
-import json
 import os
 import random
 import shutil
-import sys
 import tempfile
 from collections import Counter
 from dataclasses import dataclass, field
@@ -29,6 +26,7 @@ from service.storage.sessions import SessionRepository
 from service.storage.tables import metadata
 from tests.ballbar_sessions import make_ballbar_plan, measured
 from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.studies.running import from_command_line
 
 _ENOUGH = 100_000  # rows: pages that point at each other have no end
 _PARTS = ("", "-wal", ".seal")
@@ -295,24 +293,18 @@ def _read_copy(folder, base):
         return _read(f"{aside}/{base}")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--runs", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=options.out) as folder:
-        tally = asyncio.run(tampering(Path(folder), options.runs, options.seed))
-    (options.out / "tampering.json").write_text(json.dumps(vars(tally), indent=1))
-    for kind in KINDS:
-        harmless = f", {tally.harmless[kind]} where nothing reads otherwise" if tally.harmless[kind] else ""
-        sys.stdout.write(f"{kind}: {tally.noticed[kind]} noticed{harmless}\n")
-    sys.stdout.write(
+def told(tally):
+    """Return what was noticed, in words."""
+    lines = [f"{kind}: {tally.noticed[kind]} noticed{_harmless(tally.harmless[kind])}\n" for kind in KINDS]
+    return "".join(lines) + (
         f"{tally.runs} ways: {sum(tally.noticed.values())} noticed, {sum(tally.harmless.values())} changed "
         f"nothing that is read, {len(tally.missed)} missed {tally.missed or ''}; by {dict(tally.by)}\n"
     )
 
 
+def _harmless(times):
+    return f", {times} where nothing reads otherwise" if times else ""
+
+
 if __name__ == "__main__":
-    main()
+    from_command_line(__doc__, "tampering", tampering, told, runs=500, seed=1)

@@ -1,18 +1,41 @@
 """The studies of the storage run, a little of each; what they measure is measured on a quiet machine."""
 
 import asyncio
+from random import Random
 
+import pytest
+
+from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.durable_writes import durable
 from tests.studies.ready_again import ready_again
-from tests.studies.storage_refusals import refusals
+from tests.studies.storage_refusals.ballbar_session import ballbar_session
+from tests.studies.storage_refusals.tracker_session import tracker_session
+from tests.studies.taken_up.begun import begin
 from tests.studies.tampering import KINDS, tampering
 
+_LOCK_S = 1.0
 
-async def test_sessions_whose_database_refuses_lose_nothing_and_come_to_their_end(tmp_path):
-    tally = await refusals(tmp_path, 6, seed=3, lock_s=1.0)
 
-    assert (tally.runs, tally.lost, tally.stuck, tally.damaged) == (6, 0, [], 0)
-    assert tally.acknowledged > 0
+@pytest.mark.parametrize("fault", ["full", "locked", "removed with its log"])
+async def test_a_tracker_session_whose_database_refuses_loses_nothing_and_comes_to_its_end(tmp_path, fault):
+    outcome = await tracker_session(tmp_path, fault, Random(3), _LOCK_S)
+
+    assert outcome.came_to_its_end, outcome
+    assert outcome.wrong == []
+    assert outcome.kept > 0
+
+
+async def test_a_ballbar_session_whose_database_refuses_in_a_motion_loses_and_doubles_nothing(tmp_path):
+    begun = await begin("lrmate-tilted", 2, {"placements": [PLACEMENT]}, tmp_path / "begun", most=1)
+
+    outcome = await ballbar_session(
+        tmp_path, begun, "no bytes", "a pause in a motion", Random(4), _LOCK_S, further=2
+    )
+
+    assert outcome.came_to_its_end, outcome
+    assert outcome.wrong == []
+    assert outcome.moment == "a pause in a motion"
+    assert outcome.kept > 0
 
 
 async def test_whatever_is_tampered_with_is_noticed(tmp_path):
