@@ -347,8 +347,28 @@ def test_the_page_speaks_the_language_that_was_chosen(desk, tablet):
     expect(tablet.locator("#kicker")).to_have_text("Poser le ballbar")
 
 
+@pytest.mark.parametrize("simulated", [True, False])
+@pytest.mark.parametrize("hands", [True, False])
+def test_the_record_says_what_is_simulated_and_hands_are_wherever_the_cell_has_them(
+    desk, chromium, url, simulated, hands
+):
+    desk.simulated = hands
+    desk.show(simulated=simulated)
+
+    with a_tablet(chromium, url, size={"width": 390, "height": 844}) as page:
+        with page.expect_response("**/api/v1/simulated-hands"):
+            page.goto("/operator/3")
+        expect(page.locator("#names")).to_have_text("B2T3")
+        page.locator("#mute").click()  # which draws the page anew
+        expect(page.locator("#simulated strong")).to_be_visible(visible=simulated)
+        expect(page.get_by_role("button", name="Do as asked")).to_be_visible(visible=hands)
+        # On a phone the hands are named where no other word is beside them.
+        expect(page.locator("#hands-title")).to_be_visible(visible=hands and not simulated)
+
+
 def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
     desk.simulated = False
+    desk.show(simulated=False)
 
     with a_tablet(chromium, url) as page:
         page.goto("/operator/3")

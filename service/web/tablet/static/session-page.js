@@ -46,6 +46,7 @@ class SessionPage {
   #path = `/api/v1/ballbar-sessions/${this.#id}`;
   #connection = new Connection();
   #drawing = false;
+  #handsExist = false;
   #speaking = null;
   #saying = null;
 
@@ -77,7 +78,7 @@ class SessionPage {
     this.live.open();
     stayAwake(() => this.live.restart());
     this.refresh().catch((error) => this.#missing(error));
-    this.hands.exist().then((simulated) => this.#showHands(simulated));
+    this.hands.exist().then((exist) => ((this.#handsExist = exist), this.draw()));
   }
 
   #furnish() {
@@ -115,7 +116,7 @@ class SessionPage {
       this.caution.show(screen, this.model.session, this.texts);
       this.actions.show(screen, this.model, this.texts);
       this.#showLength();
-      if (!this.#at.simulated.hidden) this.hands.show(this.texts);
+      this.#showSimulated();
     });
   }
 
@@ -203,10 +204,16 @@ class SessionPage {
     this.draw();
   }
 
-  #showHands(simulated) {
-    showIf(this.#at.simulated, simulated);
-    document.body.classList.toggle("is-simulated", simulated);
-    this.draw();
+  // The record says whether it is simulated. Hands are there wherever the service's cell has some: one whose
+  // simulated devices are named one by one is no simulated cell to its record.
+  #showSimulated() {
+    const at = this.#at;
+    const simulated = this.model.session?.simulated === true;
+    showIf(at.simulated, simulated || this.#handsExist);
+    showIf(at["simulated-word"], simulated);
+    showIf(at["hands-title"], this.#handsExist);
+    showIf(at.hands, this.#handsExist);
+    if (this.#handsExist) this.hands.show(this.texts);
   }
 
   #news(before, session) {
