@@ -18,7 +18,7 @@ from service.domain.errors import TrueposeError
 from service.domain.people import readable_name
 from service.domain.robot import FramePlacement
 from service.domain.session import SessionState
-from service.operation.ballbar_plans import BallbarWish, kit_of
+from service.operation.ballbar_plans import BallbarWish, judged, kit_of
 from service.operation.ballbar_view import BallbarView, Fixed, sight_of
 from service.operation.counting import counting
 from service.operation.devices import Rack
@@ -114,7 +114,11 @@ class BallbarDesk:
         cell = setup.cell
         limits = motion_limits(cell.robot, cell.limits.joints)
         await asyncio.to_thread(check_plan, plan, kit, cell.robot, limits)
-        return await self._sessions.add(name, setup, plan, key)
+        notice = await asyncio.to_thread(judged, cell, plan, kit) if plan is wish.given else ""
+        number = await self._sessions.add(name, setup, plan, key)
+        if notice:
+            await self._sessions.note(number, notice)
+        return number
 
     async def recover(self) -> None:
         """Take up what an earlier service left under way; it awaits a person, nothing moves."""

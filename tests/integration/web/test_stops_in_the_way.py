@@ -6,6 +6,8 @@ import pytest
 
 from drivers.errors import ConnectionLostError
 from service.app import create_app
+from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
+from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request, stops
 from tests.integration.web.conftest import asking
 from tests.integration.web.test_sessions import connected
@@ -159,3 +161,34 @@ async def test_an_added_configuration_behind_an_assumed_floor_is_said(client, be
     assert "tool nest 2 would be 75 mm below floor or table" in added.json()["sentence"]
     assert "from where the arm stands to the approach to configuration 2" in question
     assert "tool nest 2 would be 75 mm below floor or table" in question
+
+
+def ballbar_session(*joints_deg):
+    poses = [pose | {"joints_deg": q} for pose, q in zip(PLACEMENT["poses"], joints_deg, strict=True)]
+    return {"name": "six legs", "placements": [PLACEMENT | {"poses": poses}]}
+
+
+@pytest.mark.parametrize(("floor", "status"), [("", 201), ("[limits]\nfloor_z_mm = 0.0\n", 409)])
+async def test_a_way_of_a_given_ballbar_plan_is_judged_as_one_of_a_tracker_plan(
+    settings, bench, floor, status
+):
+    settings.cell_file.write_text(CELL + BALLBAR + floor)
+    app = create_app(settings, bench.registry())
+    async with app.router.lifespan_context(app), connected(app) as client:
+        planned = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BEYOND))
+        notes = (await client.get(f"{SESSIONS}/1")).json().get("notes")
+
+    assert planned.status_code == status, planned.text
+    said = planned.json()["detail"] if floor else notes[0]
+    assert "placement-1/pose-1" in said
+    assert "below floor or table" in said
+
+
+async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(settings, bench):
+    settings.cell_file.write_text(CELL + BALLBAR)
+    app = create_app(settings, bench.registry())
+    async with app.router.lifespan_context(app), connected(app) as client:
+        refused = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BELOW))
+
+    assert refused.status_code == 409
+    assert "The stop of step placement-1/pose-2/move cannot be: tool nest" in refused.json()["detail"]
