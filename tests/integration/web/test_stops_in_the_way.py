@@ -192,3 +192,16 @@ async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(setting
 
     assert refused.status_code == 409
     assert "The stop of step placement-1/pose-2/move cannot be: tool nest" in refused.json()["detail"]
+
+
+async def test_a_way_through_a_floor_that_is_stated_since_is_refused_at_the_start(settings, bench):
+    wanted = session_request(plan=given(BEFORE, BEYOND))
+    for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 0.0\n", f"{SESSIONS}/1/start")):
+        settings.cell_file.write_text(CELL + floor)
+        app = create_app(settings, bench.registry())
+        async with app.router.lifespan_context(app), connected(app) as client:
+            answer = await client.post(path, json=None if floor else wanted)
+
+    assert answer.status_code == 409
+    assert DEPTH in answer.json()["detail"]
+    assert bench.robot.moves == 0
