@@ -54,8 +54,8 @@ def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = Fals
         return None
     what = _what_touches(bodies, ways, blocked[0], floor_only=floor_only)
     return (
-        f"The way {ways.names[blocked[0]]} cannot be: {what}. Change the order, or put a configuration "
-        "between them that leads the arm round it."
+        f"The way {ways.names[blocked[0]]} cannot be: {what}. Change the order, put a configuration "
+        "between them that leads the arm round it, or have others chosen with another seed."
     )
 
 
