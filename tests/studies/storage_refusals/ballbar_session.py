@@ -32,7 +32,7 @@ _ANSWER_S = 60.0
 _PATIENCE_S = 900.0  # for a session, on a busy machine
 _STEPS = 6  # at most, until the moment is looked for
 _HEALTH_S = 0.2
-_LAST = 6  # copies from which a session has ended before much can happen
+_LAST = 3  # copies from which a session has ended before much can happen
 
 
 @dataclass

@@ -5,18 +5,22 @@ import itertools
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from random import Random
 
+from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.storage_refusals.ballbar_session import MOMENTS, ballbar_session
 from tests.studies.storage_refusals.outcome import Found, Outcome
 from tests.studies.storage_refusals.tracker_session import TRACKER_FAULTS, tracker_session
 from tests.studies.storage_refusals.trouble import FAULTS
 from tests.studies.taken_up.begun import Begun, begin
 
-_ROBOTS = (("lrmate-tilted", 1), ("irb120-tilted", 2))  # scenario, seed; each has a ballbar of its own kind
-_POSES = 13  # the fewest with a pre-calibration that finds something
+_SHORT = {"placements": [PLACEMENT]}
+_LONG = {"poses": 13, "seed": 1}  # the fewest poses with a pre-calibration that finds something
+_ROBOTS = (("irb120-tilted", 2, _SHORT), ("lrmate-tilted", 1, _SHORT), ("lrmate-tilted", 1, _LONG))
+_NEAR_THE_END = 14  # copies: of a long session no more than a short one has is walked
 
 
 async def refusals(folder: Path, runs: int, seed: int, lock_s: float, processes: int) -> Found:
@@ -24,7 +28,7 @@ async def refusals(folder: Path, runs: int, seed: int, lock_s: float, processes:
     loop = asyncio.get_running_loop()
     # Not forked: an event loop and its threads do not survive that.
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        robots = range(len(_ROBOTS) if runs > 1 else 0)
+        robots = range(len(_ROBOTS))
         begun = await asyncio.gather(*(loop.run_in_executor(pool, _begin, n, folder) for n in robots))
         sessions = (
             loop.run_in_executor(pool, _session, number, seed, lock_s, begun, folder)
@@ -34,8 +38,9 @@ async def refusals(folder: Path, runs: int, seed: int, lock_s: float, processes:
 
 
 def _begin(number: int, folder: Path) -> Begun:
-    scenario, seed = _ROBOTS[number]
-    return asyncio.run(begin(scenario, seed, {"poses": _POSES, "seed": seed}, folder / f"robot-{number}"))
+    scenario, seed, wanted = _ROBOTS[number]
+    begun = asyncio.run(begin(scenario, seed, wanted, folder / f"robot-{number}"))
+    return replace(begun, copies=begun.copies[-_NEAR_THE_END:])
 
 
 def _session(number: int, seed: int, lock_s: float, begun: Sequence[Begun], folder: Path) -> Outcome:
@@ -48,5 +53,6 @@ def _session(number: int, seed: int, lock_s: float, begun: Sequence[Begun], fold
             return asyncio.run(tracker_session(fresh, fault, rng, lock_s))
         tried = [*itertools.product(FAULTS, MOMENTS)]
         Random(seed).shuffle(tried)
-        one = begun[turn % len(begun)]
-        return asyncio.run(ballbar_session(fresh, one, *tried[turn % len(tried)], rng, lock_s))
+        fault, moment = tried[turn % len(tried)]
+        one = begun[-1] if moment == "the pre-calibration" else begun[turn % len(begun)]
+        return asyncio.run(ballbar_session(fresh, one, fault, moment, rng, lock_s))
