@@ -9,7 +9,8 @@ from simulators.air import Air
 from simulators.building import adapted, draw_effects, draw_nests, draw_plant
 from simulators.clock import CellClock
 from simulators.equipment import equip
-from simulators.faults import Fault, Faults
+from simulators.faults.kinds import Fault, TrackerBlinded
+from simulators.faults.scripted import Faults
 from simulators.physics.effects import Conditions, PlantedChange
 from simulators.physics.effects.ports import NestNumbers
 from simulators.physics.equilibrium import Rest, find_rest
@@ -218,7 +219,7 @@ class Cell:
     def _targets(self) -> list[Target]:
         """Every reflector in the cell, as the tracker may see it now."""
         now = self.clock.now_s
-        if self.faults.blinded(now):
+        if self.faults.holds(TrackerBlinded, now):
             return []
         frame = self.tracker.frame
         acceptance = math.radians(self.scenario.tool.acceptance_deg)

@@ -6,7 +6,7 @@ from simulators.air import AirSetup
 from simulators.ballbar_accuracy import BallbarSetup
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
-from simulators.faults import Fault, check_nest
+from simulators.faults.kinds import Fault, check_nest
 from simulators.fixture import HandsSetup
 from simulators.physics.arm import Vector
 from simulators.physics.effects import PlantedChange

@@ -13,7 +13,7 @@ from simulators.ballbar_accuracy import BallbarSetup
 from simulators.building import nominal_site
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
-from simulators.faults import KINDS, Fault
+from simulators.faults.kinds import KINDS, Fault
 from simulators.fixture import HandsSetup
 from simulators.input_file import read_text
 from simulators.physics.arm import Arm

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from simulators.errors import SimulatorError
-from simulators.faults import Faults
+from simulators.faults.scripted import Faults
 from simulators.instruments.length_source import Electronics
 
 

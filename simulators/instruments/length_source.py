@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from simulators.faults import Faults
-from simulators.wire_faults import BallbarFrozen, WireFault
+from simulators.faults.kinds import BallbarTooFast
+from simulators.faults.scripted import Faults
+from simulators.faults.wire import BallbarFrozen, WireFault
 
 
 class Sample(Protocol):
@@ -97,10 +98,10 @@ class Electronics:
 
     def has(self, kind: type[WireFault]) -> bool:
         """Whether its wire, or whoever is at its keys, does that now."""
-        return self._faults.on_the_wire(kind, self._clock.now_s)
+        return self._faults.holds(kind, self._clock.now_s)
 
     def _read(self) -> Shown:
         sample = self._bar.sample(self._clock.now_s)
-        if self._faults.ballbar_too_fast(self._clock.now_s):
+        if self._faults.holds(BallbarTooFast, self._clock.now_s):
             return Shown(math.nan, "none", sample.temperature_c, sample.sequence, too_fast=True)
         return Shown(sample.deviation_mm, sample.signal, sample.temperature_c, sample.sequence)

@@ -33,10 +33,10 @@ from drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
+from simulators.faults.wire import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
 from simulators.instruments.bad_lines import with_doubled_digit, write_with_stall
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.length_source import Electronics, Shown
-from simulators.wire_faults import BallbarInches, BallbarKeyPressed, LineDoublesDigits, LineStalls
 
 _CHUNK_BYTES = 4096
 _MODEL, _SOFTWARE, _RELEASED = "ND-287", "349797-04", "2001-05-04"

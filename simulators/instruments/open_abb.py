@@ -26,7 +26,7 @@ from drivers.abb_open_abb.protocol import (
 )
 from simulators.cell import Cell
 from simulators.errors import SimulatorError
-from simulators.faults import RobotHangs, RobotRefuses
+from simulators.faults.kinds import RobotHangs, RobotRefuses
 from simulators.physics.inverse import UnreachableError, reach
 from simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
 from simulators.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange

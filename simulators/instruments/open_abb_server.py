@@ -16,10 +16,10 @@ import numpy as np
 from drivers.abb_open_abb.protocol import LogLine, encode_log_line
 from simulators.cell import Cell
 from simulators.errors import EndpointUnavailableError
+from simulators.faults.wire import LineStalls
 from simulators.instruments.bad_lines import write_with_stall
 from simulators.instruments.endpoint import Endpoint
 from simulators.instruments.open_abb import MotionProgram, ProgramStoppedError
-from simulators.wire_faults import LineStalls
 
 _ACCEPT_PAUSE_S = 0.5
 _LOG_PERIOD_S = 0.1  # of a virtual controller
@@ -76,7 +76,7 @@ def robot_endpoint(cell: Cell, program: MotionProgram) -> Endpoint:
                 return
             if reply is None:
                 return
-            if cell.faults.on_the_wire(LineStalls, cell.clock.now_s):
+            if cell.faults.holds(LineStalls, cell.clock.now_s):
                 await write_with_stall(writer, reply)
             else:
                 writer.write(reply)

@@ -37,10 +37,10 @@ from drivers.usb.protocol.descriptors import (
     Endpoint,
     Interface,
 )
+from simulators.faults.wire import BallbarInches, BallbarKeyPressed, LineDoublesDigits
 from simulators.instruments.bad_lines import with_doubled_digit
 from simulators.instruments.length_source import Electronics
 from simulators.instruments.usb_gadget import StallError, StandardRequests
-from simulators.wire_faults import BallbarInches, BallbarKeyPressed, LineDoublesDigits
 
 _SERIAL = "70012345"  # of the cable; it knows nothing of the gauge behind it
 _INFO = "USB-ITN V1.00"

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drivers.errors import ConnectFailedError, DriverError, LinkError
-from simulators.faults import BallbarTooFast
+from simulators.faults.kinds import BallbarTooFast
 from tests.contract.benches import registry
 
 ballbars = pytest.mark.parametrize("name", registry().names("ballbar"))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from simulators.faults import IdentityChanged
+from simulators.faults.kinds import IdentityChanged
 from tests.contract.benches import registry
 
 WITHOUT_LOSS = {"leica_emscon": "777777", "abb_open_abb": "120-7", "ballbar_hid": "BAR-9"}

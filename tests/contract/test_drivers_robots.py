@@ -7,7 +7,7 @@ import pytest
 
 from drivers.api import MotionLimits
 from drivers.errors import ConnectionLostError, DriverError, LinkError, TargetRefusedError
-from simulators.faults import RobotRefuses
+from simulators.faults.kinds import RobotRefuses
 from tests.contract.benches import registry
 
 robots = pytest.mark.parametrize("name", registry().names("robot"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.errors import BeamBrokenError, ConnectionLostError, NotInitialisedError, ReflectorNotFoundError
-from simulators.faults import BeamBroken, TrackerBlinded, TrackerCut
+from simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut
 from tests.contract.benches import registry
 
 trackers = pytest.mark.parametrize("name", registry().names("tracker"))

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
-from simulators.wire_faults import (
+from simulators.faults.wire import (
     BallbarFrozen,
     BallbarInches,
     BallbarKeyPressed,

@@ -5,7 +5,7 @@ import pytest
 
 import simulators
 from simulators.errors import ScenarioError
-from simulators.faults import BeamBroken, FixedNestMoved
+from simulators.faults.kinds import BeamBroken, FixedNestMoved
 from simulators.physics.effects import EFFECTS, PlantedChange
 from simulators.physics.plant import PlantSizes
 from simulators.scenario import Scenario

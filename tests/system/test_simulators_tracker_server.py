@@ -9,7 +9,7 @@ import pytest
 
 from simulators.cell import Cell
 from simulators.clock import CellClock
-from simulators.faults import TrackerCut
+from simulators.faults.kinds import TrackerCut
 from simulators.instruments.leica_emscon import tracker_endpoint
 from simulators.scenario_file import load_scenario
 from simulators.tracker import TrackerSetup

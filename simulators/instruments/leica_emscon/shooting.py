@@ -17,14 +17,14 @@ from drivers.leica_emscon.protocol.equipment import NivelStatus
 from drivers.leica_emscon.protocol.settings import LengthUnit
 from simulators.cell import Cell
 from simulators.errors import BeamError
-from simulators.faults import BeamBroken, TrackerCut, TrackerSilent
+from simulators.faults.kinds import BeamBroken, TrackerCut, TrackerSilent
+from simulators.faults.wire import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
 from simulators.instruments.leica_emscon.aiming import NO_REFLECTOR, initialised_only
 from simulators.instruments.leica_emscon.measuring import air_members, coordinates, stationary_result
 from simulators.instruments.leica_emscon.parameters import STATIONARY, UNITS
 from simulators.instruments.leica_emscon.settings import ServerSettings
 from simulators.instruments.leica_emscon.steps import CutShort, Steps, Wait
 from simulators.instruments.leica_emscon.units import Quantity
-from simulators.wire_faults import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
 
 _NIVEL_S = 2.0
 _PRISM_S = 0.02  # one sample

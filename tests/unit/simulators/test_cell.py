@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.faults import FixedNestMoved, SmrMissing, TrackerBlinded
+from simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
 from simulators.physics.effects import PlantedChange
 from simulators.physics.equilibrium import NoEquilibriumError
 from simulators.physics.rigid import move

@@ -1,9 +1,8 @@
 import pytest
 
 from simulators.errors import ScenarioError
-from simulators.faults import (
+from simulators.faults.kinds import (
     BeamBroken,
-    Faults,
     FixedNestMoved,
     IdentityChanged,
     RobotHangs,
@@ -12,6 +11,7 @@ from simulators.faults import (
     TrackerBlinded,
     TrackerSilent,
 )
+from simulators.faults.scripted import Faults
 
 
 def test_a_beam_is_broken_for_as_many_readings_as_stated():
@@ -51,7 +51,7 @@ def test_states_hold_between_their_times():
     faults.add(TrackerBlinded(from_s=10.0, until_s=20.0))
     faults.add(SmrMissing(nest=2, from_s=5.0))
 
-    assert [faults.blinded(time) for time in (9.9, 10.0, 20.0)] == [False, True, False]
+    assert [faults.holds(TrackerBlinded, time) for time in (9.9, 10.0, 20.0)] == [False, True, False]
     assert [faults.smr_missing(2, time) for time in (4.9, 5.0, 1e9)] == [False, True, True]
     assert not faults.smr_missing(1, 6.0)
 
@@ -73,6 +73,17 @@ def test_another_device_answers_from_its_moment_on_and_the_last_one_counts():
 
     assert [faults.serial("ballbar", "B-1", time_s) for time_s in (0.0, 10.0, 25.0)] == ["B-1", "B-9", "B-7"]
     assert faults.serial("tracker", "390001", 25.0) == "390001"
+
+
+def test_a_device_that_is_brought_back_answers_with_its_own_number():
+    faults = Faults()
+    faults.add(IdentityChanged("ballbar", "B-9"))
+    faults.add(IdentityChanged("robot", "R-9"))
+
+    faults.bring_back("ballbar")
+
+    assert faults.serial("ballbar", "B-1", 25.0) == "B-1"
+    assert faults.serial("robot", "R-1", 25.0) == "R-9"
 
 
 @pytest.mark.parametrize(

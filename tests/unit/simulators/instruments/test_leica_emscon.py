@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.leica_emscon.protocol import FrameReader, StatusChange, decode_request, encode, exchange
-from simulators.faults import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
+from simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
 from simulators.instruments.leica_emscon.dialogue import Dialogue
 from simulators.instruments.leica_emscon.steps import CutShort, HangUp, Wait
 from simulators.tracker import TrackerSetup, seen_from

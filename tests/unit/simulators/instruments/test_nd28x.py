@@ -3,7 +3,8 @@
 import pytest
 
 from drivers.heidenhain_nd.protocol import RequestReader, encode_reply
-from simulators.faults import BallbarTooFast, Faults
+from simulators.faults.kinds import BallbarTooFast
+from simulators.faults.scripted import Faults
 from simulators.instruments.nd28x import Counter, nd28x_endpoint
 from tests.length_sources import FakeBar, electronics
 

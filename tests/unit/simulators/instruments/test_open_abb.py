@@ -7,7 +7,7 @@ its RAPID program (NumToStr: whole numbers without decimals).
 import numpy as np
 import pytest
 
-from simulators.faults import RobotHangs, RobotRefuses
+from simulators.faults.kinds import RobotHangs, RobotRefuses
 from simulators.instruments.open_abb import MotionProgram, ProgramStoppedError
 from simulators.scenario import ArmSetup
 

@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 
+from simulators.faults.kinds import TrackerBlinded
 from simulators.instruments.truth import answer
 
 
@@ -100,7 +101,7 @@ def test_a_fault_may_be_scripted_while_the_cell_runs(make_cell):
     cell = make_cell()
 
     assert ask(cell, op="fault", kind="tracker_blinded") == {}
-    assert cell.faults.blinded(0.0)
+    assert cell.faults.holds(TrackerBlinded, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""Scripted failures: what goes wrong in the cell, and when."""
