@@ -12,6 +12,7 @@ from typing import Any
 
 import httpx
 
+from simulators.faults.kinds import IdentityChanged
 from tests.studies.taken_up.onlooked_cell import OnlookedCell
 
 Session = dict[str, Any]
@@ -131,7 +132,8 @@ class ErringOperator:
         """Lay the bar down, plug it in, switch it on, bring back what belongs here."""
         for deed in ("plug_cable", "switch_on", "detach"):
             self.hands(deed)
-        self._cell.swapped.clear()
+        for device in ("ballbar", "robot"):
+            self._cell.faults.bring_back(device)
         self.foreign_since_s = None
 
     async def _accept(self, serial_number: str) -> None:
@@ -260,11 +262,11 @@ class ErringOperator:
                 await self.act("skip", step_id, reason="no time")
             case "another ballbar":
                 self.errors["another ballbar"] += 1
-                self._cell.swapped["ballbar"] = "777777"
+                self._cell.faults.add(IdentityChanged("ballbar", "777777"))
                 self.foreign_since_s = self._cell.clock.now_s
             case "another robot":
                 self.errors["another robot"] += 1
-                self._cell.swapped["robot"] = "777777"
+                self._cell.faults.add(IdentityChanged("robot", "777777"))
             case name if name in {"back", "pause", "stop", "retry"}:
                 await self.act(name, step_id)
             case _:

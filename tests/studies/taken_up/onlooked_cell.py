@@ -34,8 +34,6 @@ class OnlookedCell(RememberedCell):
     def __init__(self, scenario: str, seed: int) -> None:
         super().__init__(load_scenario(scenario), seed, CellClock(0))
         self.on_motion: OnMotion = lambda waypoints, limits: None
-        self.swapped: dict[str, str] = {}  # device -> the serial number with which another one answers
-        self.faults.serial = lambda device, own, time_s: self.swapped.get(device, own)  # type: ignore[method-assign]
         self._seats: list[tuple[float, str]] = []
 
     def set_off(
