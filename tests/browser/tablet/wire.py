@@ -18,6 +18,7 @@ class Wire:
         self._up = self._down = True
         self._ending = False
         self._pairs = []
+        self._carriers = []
         self._lock = threading.Lock()
 
     def leads_to(self, url):
@@ -42,19 +43,27 @@ class Wire:
         self._up = self._down = True
 
     def serve(self, listener):
+        """Accept what comes at `listener`, in a thread of its own, until the wire's end."""
         listener.settimeout(_LOOK_S)
+        self._serving = threading.Thread(target=self._serve, args=(listener,))
+        self._serving.start()
+
+    def _serve(self, listener):
         while not self._ending:
             with contextlib.suppress(TimeoutError):
                 tablet, _ = listener.accept()
                 service = self._reached(tablet)
                 if service is None:
                     continue
-                self._pairs.append((tablet, service))
-                threading.Thread(target=self._carry, args=(tablet, service), daemon=True).start()
+                self._carried(tablet, service)
 
     def end(self):
+        """Carry no more; returns once every connection is closed, also one that was just being accepted."""
         self._ending = True
+        self._serving.join()
         self.heal()
+        for carrier in self._carriers:
+            carrier.join()
 
     def _reached(self, tablet):
         """Connect with the service; one that is being restarted refuses, and the tablet tries again."""
@@ -64,15 +73,28 @@ class Wire:
             tablet.close()
             return None
 
+    def _carried(self, tablet, service):
+        with self._lock:
+            self._pairs.append((tablet, service))
+        self._carriers.append(threading.Thread(target=self._carry, args=(tablet, service)))
+        self._carriers[-1].start()
+
     def _carry(self, tablet, service):
-        with contextlib.suppress(OSError, ValueError):  # closed by `heal`
-            while True:
-                for source in select.select([tablet, service], [], [], _LOOK_S)[0]:
-                    data = source.recv(_CHUNK)
-                    if not data:
-                        return _close((tablet, service))
-                    if self._up if source is tablet else self._down:
-                        (service if source is tablet else tablet).sendall(data)
+        try:
+            with contextlib.suppress(OSError, ValueError):  # closed by `heal`, or reset by an end
+                while not self._ending and self._passed(tablet, service):
+                    pass
+        finally:
+            _close((tablet, service))
+
+    def _passed(self, tablet, service):
+        """Pass on what has come; returns whether both ends are still there."""
+        for source in select.select([tablet, service], [], [], _LOOK_S)[0]:
+            if not (data := source.recv(_CHUNK)):
+                return False
+            if self._up if source is tablet else self._down:
+                (service if source is tablet else tablet).sendall(data)
+        return True
 
 
 def _close(pair):
@@ -87,10 +109,8 @@ def wire_to(url):
     """Yield a wire to the service at `url`, and the URL at this end of it."""
     wire = Wire(url)
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        thread = threading.Thread(target=wire.serve, args=(listener,))
-        thread.start()
+        wire.serve(listener)
         try:
             yield wire, f"http://127.0.0.1:{listener.getsockname()[1]}"
         finally:
             wire.end()
-            thread.join()
