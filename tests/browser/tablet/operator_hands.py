@@ -7,6 +7,13 @@ READ = ("initialise", "measure_side", "connect_leg")
 DONE = ("place_base", "fit_ball", "clamp_cup", "remove_ball", "detach")
 
 
+def hold_long_enough(page):
+    """Keep a finger on what is under it until the page takes it for held, however slow the machine is."""
+    page.mouse.down()
+    page.locator(".holding").wait_for(state="detached")
+    page.mouse.up()
+
+
 class Operator:
     def __init__(self, page):
         self.page = page
@@ -56,11 +63,8 @@ class Operator:
 
     def hold(self):
         """Keep a finger on the button that moves the robot."""
-        button = self.page.locator("#actions button:enabled")
-        button.hover()
-        self.page.mouse.down()
-        self.page.wait_for_timeout(1600)
-        self.page.mouse.up()
+        self.page.locator("#actions button:enabled").hover()
+        hold_long_enough(self.page)
 
     def _next(self, before):
         end = time.monotonic() + PATIENCE_S

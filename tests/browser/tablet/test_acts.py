@@ -5,6 +5,7 @@ from playwright.sync_api import expect
 
 from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move, sample, step
+from tests.browser.tablet.operator_hands import hold_long_enough
 
 SUSPICION = {"asked": ["B2", "T3"], "suspected": ["B1", "T2"], "length_mm": 300.1, "expected_mm": 300.42}
 
@@ -118,9 +119,7 @@ def test_the_robot_moves_only_after_a_button_was_held(desk, tablet):
     tablet.mouse.up()
     tablet.wait_for_timeout(600)
     assert desk.acts == []
-    tablet.mouse.down()
-    tablet.wait_for_timeout(1700)
-    tablet.mouse.up()
+    hold_long_enough(tablet)
 
     (act,) = acted(tablet, desk)
     assert (act["act"], act["step_id"]) == ("confirm", move()["id"])

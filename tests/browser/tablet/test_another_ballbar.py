@@ -3,6 +3,7 @@
 from playwright.sync_api import expect
 
 from tests.browser.tablet.fake_desk import move
+from tests.browser.tablet.operator_hands import hold_long_enough
 
 FOREIGN = {
     "device": "ballbar",
@@ -26,9 +27,7 @@ def test_the_question_names_both_and_a_held_button_accepts_the_one_that_it_names
     button = tablet.get_by_role("button", name="Hold: go on with B-9")
     button.hover()
 
-    tablet.mouse.down()
-    tablet.wait_for_timeout(1700)
-    tablet.mouse.up()
+    hold_long_enough(tablet)
     tablet.wait_for_timeout(300)
 
     assert "B-7" in asked
@@ -61,9 +60,7 @@ def test_a_motion_is_confirmed_without_a_number(desk, tablet):
     desk.show(step=move(), ballbar_attached=False)
     tablet.get_by_role("button", name="Hold").hover()
 
-    tablet.mouse.down()
-    tablet.wait_for_timeout(1700)
-    tablet.mouse.up()
+    hold_long_enough(tablet)
     tablet.wait_for_timeout(300)
 
     assert ["accept_serial_number" in act for act in desk.acts] == [False]

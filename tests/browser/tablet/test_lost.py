@@ -7,6 +7,7 @@ from playwright.sync_api import expect
 
 from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move, step
+from tests.browser.tablet.operator_hands import hold_long_enough
 
 BANNER_MS = 2000
 
@@ -164,9 +165,7 @@ def test_a_confirmation_of_a_motion_that_went_unheard_is_never_sent_again(desk, 
         page.context.route("**/acts", lambda route: route.abort())
 
         page.get_by_role("button", name="Hold").hover()
-        page.mouse.down()
-        page.wait_for_timeout(1700)
-        page.mouse.up()
+        hold_long_enough(page)
         expect(page.locator("#said")).to_contain_text("not sent again")
         page.context.unroute("**/acts")
         page.reload()
