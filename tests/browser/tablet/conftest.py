@@ -27,11 +27,14 @@ def url(desk):
 
 
 @contextlib.contextmanager
-def a_tablet(chromium, url, *, size=None, person="Ada Byron", language="en", may_fail=False):
-    """Open a tablet of its own: nothing is kept from another one. Complaints of the page fail the test."""
+def a_tablet(chromium, url, *, size=None, person="Ada Byron", language="en", may_fail=False, number=None):
+    """Open a tablet that keeps nothing of another one, unless it is given its number.
+
+    Complaints of the page fail the test.
+    """
     context = chromium.new_context(viewport=size or PORTRAIT, base_url=url, has_touch=True)
-    kept = {"truepose.language": language} | ({"truepose.person": person} if person else {})
-    for name, value in kept.items():
+    kept = {"language": language, "person": person, "tablet": number}
+    for name, value in ((f"truepose.{name}", value) for name, value in kept.items() if value):
         context.add_init_script(
             f"localStorage.getItem('{name}') ?? localStorage.setItem('{name}', '{value}')"
         )

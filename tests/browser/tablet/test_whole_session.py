@@ -1,4 +1,8 @@
-"""A whole session as an operator would do it, on the real service: with mishaps, and without."""
+"""A whole session as an operator would do it, on the real service; with mishaps, the part that has them.
+
+One session is walked from its plan to its end on the page. The others are taken up where the page has
+something to prove: what comes before is done over REST, which spares the time that holds and texts take.
+"""
 
 import contextlib
 import time
@@ -9,7 +13,15 @@ from playwright.sync_api import expect
 from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.operator_hands import Operator
 from tests.browser.tablet.wire import wire_to
-from tests.browser.tablet.working_bench import WorkingBench, ledger, plan, serving, shown
+from tests.browser.tablet.working_bench import (
+    TABLET,
+    WorkingBench,
+    ledger,
+    plan,
+    serving,
+    shown,
+    walk_to_leg,
+)
 
 READINGS = 4 + 4 + 7  # tool triangle and base triangle with their zeros; six legs with theirs
 AGES = """async (duration_ms) => {
@@ -67,11 +79,11 @@ def test_a_session_survives_lost_wifi_a_closed_lid_and_a_restart(chromium, tmp_p
     with contextlib.ExitStack() as first:
         url = first.enter_context(serving(tmp_path, bench))
         id = plan(url)
-        with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True) as page:
+        walk_to_leg(3, url, id)
+        with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True, number=TABLET) as page:
             page.goto(f"/operator/{id}")
-            page.locator("body[data-screen=planned]").wait_for()
+            page.locator("body[data-screen=connect_leg]").wait_for()
             operator = Operator(page)
-            operator.walk(until=at_leg(1))
 
             wire.cut()
             expect(page.locator("#lost")).to_be_visible()
@@ -79,7 +91,7 @@ def test_a_session_survives_lost_wifi_a_closed_lid_and_a_restart(chromium, tmp_p
             expect(page.locator("#queued")).to_have_attribute("data-count", "1")
             wire.heal()
             page.locator("body[data-screen=paused]").wait_for()
-            operator.walk(until=at_leg(3))
+            operator.walk(until=at_leg(4))
 
             page.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
             operator.walk(until=at_leg(5))
@@ -104,16 +116,16 @@ def test_a_session_survives_lost_wifi_a_closed_lid_and_a_restart(chromium, tmp_p
 
 def test_a_wrong_pair_is_not_stored_and_the_right_one_is(chromium, session):
     url, id = session
-    with a_tablet(chromium, url) as page:
+    walk_to_leg(4, url, id)
+    with a_tablet(chromium, url, number=TABLET) as page:
         page.goto(f"/operator/{id}")
-        page.locator("body[data-screen=planned]").wait_for()
+        page.locator("body[data-screen=connect_leg]").wait_for()
         operator = Operator(page)
-        operator.walk(until=at_leg(2))
 
         page.locator("[data-hand=other]").click()
-        page.get_by_role("button", name="B1\u2013T1").click()  # read a moment ago
+        page.get_by_role("button", name="B2\u2013T2").click()  # read a moment ago
         page.locator("body[data-screen=doubt]").wait_for()
-        assert len(measured(url, id)) == 4 + 4 + 2
+        assert len(measured(url, id)) == 4 + 4 + 4
         page.get_by_role("button", name="I have reconnected it").click()
         page.locator("body[data-screen=connect_leg]").wait_for()
         operator.walk(until="finished")

@@ -4,17 +4,20 @@ import asyncio
 import contextlib
 import math
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import httpx
 
 from drivers.api import BallbarReading
 from service.app import create_app
 from service.settings import Settings
+from service.showcase.ballbar_person import PersonAtTablet
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS
 from tests.integration.web.bench import CELL, Bench, FakeBallbar, FakeHands, FakeRobot
 from tests.integration.web.listening import listening
 
 PACE = 3  # the clock of the cell runs so much faster than the person who waits for it
+TABLET = "tablet-1"
 ONE_POSE = {**PLACEMENT, "poses": PLACEMENT["poses"][:1]}
 
 
@@ -89,6 +92,19 @@ def plan(url, name="left arm"):
     reply = httpx.post(f"{url}{SESSIONS}", json=wanted, timeout=30)
     assert reply.status_code == 201, reply.text
     return reply.json()["id"]
+
+
+def walk_to_leg(number, url, id):
+    """Do what comes before that leg over REST, under the number of a tablet that can then go on."""
+    with ThreadPoolExecutor(1) as other_thread:  # the browser's own has a loop that runs already
+        other_thread.submit(asyncio.run, _walked_to_leg(number, url, id)).result()
+
+
+async def _walked_to_leg(number, url, id):
+    async with httpx.AsyncClient(base_url=url, trust_env=False) as http:
+        steps = (await http.get(f"{SESSIONS}/{id}/steps")).json()["steps"]
+        legs = [step["id"] for step in steps if step["kind"] == "connect_leg"]
+        await PersonAtTablet(http, id, TABLET).walk(until=legs[number - 1])
 
 
 def ledger(url, id):
