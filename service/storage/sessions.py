@@ -2,6 +2,7 @@
 
 import asyncio
 import dataclasses
+import functools
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
@@ -222,7 +223,9 @@ class SessionRepository:
         return None if document is None else from_document(Progress, document)
 
 
+@functools.cache
 def _records() -> Select[Any]:
+    # Made once: to put it together takes longer than the database takes to answer it.
     later = session_states.alias("later")
     newest = ~exists().where(later.c.session_id == sessions.c.id, later.c.id > session_states.c.id)
     return (
