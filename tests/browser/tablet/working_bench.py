@@ -18,6 +18,7 @@ from tests.integration.web.listening import listening
 
 PACE = 3  # the clock of the cell runs so much faster than the person who waits for it
 TABLET = "tablet-1"
+PATIENCE_S = 60.0  # with an answer, on a busy machine
 ONE_POSE = {**PLACEMENT, "poses": PLACEMENT["poses"][:1]}
 
 
@@ -89,7 +90,7 @@ def serving(folder, bench):
 def plan(url, name="left arm"):
     """Plan a session of one pose and return its number."""
     wanted = {"name": name, "placements": [ONE_POSE]}
-    reply = httpx.post(f"{url}{SESSIONS}", json=wanted, timeout=30)
+    reply = httpx.post(f"{url}{SESSIONS}", json=wanted, timeout=PATIENCE_S)
     assert reply.status_code == 201, reply.text
     return reply.json()["id"]
 
@@ -101,15 +102,15 @@ def walk_to_leg(number, url, id):
 
 
 async def _walked_to_leg(number, url, id):
-    async with httpx.AsyncClient(base_url=url, trust_env=False) as http:
+    async with httpx.AsyncClient(base_url=url, timeout=PATIENCE_S) as http:
         steps = (await http.get(f"{SESSIONS}/{id}/steps")).json()["steps"]
         legs = [step["id"] for step in steps if step["kind"] == "connect_leg"]
         await PersonAtTablet(http, id, TABLET).walk(until=legs[number - 1])
 
 
 def ledger(url, id):
-    return httpx.get(f"{url}{SESSIONS}/{id}/ledger?limit=1000").json()["entries"]
+    return httpx.get(f"{url}{SESSIONS}/{id}/ledger?limit=1000", timeout=PATIENCE_S).json()["entries"]
 
 
 def shown(url, id):
-    return httpx.get(f"{url}{SESSIONS}/{id}").json()
+    return httpx.get(f"{url}{SESSIONS}/{id}", timeout=PATIENCE_S).json()

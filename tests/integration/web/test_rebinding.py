@@ -20,7 +20,10 @@ def bench():
 @pytest.fixture
 def waiting(settings, bench):
     """A client of a service whose session waits for a person."""
-    with listening(create_app(settings, bench.registry())) as url, httpx.Client(base_url=url) as client:
+    with (
+        listening(create_app(settings, bench.registry())) as url,
+        httpx.Client(base_url=url, timeout=60) as client,
+    ):
         for device in ("tracker", "robot"):
             client.post(f"/api/v1/devices/{device}/connect").raise_for_status()
         client.post("/api/v1/sessions", json=session_request()).raise_for_status()

@@ -98,9 +98,9 @@ class FakeBridge:
         while (line := await self.lines.get()) is not None:
             await end.send(line)
 
-    async def connected(self, chunk_bytes: int = 65_536) -> BridgedBallbar:
+    async def connected(self, chunk_bytes: int = 65_536, value_timeout_s: float = 0.1) -> BridgedBallbar:
         link = MemoryLink(self.serve, chunk_bytes=chunk_bytes)
-        driver = BridgedBallbar(link, MonotonicClock(), value_timeout_s=0.1)
+        driver = BridgedBallbar(link, MonotonicClock(), value_timeout_s=value_timeout_s)
         await driver.connect()
         return driver
 
@@ -165,7 +165,7 @@ async def test_a_bridge_that_ends_is_a_lost_connection():
 async def test_a_bridge_that_repeats_itself_is_hung_up_on(second):
     bridge = FakeBridge()
     bridge.lines.put_nowait(encode(BridgeReading(0.1, "good", None, 17)))
-    driver = await bridge.connected()
+    driver = await bridge.connected(value_timeout_s=20.0)
 
     asyncio.get_running_loop().call_later(
         0.01, bridge.lines.put_nowait, encode(BridgeReading(0.1, "good", None, second))
@@ -179,7 +179,7 @@ async def test_a_bridge_that_repeats_itself_is_hung_up_on(second):
 async def test_of_values_that_come_at_once_the_newest_counts():
     bridge = FakeBridge()
     bridge.send(0.1)
-    driver = await bridge.connected()
+    driver = await bridge.connected(value_timeout_s=20.0)
     stalled = b"".join(encode(BridgeReading(deviation_mm, "good")) for deviation_mm in (0.2, 0.3, 0.4))
 
     asyncio.get_running_loop().call_later(0.01, bridge.lines.put_nowait, stalled)
