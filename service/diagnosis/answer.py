@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
 
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
@@ -40,6 +39,7 @@ from service.effects.compliance import NAME as COMPLIANCE
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.identification.considered import considered
+from service.identification.distributions import chi2_median
 from service.identification.identify import nominal_fit
 from service.identification.models import Fits, model_of
 from service.identification.reference import ReferenceBlock
@@ -119,7 +119,7 @@ def _worse_unseen(judged: Judged, start: Start) -> float:
     if judged.source != "validation" or stated == 0.0:
         return 0.0
     squared = (judged.errors.after_mm**2).sum(axis=1) / stated**2
-    ratio = float(np.sqrt(np.median(squared) / chi2.median(judged.errors.after_mm.shape[1])))
+    ratio = float(np.sqrt(np.median(squared) / chi2_median(judged.errors.after_mm.shape[1])))
     return ratio if ratio > _FAR_BEYOND else 0.0
 
 

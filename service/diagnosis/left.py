@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from service.diagnosis.families import Family
 from service.diagnosis.normal import Products
@@ -18,6 +17,7 @@ from service.effects.causes import Candidate
 from service.effects.joint_harmonics import NAME as HARMONICS
 from service.effects.names import joint_of_subject
 from service.effects.registry import CAUSES
+from service.identification.distributions import chi2_log_density, chi2_median
 from service.identification.observations import PositionBlock
 from service.identification.pure_error import pure_error
 
@@ -147,9 +147,9 @@ def _noise(selected: Selected, parameters: int) -> tuple[float, bool]:
     white = block.weighted(block.weights, 0.0).whitened(result).reshape(readings, components)
     squared = (white**2).sum(axis=1)
     freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
-    expected = float(chi2.median(components))
+    expected = float(chi2_median(components))
     ratio = float(np.median(squared)) / (expected * freedom)
-    spread = 0.5 / (float(chi2.pdf(expected, components)) * expected * np.sqrt(readings))
+    spread = 0.5 / (float(np.exp(chi2_log_density(expected, components))) * expected * np.sqrt(readings))
     return float(np.sqrt(ratio)), bool(ratio > 1.0 + _NOISE_BEYOND * spread)
 
 

@@ -12,9 +12,9 @@ R. Lugannani, S. Rice, Advances in Applied Probability 12(2), 1980, 475-490.
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import norm
 
 from service.domain.arrays import FloatArray
+from service.identification.distributions import normal_exceeded
 
 
 def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> float:
@@ -68,5 +68,5 @@ def _above_zero(values: FloatArray, multiplicity: FloatArray) -> float:
     w = float(np.sign(t) * np.sqrt(max(-2.0 * generating, 0.0)))
     v = t * float(np.sqrt(curvature))
     if abs(w) < 1e-3 or abs(v) < 1e-3:
-        return float(norm.sf(-mean / spread))
-    return float(np.clip(norm.sf(w + np.log(v / w) / w), 0.0, 1.0))
+        return float(normal_exceeded(-mean / spread))
+    return float(np.clip(normal_exceeded(w + np.log(v / w) / w), 0.0, 1.0))

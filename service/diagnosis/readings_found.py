@@ -4,7 +4,6 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
 
 from service.diagnosis.held_out import Judged, gain_of
 from service.diagnosis.left import Left
@@ -15,6 +14,7 @@ from service.domain.diagnosis import Cause, Confidence, Finding, Gain
 from service.effects.causes import Fitted, Shown
 from service.effects.label_swap import pair_subject
 from service.effects.registry import CAUSES
+from service.identification.distributions import chi2_exceeded
 from service.identification.observations import PositionBlock
 from service.identification.problem import position_block
 from service.identification.robust import fit
@@ -81,7 +81,7 @@ def _chance(selected: Selected, bad: BoolArray) -> float:
     """Chance, over all readings, that noise alone gives one as far out as the nearest of the bad ones."""
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     nearest = float(block.squared(result)[bad].min())
-    return float(min(1.0, len(bad) * chi2.sf(nearest, result.residual.shape[1])))
+    return min(1.0, len(bad) * float(chi2_exceeded(nearest, result.residual.shape[1])))
 
 
 def _bad_gain(start: Start, selected: Selected, judged: Judged) -> Gain | None:

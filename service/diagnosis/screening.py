@@ -24,13 +24,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import f as f_distribution
 
 from service.diagnosis.columns import candidate_columns
 from service.diagnosis.footing import Footing
 from service.diagnosis.normal import Normal, Products, Projection, Sums, normal_of, products_of
 from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
+from service.identification.distributions import f_exceeded
 from service.identification.robust import RobustFit
 
 _MOSTLY_BELIEF = 0.1  # what the data see, over what is believed before: below, nothing is seen
@@ -137,7 +137,7 @@ def screen(view: View) -> Screened:
     degrees = np.maximum(footing.degrees / alike - size, 1.0)
     seen = size > 0
     ratio = np.where(seen, explained / np.maximum(size, 1), 0.0) / (left / degrees)
-    alone = np.where(seen, f_distribution.sf(ratio, np.maximum(size, 1), degrees), 1.0)
+    alone = np.where(seen, f_exceeded(ratio, np.maximum(size, 1), degrees), 1.0)
     of_effect = Counter(candidate.effect for candidate in candidates)
     shares = np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates])
     likelihood = footing.degrees / alike * np.log(footing.residual_square / left)
@@ -165,7 +165,7 @@ def chance_beside(products: Products, widths: FloatArray, past: Projection, trie
     degrees = max(sums.degrees / sums.alike - size[0], 1.0)
     left = max(sums.residual_square - explained[0], 1e-300)
     ratio = explained[0] / size[0] / (left / degrees)
-    return float(min(1.0, tried * f_distribution.sf(ratio, size[0], degrees)))
+    return min(1.0, tried * float(f_exceeded(ratio, size[0], degrees)))
 
 
 def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import gammaln
-from scipy.stats import chi2
 
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.campaign import PointReadings
+from service.identification.distributions import chi2_log_density
 from service.identification.evaluation import Targets, evaluate
 from service.identification.observations import PositionBlock
 from service.identification.robust import RobustFit
@@ -114,7 +114,7 @@ def _stand_apart(squared: FloatArray, components: int, gross: BoolArray) -> bool
 
 
 def _log_chi2(squared: FloatArray, components: int, variance: float) -> FloatArray:
-    return np.asarray(chi2.logpdf(squared / variance, components) - np.log(variance))
+    return np.asarray(chi2_log_density(squared / variance, components) - np.log(variance))
 
 
 def _normal(squared: FloatArray, components: int) -> float:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign, FixtureLengths, LegReadings
@@ -12,6 +11,7 @@ from service.domain.robot import FramePlacement
 from service.effects.ports import ParameterSpec, Setting
 from service.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from service.effects.tool_certificate import certificate_specs
+from service.identification.distributions import chi2_limit
 from service.identification.evaluation import Targets
 from service.identification.fixture_observations import (
     BALL_NEST,
@@ -145,7 +145,7 @@ def _certificates_contradicted(campaign: Campaign) -> float:
     tool = np.flatnonzero(fixture.placement == TOOL_PLACEMENT).tolist()
     squares = [square for row in tool if (square := _against_certificate(campaign, fixture, row)) is not None]
     total = float(np.sum(squares))
-    if not squares or total <= chi2.isf(_CONTRADICTION_LEVEL, len(squares)):
+    if not squares or total <= chi2_limit(_CONTRADICTION_LEVEL, len(squares)):
         return 1.0
     return float(np.sqrt(total / len(squares)))
 

@@ -6,10 +6,10 @@ Applied Regression Analysis, 3rd ed., 1998, section 2.1).
 """
 
 import numpy as np
-from scipy.stats import f as f_distribution
 
 from service.domain.arrays import FloatArray
 from service.domain.results import PureError
+from service.identification.distributions import f_exceeded
 from service.identification.observations import PositionBlock
 from service.identification.rows import sites
 
@@ -47,5 +47,5 @@ def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int)
         degrees_of_freedom=pure_dof,
         repeatability_mm=float(np.sqrt(within / pure_dof)),
         lack_of_fit_ratio=ratio,
-        p_value=float(f_distribution.sf(ratio, lack_dof, pure_dof)),
+        p_value=float(f_exceeded(ratio, lack_dof, pure_dof)),
     )

@@ -25,10 +25,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import chi2
 
-from service.domain.arrays import BoolArray, FloatArray, IntArray
+from service.domain.arrays import BoolArray, FloatArray
 from service.effects.geometry import GEOMETRY_EFFECTS
+from service.identification.distributions import chi2_limit, chi2_median
 from service.identification.observations import Block, BlockResult, Joint, linearise_blocks
 from service.identification.solver import Solution, solve
 from service.identification.structure import Structure
@@ -183,15 +183,11 @@ def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> S
 
 def _softly(block: Block, result: BlockResult) -> Block:
     length = np.linalg.norm(result.residual, axis=1)
-    typical = float(np.median(length) / np.sqrt(_median_of_chi2(result.residual.shape[1])))
+    typical = float(np.median(length) / np.sqrt(chi2_median(result.residual.shape[1])))
     stated = block.stated_sigma()
     excess = np.sqrt(max(typical**2 - stated**2, 0.0))
     weights = 1.0 / (1.0 + (length / (_CAUCHY * max(typical, stated))) ** 2)
     return block.weighted(weights, excess)
-
-
-def _median_of_chi2(degrees: int | IntArray) -> FloatArray:
-    return np.asarray(chi2.median(degrees))
 
 
 def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
@@ -204,9 +200,9 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     n, d = result.residual.shape
     spread = block.component_variance() + block.scatter_mm**2
     squared = block.squared(result)
-    scale = max(1.0, float(np.median(squared) / _median_of_chi2(d)))
+    scale = max(1.0, float(np.median(squared) / chi2_median(d)))
     lacking = block.discrepancy**2 / float(np.mean(spread))
-    limit = (1.0 + lacking) * scale * chi2.isf(_FALSE_ALARM / n, d)
+    limit = (1.0 + lacking) * scale * chi2_limit(_FALSE_ALARM / n, d)
     gross = squared > limit
     if lacking < _MOSTLY_LACKING:
         return gross, np.where(gross, 0.0, 1.0)
@@ -230,7 +226,7 @@ def _discrepancy(structure: Structure, block: Block, result: BlockResult, soluti
         return float(white @ white) - dof
 
     smallest = 0.0 if block.stated_sigma() > 0.0 else 1e-6
-    if smallest == 0.0 and excess(0.0) + dof <= chi2.isf(_EXCESS_LEVEL, dof):
+    if smallest == 0.0 and excess(0.0) + dof <= chi2_limit(_EXCESS_LEVEL, dof):
         return 0.0
     largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
     if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
@@ -249,7 +245,7 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
     _, stop = np.unique(block.targets.stops.config[kept], return_inverse=True)
     if stop.size == 0:
         return bounds[0]
-    usual = _median_of_chi2(d * np.bincount(stop)) * dof / (float(block.weights.sum()) * d)
+    usual = chi2_median(d * np.bincount(stop)) * dof / (float(block.weights.sum()) * d)
 
     def excess(extra: float) -> float:
         white = block.weighted(block.weights, extra).whitened(result).reshape(n, d)[kept]

@@ -1,0 +1,57 @@
+"""Chances from special functions against those of a library of distributions, far into the tails."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from service.identification.distributions import (
+    chi2_exceeded,
+    chi2_limit,
+    chi2_log_density,
+    chi2_median,
+    f_exceeded,
+    normal_exceeded,
+)
+
+DEGREES = st.floats(0.5, 3000.0)
+SQUARES = st.floats(0.0, 1e4)
+
+
+@given(SQUARES, DEGREES)
+def test_chi_square_is_that_of_the_library(squared, degrees):
+    assert chi2_exceeded(squared, degrees) == pytest.approx(stats.chi2.sf(squared, degrees), rel=1e-12)
+    assert chi2_log_density(squared, degrees) == pytest.approx(stats.chi2.logpdf(squared, degrees), rel=1e-9)
+
+
+@given(st.floats(1e-12, 0.999), DEGREES)
+def test_a_limit_is_exceeded_with_its_chance(chance, degrees):
+    limit = chi2_limit(chance, degrees)
+
+    assert limit == pytest.approx(stats.chi2.isf(chance, degrees), rel=1e-12)
+    assert chi2_exceeded(limit, degrees) == pytest.approx(chance, rel=1e-6)
+
+
+@given(DEGREES)
+def test_half_of_all_lie_beyond_the_median(degrees):
+    assert chi2_exceeded(chi2_median(degrees), degrees) == pytest.approx(0.5)
+
+
+@given(st.floats(0.0, 1e4), DEGREES, DEGREES)
+def test_a_ratio_of_mean_squares_is_that_of_the_library(ratio, above, below):
+    assert f_exceeded(ratio, above, below) == pytest.approx(stats.f.sf(ratio, above, below), rel=1e-12)
+
+
+@given(st.floats(-40.0, 40.0))
+def test_a_normal_deviate_is_that_of_the_library(deviate):
+    assert normal_exceeded(deviate) == pytest.approx(stats.norm.sf(deviate), rel=1e-12)
+
+
+def test_arrays_go_together():
+    degrees = np.array([1, 3, 6])
+
+    np.testing.assert_allclose(chi2_median(degrees), stats.chi2.median(degrees), rtol=1e-12)
+    np.testing.assert_allclose(
+        f_exceeded([1.0, 2.0, 3.0], degrees, 9), stats.f.sf([1.0, 2.0, 3.0], degrees, 9)
+    )
