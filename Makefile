@@ -17,10 +17,13 @@ $(VENV)/.installed: pyproject.toml
 demo: setup
 	$(BIN)/truepose demo --out out/demo
 
-# Two processes, a file of tests at a time, so that what a module sets up is set up once. One thread of linear
-# algebra each: the matrices are small, and two threads wait for each other on busy cores.
+# A file of tests at a time, so that what a module sets up is set up once; in the order of the folders, so that
+# the long files (browser, system) do not come last, when there is nothing left to do beside them. Three processes
+# on two cores: those files wait for pages and wires. One thread of linear algebra each: the matrices are small,
+# and two threads wait for each other on busy cores.
 test: setup
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 3 --dist loadfile \
+	  --no-loadscope-reorder
 
 check: setup
 	$(BIN)/ruff check .
