@@ -1,12 +1,13 @@
 """Campaigns into the storage: from an uploaded zip, or from sessions."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sized
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from datetime import date
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
+from service.analysis.campaign_summary import summary_of
 from service.analysis.errors import RoleError
 from service.analysis.uploads import Uploads
 from service.domain.campaign import Campaign
@@ -14,10 +15,9 @@ from service.domain.session import SessionRole
 from service.exchange.campaign_zip import write_campaign_zip
 from service.storage.campaigns import CampaignRepository, NewCampaign
 from service.storage.readings import ReadingRepository
-from service.storage.records import CampaignSummary, RequestKey
+from service.storage.records import RequestKey
 from service.storage.sessions import SessionRepository
 
-_MOST_SENTENCES: Final = 100
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
 
 
@@ -106,30 +106,3 @@ class CampaignDesk:
             fixed_nests=tuple(await self._readings.fixed_nests(session_id)),
             registration=await self._sessions.registration(session_id),
         )
-
-
-def summary_of(campaign: Campaign) -> CampaignSummary:
-    """Return how much a campaign holds."""
-    return CampaignSummary(
-        calibration_points=_rows(campaign.calibration),
-        validation_points=_rows(campaign.validation),
-        calibration_legs=_rows(campaign.legs),
-        validation_legs=_rows(campaign.validation_legs),
-        reference_readings=_rows(campaign.reference),
-        ignored=_first(campaign.ignored),
-        notes=_first(campaign.notes),
-        simulated=campaign.simulated,
-        measured_on=None if campaign.measured_on is None else campaign.measured_on.isoformat(),
-    )
-
-
-def _first(sentences: tuple[str, ...]) -> tuple[str, ...]:
-    """Return as many sentences as a list of campaigns can show; the archive keeps all of them."""
-    if len(sentences) <= _MOST_SENTENCES:
-        return sentences
-    more = len(sentences) - _MOST_SENTENCES
-    return (*sentences[:_MOST_SENTENCES], f"There are {more} more like these in the archive.")
-
-
-def _rows(table: Sized | None) -> int:
-    return 0 if table is None else len(table)

@@ -158,7 +158,7 @@ class ReadCampaignTask:
 
     def perform(self, report: Report) -> CampaignRead:
         """Return how much it holds; raises TrueposeError."""
-        from service.analysis.campaigns import summary_of
+        from service.analysis.campaign_summary import summary_of
         from service.exchange.campaign_zip import read_campaign_zip
 
         campaign = read_campaign_zip(self.archive, self.name)

@@ -1,6 +1,8 @@
 """Uploads take turns, and what one of them brings takes a known part of the computer."""
 
 import asyncio
+import subprocess
+import sys
 from dataclasses import dataclass
 
 import pytest
@@ -13,6 +15,14 @@ from service.exchange.campaign_zip import write_campaign_zip
 from tests.builders import make_campaign
 
 MB = 2**20
+READ_ONE = """
+import sys
+from pathlib import Path
+from service.analysis.tasks import ReadCampaignTask
+
+ReadCampaignTask(Path(sys.argv[1]).read_bytes(), "elbow.zip").perform(None)
+print(*{"sqlalchemy", "scipy"} & sys.modules.keys())
+"""
 
 
 @dataclass(frozen=True)
@@ -129,3 +139,12 @@ async def test_a_reading_that_nobody_wants_any_more_lets_the_next_one_begin():
 
     assert (await second).robot == "elbow"
     assert reading.cancelled == 1
+
+
+def test_to_read_an_upload_takes_neither_the_database_nor_the_numerics(tmp_path):
+    file = tmp_path / "elbow.zip"
+    file.write_bytes(write_campaign_zip(make_campaign()))
+
+    read = subprocess.run([sys.executable, "-c", READ_ONE, file], capture_output=True, text=True, check=True)
+
+    assert read.stdout.split() == []  # each would make whoever uploads wait for its import
