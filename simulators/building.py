@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
+from simulators.curves import draw_curves
 from simulators.everyday import draw_everyday
 from simulators.physics.arm import Arm, CarriedMass, Vector
-from simulators.physics.effects import Effect, Site
+from simulators.physics.effects import Effect, PlantedChange, Site
 from simulators.physics.identified import IdentifiedModel, IdentifiedRobot
 from simulators.physics.plant import Plant, draw_compliances, draw_motions
 from simulators.physics.rigid import FloatArray
@@ -43,6 +45,7 @@ def adapted(scenario: Scenario, model: IdentifiedModel, robot: IdentifiedRobot) 
         base=None,
         links=(),
         everyday=None,
+        curves=None,
         arm=replace(scenario.arm, home_deg=_home_deg(scenario.arm, robot.plant.arm)),
         tool=_tool(scenario.tool, robot.nests_mm),
         tracker=replace(scenario.tracker, position_mm=place),
@@ -79,26 +82,34 @@ def draw_nests(nests_mm: Sequence[Sequence[float]], u_mm: float, rng: np.random.
     return stated + u_mm * rng.standard_normal(stated.shape)
 
 
+class Chances(NamedTuple):
+    """What the effects of a cell are drawn with; one of them leaves the others as they are."""
+
+    everyday: np.random.Generator
+    curves: np.random.Generator
+
+
 def draw_effects(
     scenario: Scenario,
     plant: Plant,
     seed: int,
-    rng: np.random.Generator,
+    chances: Chances,
     identified: Sequence[Effect] = (),
 ) -> PlantedEffects:
-    """Draw the everyday effects and plant the stated ones before them; raises ScenarioError.
+    """Draw everyday effects and curves and plant the stated ones before them; raises ScenarioError.
 
     Stated changes come first, so that what they leave to chance is the same in a clean and in an everyday
     cell of one seed. Those that a model identified act besides.
     """
-    tool = scenario.tool
-    everyday = scenario.everyday
-    drawn = (
-        ()
-        if everyday is None
-        else draw_everyday(everyday, plant.arm, plant.tool_mass, len(tool.nests_mm), rng)
-    )
-    site = _site(scenario, plant.arm, plant.tool_mass, plant.compliance_rad_per_n_mm, seed)
+    arm, tool_mass = plant.arm, plant.tool_mass
+    drawn: tuple[PlantedChange, ...] = ()
+    if scenario.everyday is not None:
+        drawn = draw_everyday(
+            scenario.everyday, arm, tool_mass, len(scenario.tool.nests_mm), chances.everyday
+        )
+    if scenario.curves is not None:
+        drawn = (*drawn, *draw_curves(scenario.curves, arm, chances.curves))
+    site = _site(scenario, arm, tool_mass, plant.compliance_rad_per_n_mm, seed)
     return PlantedEffects(site, (*scenario.effects, *drawn), identified)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from simulators.air import Air
-from simulators.building import adapted, draw_effects, draw_nests, draw_plant
+from simulators.building import Chances, adapted, draw_effects, draw_nests, draw_plant
 from simulators.clock import CellClock
 from simulators.equipment import equip
 from simulators.faults.kinds import Fault, TrackerBlinded
@@ -41,7 +41,7 @@ class Cell:
         if model is not None and identified is not None:
             scenario = adapted(scenario, model, identified)
         # One more part leaves the others as they are: older cells keep their numbers.
-        *parts, of_equipment = np.random.SeedSequence(seed).spawn(5)
+        *parts, of_equipment, of_curves = np.random.SeedSequence(seed).spawn(6)
         plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
         self.model = model
         self.scenario = scenario
@@ -53,7 +53,8 @@ class Cell:
         self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
         self._fixed_nests_mm = draw_nests(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
         effects = () if identified is None else identified.effects
-        self.planted = draw_effects(scenario, self.plant, seed, everyday_rng, effects)
+        chances = Chances(everyday_rng, np.random.default_rng(of_curves))
+        self.planted = draw_effects(scenario, self.plant, seed, chances, effects)
         phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
         self.air = Air(scenario.air, phase_rad, lambda time_s: self.planted.warming_k(time_s))
         self._first_frame = place_tracker(scenario.tracker, plant_rng)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from simulators.air import AirSetup
 from simulators.ballbar_accuracy import BallbarSetup
+from simulators.curves import CurveSizes
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults.kinds import Fault, check_nest
@@ -69,6 +70,7 @@ class ArmSetup:
     scatter_mm: float = 0.0035  # repeatability per axis at the tool, drawn once per stop
     home_deg: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
+    states_gear_ratio: bool = True  # False: the papers of a campaign do not have it
     server: str = "stock"  # what runs on the controller: open_abb's own program, or "truepose", that of ours
 
     def __post_init__(self) -> None:
@@ -97,6 +99,7 @@ class Scenario:
     hands: HandsSetup = field(default_factory=HandsSetup)
     air: AirSetup = field(default_factory=AirSetup)
     everyday: EverydaySizes | None = None  # absent: none of the many small effects of any robot
+    curves: CurveSizes | None = None  # absent: no joint is off by a curve
     effects: tuple[PlantedChange, ...] = ()
     faults: tuple[Fault, ...] = ()
 

@@ -11,6 +11,7 @@ import numpy as np
 from simulators.air import AirSetup
 from simulators.ballbar_accuracy import BallbarSetup
 from simulators.building import nominal_site
+from simulators.curves import CurveSizes
 from simulators.errors import ScenarioError
 from simulators.everyday import EverydaySizes
 from simulators.faults.kinds import KINDS, Fault
@@ -44,6 +45,7 @@ _TABLES: Mapping[str, type] = {
     "hands": HandsSetup,
     "air": AirSetup,
     "everyday": EverydaySizes,
+    "curves": CurveSizes,
 }
 _CHANGE_KEYS = ("name", "subject", "amplitude", "from_s")
 _LISTS = {"link": "links", "effect": "effects", "fault": "faults"}

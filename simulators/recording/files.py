@@ -12,6 +12,7 @@ from simulators.physics.arm import Arm
 from simulators.physics.rigid import FloatArray
 from simulators.recording.campaign import Points, Recording, References
 from simulators.recording.nominal_tables import papers_of_cell
+from simulators.scenario import ArmSetup
 from simulators.truth_document import plant_document
 
 Columns: TypeAlias = dict[str, list[str]]  # of a table, by name
@@ -62,7 +63,7 @@ def campaign_document(cell: Cell, files: dict[str, str]) -> dict[str, Any]:
             for frame, kg, centre in (*table.masses, *carried)
         ],
         "gravity_m_s2_world": list(cell.plant.gravity_m_s2),
-        **_hints(arm),
+        **_hints(arm, scenario.arm),
         "robot_repeatability_mm": scenario.arm.scatter_mm,
         "tracker_position_world_mm": list(scenario.tracker.position_mm),
         "fixed_nests_certified_mm": [list(nest) for nest in scenario.table.fixed_nests_mm],
@@ -81,13 +82,17 @@ def _stated_nests(cell: Cell) -> list[list[float] | None]:
     ]
 
 
-def _hints(arm: Arm) -> dict[str, list[float]]:
+def _hints(arm: Arm, setup: ArmSetup) -> dict[str, list[float]]:
     """Return gear ratios and orders of compliance where they are stated: no hint is infinite or zero."""
     hints = {
-        "gear_ratio": arm.gear_ratio,
+        "gear_ratio": arm.gear_ratio if setup.states_gear_ratio else (),
         "typical_compliance_rad_per_Nmm": arm.typical_compliance_rad_per_n_mm,
     }
-    return {key: list(values) for key, values in hints.items() if all(0.0 < v < np.inf for v in values)}
+    return {key: list(values) for key, values in hints.items() if _are_hints(values)}
+
+
+def _are_hints(values: tuple[float, ...]) -> bool:
+    return bool(values) and all(0.0 < value < np.inf for value in values)
 
 
 def truth_document(recording: Recording) -> dict[str, Any]:
