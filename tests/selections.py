@@ -61,5 +61,6 @@ def proposed(scene, effect, subject, first=None):
     return [
         candidate
         for candidate in CAUSES[effect].candidates(scene)
-        if candidate.subject == subject and first in {None, candidate.names[0]}
+        if candidate.subject == subject
+        and (first is None or (candidate.names[0] == first and not candidate.function))
     ]

@@ -32,6 +32,7 @@ from service.effects.registry import effect_named
 from service.identification.evaluation import rows_of
 
 _DRAWN = 200  # points of a line
+_PER_WAVE = 12  # points of each wave in it
 _Z95 = 1.96
 _LOADS = frozenset({"compliance", "compliance_nonlinear"})
 
@@ -99,7 +100,7 @@ def _joint_axis(
         return axis, line_x, _weights(effect, names, _there(selected, joint, direction=line_x))
     source = int(names[0].split("_")[2]) - 1 if effect == "joint_coupling" else joint
     axis = angle_axis(scene.turn_rad[:, source], source, _common_order(effect, names))
-    line_x = axis.drawn(_DRAWN)
+    line_x = axis.drawn(max(_DRAWN, round(_PER_WAVE * _most_waves(effect, names))))
     return axis, line_x, _weights(effect, names, _there(selected, source, turn_rad=np.deg2rad(line_x)))
 
 
@@ -126,6 +127,12 @@ def _common_order(effect: str, names: Sequence[str]) -> float:
     if effect != "joint_harmonics":
         return 1.0
     return float(math.gcd(*(round(float(name.split("_")[2])) for name in names)))
+
+
+def _most_waves(effect: str, names: Sequence[str]) -> float:
+    """Return how many periods per turn the fastest wave has that shares its axis with slower ones; else 0."""
+    orders = {float(name.split("_")[2]) for name in names} if effect == "joint_harmonics" else set()
+    return max(orders) if len(orders) > 1 else 0.0
 
 
 def _weights(effect: str, names: tuple[str, ...], rows: Rows) -> FloatArray:

@@ -17,11 +17,12 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.effects.joint_harmonics import NAME as HARMONICS
-from service.effects.joint_harmonics import joint_of_wave, wave_specs
+from service.effects.joint_harmonics import joint_of_wave, order_of_wave, wave_specs
 from service.effects.ports import ParameterSpec
 from service.identification.observations import linearise_blocks
 from service.identification.robust import RobustFit
 from service.identification.solver import Solution, posterior_covariance
+from service.identification.structure import Structure
 
 _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves leaves nothing open
 
@@ -34,10 +35,11 @@ def with_open_shapes(fit: RobustFit) -> RobustFit:
     fit : RobustFit
         Of a model with waves of some joints; without them it comes back as it is.
     """
-    specs = _open_specs(fit)
-    if not specs:
+    widths_rad = _widths_rad(fit)
+    if not widths_rad.any():
         return fit
-    structure = fit.structure.extended(HARMONICS, specs)
+    specs = _open_specs(fit, widths_rad)
+    structure = _widened(fit.structure, widths_rad).extended(HARMONICS, specs)
     values = np.concatenate([fit.values, np.zeros(len(specs))])
     point = linearise_blocks(structure, fit.blocks, values, None)
     covariance = posterior_covariance(point.jacobian, 1.0 / structure.prior_widths**2)
@@ -45,11 +47,27 @@ def with_open_shapes(fit: RobustFit) -> RobustFit:
     return replace(fit, structure=structure, solution=solution)
 
 
-def _open_specs(fit: RobustFit) -> tuple[ParameterSpec, ...]:
+def _widened(structure: Structure, widths_rad: FloatArray) -> Structure:
+    """Return the structure with its own slow waves as open as others of their joint.
+
+    The waves of a curve share one width, which is that of all orders: a slow one may be larger.
+    """
+
+    def opened(spec: ParameterSpec, owner: str) -> ParameterSpec:
+        if owner != HARMONICS or order_of_wave(spec.name) not in _ORDERS:
+            return spec
+        width = float(widths_rad[joint_of_wave(spec.name)])
+        return spec._replace(prior_width=max(spec.prior_width, width))
+
+    specs = tuple(opened(spec, owner) for spec, owner in zip(structure.specs, structure.owners, strict=True))
+    return replace(structure, specs=specs)
+
+
+def _open_specs(fit: RobustFit, widths_rad: FloatArray) -> tuple[ParameterSpec, ...]:
     known = set(fit.structure.names)
     return tuple(
         spec._replace(prior_width=float(width))
-        for joint, width in enumerate(_widths_rad(fit))
+        for joint, width in enumerate(widths_rad)
         if width > 0.0
         for order in _ORDERS
         for spec in wave_specs(joint, float(order))

@@ -2,10 +2,6 @@
 
 Every family is tested as a random effect on the residuals (score test of a variance component); the level is
 controlled over all families. The noise is not known: its size is taken from the residuals themselves.
-
-References
-----------
-X. Lin, Biometrika 84(2), 1997, 309-326 (variance-component score tests).
 """
 
 from dataclasses import dataclass
@@ -14,8 +10,8 @@ import numpy as np
 
 from service.diagnosis.columns import term_columns
 from service.diagnosis.families import Family, families, terms_of
+from service.diagnosis.functions import chance, most_likely
 from service.diagnosis.normal import Products, Projection, products_of
-from service.diagnosis.quadratic import tail_probability
 from service.domain.arrays import FloatArray
 from service.effects.causes import Scene
 from service.identification.robust import RobustFit
@@ -61,10 +57,7 @@ def _left(products: Products, past: Projection) -> tuple[FloatArray, FloatArray]
 
 
 def _p_value(products: Products, past: Projection) -> float:
-    gram, towards = _left(products, past)
-    weights = np.maximum(np.linalg.eigvalsh(gram), 0.0)
-    statistic = float(towards @ towards) / past.sums.variance / past.sums.alike
-    return tail_probability(statistic, weights, past.sums.degrees / past.sums.alike)
+    return chance(*_left(products, past), past.sums)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,25 +68,8 @@ class RandomEffect:
     score: float  # gain in BIC: twice the log likelihood, less what its one parameter costs
 
 
-_SIZES = np.logspace(-4.0, 6.0, 61)  # ratios of the two variances that are tried, over the typical eigenvalue
-
-
 def as_random_effect(products: Products, past: Projection) -> RandomEffect:
     """Fit a family as a random effect (maximum likelihood, size of the noise profiled out)."""
-    gram, towards = _left(products, past)
-    sums = past.sums
-    sizes, axes = np.linalg.eigh(gram)
-    seen = sizes > 1e-9 * max(float(sizes.max(initial=0.0)), 1e-300)
-    if not seen.any():
-        return RandomEffect(0.0, -np.inf)
-    sizes = sizes[seen]
-    along = (axes[:, seen].T @ towards) ** 2 / sizes
-    ratios = _SIZES[:, None] / float(sizes.max())
-    shrunk = ratios * sizes / (1.0 + ratios * sizes)
-    left = np.maximum(sums.residual_square - shrunk @ along, 1e-9 * sums.residual_square)
-    gain = sums.degrees / sums.alike * np.log(sums.residual_square / left)
-    gain -= np.log1p(ratios * sizes).sum(axis=1)
-    best = int(np.argmax(gain))
-    variance = float(left[best]) / max(sums.degrees, 1.0)
-    cost = np.log(max(sums.observations / sums.alike, 2.0))
-    return RandomEffect(float(np.sqrt(ratios[best, 0] * variance)), float(gain[best] - cost))
+    found = most_likely(*_left(products, past), past.sums)
+    cost = float(np.log(max(past.sums.observations / past.sums.alike, 2.0)))
+    return RandomEffect(found.width, found.gain - cost)

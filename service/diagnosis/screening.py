@@ -27,6 +27,7 @@ import numpy as np
 
 from service.diagnosis.columns import candidate_columns
 from service.diagnosis.footing import Footing
+from service.diagnosis.functions import chance, most_likely
 from service.diagnosis.normal import Normal, Products, Projection, Sums, normal_of, products_of
 from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
@@ -54,7 +55,8 @@ class Pool:
     all: tuple[Candidate, ...]
     products: Products  # of all K columns
     starts: tuple[int, ...]  # first column of each candidate
-    alike: tuple[Alike, ...]
+    alike: tuple[Alike, ...]  # of those that are no functions
+    functions: tuple[int, ...]  # which candidates are
     normal: Normal
     fit: RobustFit
 
@@ -99,18 +101,22 @@ def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
     sizes = np.array([len(candidate.specs) for candidate in candidates], dtype=int)
     starts = np.cumsum(sizes) - sizes
     widths = np.array([spec.prior_width for candidate in candidates for spec in candidate.specs])
+    function = np.array([candidate.function for candidate in candidates], dtype=bool)
     return Pool(
         all=tuple(candidates),
         products=products_of(fit, columns),
         starts=tuple(starts.tolist()),
-        alike=tuple(_alike(columns, widths, sizes, starts, count) for count in np.unique(sizes).tolist()),
+        alike=tuple(
+            _alike(columns, widths, starts, np.flatnonzero((sizes == count) & ~function), count)
+            for count in np.unique(sizes[~function]).tolist()
+        ),
+        functions=tuple(np.flatnonzero(function).tolist()),
         normal=normal_of(fit),
         fit=fit,
     )
 
 
-def _alike(columns: FloatArray, widths: FloatArray, sizes: IntArray, starts: IntArray, count: int) -> Alike:
-    here = np.flatnonzero(sizes == count)
+def _alike(columns: FloatArray, widths: FloatArray, starts: IntArray, here: IntArray, count: int) -> Alike:
     rows = starts[here][:, None] + np.arange(count)
     scale = np.sqrt(np.maximum(np.einsum("km,km->k", columns, columns), 1e-300))[rows]
     gram = np.stack([columns[own] @ columns[own].T for own in rows])
@@ -126,10 +132,34 @@ class Screened:
     size: FloatArray  # (C,) effective number of parameters, 0 where nothing can be seen
     p_value: FloatArray  # (C,) corrected for everything tried
     score: FloatArray  # (C,) gain in BIC, search included; larger is better
+    width: FloatArray  # (C,) most likely factor on the prior widths of a function, 1 of what is none
 
 
 def screen(view: View) -> Screened:
     """Screen all candidates of a view."""
+    screened = _screened(view)
+    tried, shares = _tried(view.pool.all), _shares(view.pool.all)
+    for index in view.pool.functions:
+        gram, towards = _of_function(view, index)
+        found = most_likely(gram, towards, view.sums)
+        screened.explained[index], screened.size[index] = found.explained, found.size
+        screened.width[index] = found.width
+        screened.score[index] = found.gain - 2.0 * np.log(tried[index])
+        screened.p_value[index] = min(1.0, shares[index] * chance(gram, towards, view.sums))
+    return screened
+
+
+def _of_function(view: View, index: int) -> tuple[FloatArray, FloatArray]:
+    """Products of the columns of a function, scaled to its prior widths, past what is fitted."""
+    own, candidate = view.pool.own(index), view.pool.all[index]
+    widths = np.array([spec.prior_width for spec in candidate.specs])
+    columns, absorbed = view.pool.products.columns[own], view.absorbed[own]
+    gram = (columns @ columns.T - absorbed @ absorbed.T) * np.outer(widths, widths)
+    return gram, view.towards[own] * widths
+
+
+def _screened(view: View) -> Screened:
+    """Screen the candidates that are no functions."""
     candidates, footing = view.pool.all, view.sums
     alike = footing.alike
     explained, size = _explained(view)
@@ -138,8 +168,6 @@ def screen(view: View) -> Screened:
     seen = size > 0
     ratio = np.where(seen, explained / np.maximum(size, 1), 0.0) / (left / degrees)
     alone = np.where(seen, f_exceeded(ratio, np.maximum(size, 1), degrees), 1.0)
-    of_effect = Counter(candidate.effect for candidate in candidates)
-    shares = np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates])
     likelihood = footing.degrees / alike * np.log(footing.residual_square / left)
     score = (
         likelihood - size * np.log(max(footing.observations / alike, 2.0)) - 2.0 * np.log(_tried(candidates))
@@ -147,8 +175,9 @@ def screen(view: View) -> Screened:
     return Screened(
         explained=explained,
         size=size,
-        p_value=np.minimum(alone * shares, 1.0),
+        p_value=np.minimum(alone * _shares(candidates), 1.0),
         score=np.where(seen, score, -np.inf),
+        width=np.ones(len(candidates)),
     )
 
 
@@ -166,6 +195,12 @@ def chance_beside(products: Products, widths: FloatArray, past: Projection, trie
     left = max(sums.residual_square - explained[0], 1e-300)
     ratio = explained[0] / size[0] / (left / degrees)
     return min(1.0, tried * float(f_exceeded(ratio, size[0], degrees)))
+
+
+def _shares(candidates: tuple[Candidate, ...]) -> FloatArray:
+    """How often chance had a chance for each candidate: every cause has the same share of the level."""
+    of_effect = Counter(candidate.effect for candidate in candidates)
+    return np.array([len(of_effect) * of_effect[candidate.effect] for candidate in candidates], dtype=float)
 
 
 def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:

@@ -10,13 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.diagnosis.footing import Footing, footing_of
-from service.diagnosis.screening import Pool, Screened, pooled, screen
+from service.diagnosis.screening import Pool, Screened, View, pooled, screen
 from service.effects.causes import Candidate
 from service.identification.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6  # each may add several picks; one or two are usual
 _ROUNDS = 3  # of decisions about gross readings and discrepancy at each refit, from those before
+_RESIZED = 0.1  # logarithm of the size of a function: less moves no prediction
 _READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
 
 
@@ -59,26 +60,69 @@ def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) ->
         fit = refitted(start, fit, picks)
         pool = pooled(fit, (*picks, *propose(fit)))
         kept = _worth(picks, pool)
-        if len(kept) < len(picks):
+        if _differ(kept, picks):
             picks = kept
             fit = refitted(start, fit, picks)
             pool = pooled(fit, (*picks, *propose(fit)))
-            if not any(candidate in kept for candidate in new):
+            if not any(_same_as(candidate, other) for candidate in new for other in kept):
                 break
     return Selected(fit, tuple(picks), pool, full)
+
+
+def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
+    """Whether some picks went, or are functions of clearly another size now."""
+    if len(kept) < len(picks):
+        return True
+    sizes = [
+        one.specs[0].prior_width / other.specs[0].prior_width for one, other in zip(kept, picks, strict=True)
+    ]
+    return bool(np.abs(np.log(sizes)).max(initial=0.0) > _RESIZED)
+
+
+def _same_as(one: Candidate, other: Candidate) -> bool:
+    return one._replace(specs=()) == other._replace(specs=()) and one.names == other.names
 
 
 def _picked(pool: Pool) -> tuple[list[Candidate], bool]:
     view, footing = pool.view(), footing_of(pool.fit)
     picks: list[Candidate] = []
     while True:
-        best = best_of(screen(view))
+        screened = screen(view)
+        best = best_of(screened)
         if best is None or pool.all[best] in picks:  # rounding may leave a little of what is fitted
             return picks, False
-        if not _carried(footing, pool.all[best]):
+        if not _carried(footing, float(screened.size[best])):
             return picks, True
+        if pool.all[best].function:  # what it leaves to others is told once it is fitted
+            return [*picks, *_parts_or_whole(view, footing, screened, best)], False
         picks.append(pool.all[best])
         view, footing = view.with_pick(best, footing)
+
+
+def _parts_or_whole(view: View, footing: Footing, screened: Screened, whole: int) -> list[Candidate]:
+    """Return a few single parts of a function where they are the better story, else the function."""
+    function = view.pool.all[whole]
+    parts, score = list[Candidate](), 0.0
+    while True:
+        now = screen(view)
+        now.score[[not _is_part(candidate, function, parts) for candidate in view.pool.all]] = -np.inf
+        best = best_of(now)
+        if best is None or not _carried(footing, float(now.size[best])):
+            break
+        parts.append(view.pool.all[best])
+        score += float(now.score[best])
+        view, footing = view.with_pick(best, footing)
+    return parts if score >= screened.score[whole] else [_sized(function, screened, whole)]
+
+
+def _is_part(candidate: Candidate, function: Candidate, taken: Sequence[Candidate]) -> bool:
+    same = (candidate.effect, candidate.subject) == (function.effect, function.subject)
+    return same and not candidate.function and candidate not in taken
+
+
+def _sized(candidate: Candidate, screened: Screened, index: int) -> Candidate:
+    """Return a candidate as large as the data ask for, where they tell it."""
+    return candidate.sized(float(screened.width[index])) if candidate.function else candidate
 
 
 def best_of(screened: Screened) -> int | None:
@@ -89,8 +133,8 @@ def best_of(screened: Screened) -> int | None:
     return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
 
 
-def _carried(footing: Footing, candidate: Candidate) -> bool:
-    used = footing.basis.shape[1] + len(candidate.specs)
+def _carried(footing: Footing, parameters: float) -> bool:
+    used = footing.basis.shape[1] + parameters
     return bool(footing.observations / footing.alike >= _READINGS_PER_PARAMETER * used)
 
 
@@ -111,7 +155,7 @@ def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
         screened = screen(pool.view(without=pick.names))
         index = pool.all.index(pick)
         if screened.p_value[index] <= LEVEL and screened.score[index] > 0.0:
-            kept.append(pick)
+            kept.append(_sized(pick, screened, index))
     return kept
 
 

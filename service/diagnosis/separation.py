@@ -113,8 +113,8 @@ def _closest(pool: Pool, fit: RobustFit, own: BoolArray, rival: Cause) -> int:
     absorbed = cho_solve(factor, scale * (jacobian[~own] @ jacobian[own].T @ values))
     best, most = -1, -np.inf
     for index, candidate in enumerate(pool.all):
-        if Cause(candidate.effect, candidate.subject) != rival:
-            continue
+        if Cause(candidate.effect, candidate.subject) != rival or candidate.function:
+            continue  # a function of any shape mimics everything, and is refuted nowhere
         products = pool.products.rows(pool.own(index))
         beside = products.with_jacobian[:, ~own] * scale
         towards = products.with_jacobian[:, own] @ values - beside @ absorbed

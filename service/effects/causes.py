@@ -44,17 +44,28 @@ class Scene:
 
 
 class Candidate(NamedTuple):
-    """One way in which a cause may be present."""
+    """One way in which a cause may be present.
+
+    The parameters of a `function` are those of one random function: each is small, there may be more of them
+    than readings, and how large they are together is told by the data; their prior widths tell how they
+    compare among each other.
+    """
 
     effect: str
     subject: str
     specs: tuple[ParameterSpec, ...]
     variant: float = 0.0  # what was searched over: an order, a time; 0 where nothing was
+    function: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of its parameters."""
         return tuple(spec.name for spec in self.specs)
+
+    def sized(self, factor: float) -> "Candidate":
+        """Return it with all prior widths multiplied."""
+        specs = tuple(spec._replace(prior_width=factor * spec.prior_width) for spec in self.specs)
+        return self._replace(specs=specs)
 
 
 @dataclass(frozen=True, slots=True)

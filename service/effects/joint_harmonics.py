@@ -17,6 +17,10 @@ _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
 # Of a robot that does not tell its gears no fast wave can be laid at their door: up to here bearings,
 # encoders and the stages of common gears explain one.
 _HIGHEST_OF_UNKNOWN_GEAR = 12
+_HIGHEST_OF_CURVE = 60.0  # per turn, of curves that no few waves describe
+_FEW_WAVES = 24  # that are told as waves; more are a curve
+_TOLD = 5  # waves of a curve that are told, the largest ones
+_ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
 _SMALLEST_TURN_RAD = np.deg2rad(5.0)
 
 
@@ -46,18 +50,21 @@ class JointHarmonics:
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
-        """Propose every order of every joint that turns, from one per turn to two per turn of the motor."""
+        """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""
         found = []
         for joint in np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist():
             for order in orders(scene, joint):
                 specs = wave_specs(joint, order)
                 if specs[0].name not in scene.present:
                     found.append(Candidate(NAME, joint_subject(joint), specs, order))
+            found += _curve(scene, joint)
         return tuple(found)
 
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how large the waves are and what has that many waves per turn."""
         waves = _fitted_waves(fitted)
+        if len(waves) > _FEW_WAVES:
+            return _shown_curve(subject, waves, fitted, scene)
         details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
         largest = max(waves, key=lambda wave: wave.amplitude_deg)
         joint = joint_of_subject(subject)
@@ -69,6 +76,15 @@ class JointHarmonics:
             f"{_typical_of(largest.order, _gear_ratio(scene, joint))}."
         )
         return Shown(subject, largest.amplitude_deg, "deg", largest.uncertainty_deg, sentence, details)
+
+
+def _curve(scene: Scene, joint: int) -> list[Candidate]:
+    """Propose the sum of all waves that a joint may have; none where the model has a curve of it."""
+    waves = [wave_specs(joint, order) for order in np.arange(1.0, _HIGHEST_OF_CURVE + 1.0).tolist()]
+    left = tuple(spec for wave in waves for spec in wave if spec.name not in scene.present)
+    if len(left) < len(waves):
+        return []
+    return [Candidate(NAME, joint_subject(joint), left, _HIGHEST_OF_CURVE, function=True)]
 
 
 class _FittedWave:
@@ -89,6 +105,25 @@ class _FittedWave:
         return [*found, Detail("phase", self._phase_deg, "deg", turn)]
 
 
+def _shown_curve(subject: str, waves: list[_FittedWave], fitted: Fitted, scene: Scene) -> Shown:
+    """Say how far a curve goes either way over what was measured, and which of its waves are the largest."""
+    turn = scene.turn_rad[:, joint_of_subject(subject)]
+    angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
+    weights = np.stack([_weight(name, angle) for name in fitted.names])
+    curve = fitted.values @ weights
+    ends = 0.5 * (weights[:, int(np.argmax(curve))] - weights[:, int(np.argmin(curve))])
+    amplitude, uncertainty = np.rad2deg([fitted.values @ ends, np.sqrt(ends @ fitted.covariance @ ends)])
+    largest = sorted(waves, key=lambda wave: -wave.amplitude_deg)[:_TOLD]
+    listed = ", ".join(f"{wave.order:g}" for wave in sorted(largest, key=lambda wave: wave.order))
+    sentence = (
+        f"{subject.capitalize()} is off by a curve of its angle, {amplitude:.3f} deg either way; of its "
+        f"waves those of {listed} periods per turn are the largest: an error of the gear or encoder that "
+        "repeats with the joint's angle."
+    )
+    details = tuple(detail for wave in largest for detail in wave.details(several=True))
+    return Shown(subject, float(amplitude), "deg", float(uncertainty), sentence, details)
+
+
 def orders(scene: Scene, joint: int) -> tuple[float, ...]:
     """Return the orders that are looked for on a joint (0-based)."""
     ratio = _gear_ratio(scene, joint)
@@ -106,6 +141,11 @@ def joint_of_wave(name: str) -> int:
     return int(name.split("_")[1]) - 1
 
 
+def order_of_wave(name: str) -> float:
+    """Return the order, periods per turn, that a parameter is of."""
+    return float(name.split("_")[2])
+
+
 def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
     """Return sine and cosine of a wave."""
     sine, cosine = wave_names(joint, order)
@@ -113,9 +153,14 @@ def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
 
 
 def _wave(name: str, turn_rad: FloatArray) -> tuple[Port, FloatArray]:
-    _, joint, order, kind = name.split("_")
-    angle = float(order) * turn_rad[:, int(joint) - 1]
-    return Port(PortKind.THETA, int(joint) - 1), np.sin(angle) if kind == "sin" else np.cos(angle)
+    joint = joint_of_wave(name)
+    return Port(PortKind.THETA, joint), _weight(name, turn_rad[:, joint])
+
+
+def _weight(name: str, turn_rad: FloatArray) -> FloatArray:
+    """Return the sine or cosine that a parameter is of, at angles (n,)."""
+    _, _, order, kind = name.split("_")
+    return np.asarray(np.sin(float(order) * turn_rad) if kind == "sin" else np.cos(float(order) * turn_rad))
 
 
 def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:

@@ -92,7 +92,7 @@ def test_progress_is_told_and_never_goes_back(start):
 
 def screened(p_values, scores):
     ones = np.ones(len(p_values))
-    return Screened(ones, ones, np.array(p_values), np.array(scores))
+    return Screened(ones, ones, np.array(p_values), np.array(scores), ones)
 
 
 @pytest.mark.parametrize(
