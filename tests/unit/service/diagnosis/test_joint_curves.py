@@ -1,0 +1,67 @@
+"""Joints that are off by dozens of lines: one curve, not the few waves that come nearest."""
+
+import numpy as np
+import pytest
+
+from service.diagnosis.diagnose import diagnose
+from tests.scenes import START, telling_campaign
+from tests.selections import planted
+
+
+def lines(joint, count, seed, size_deg):
+    """Waves of drawn orders between 5 and 60, some of them not whole, as parameters of the model."""
+    rng = np.random.default_rng(seed)
+    orders = np.where(rng.random(count) < 0.2, rng.uniform(5, 60, count), rng.integers(5, 61, count))
+    return {
+        f"wave_{joint}_{order:g}_{part}": np.deg2rad(size_deg) * rng.standard_normal()
+        for order in orders
+        for part in ("sin", "cos")
+    }
+
+
+def campaigns(values, n=300):
+    truth = {"joint_harmonics": values}
+    measured = planted(truth, telling_campaign(n))
+    return measured, planted(truth, telling_campaign(n, seed=5), seed=11).calibration
+
+
+@pytest.fixture(scope="module")
+def found():
+    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
+    return diagnose(measured, START)
+
+
+def test_a_joint_with_dozens_of_lines_is_found_as_one_curve(found):
+    assert [(finding.effect, finding.subject) for finding in found.findings] == [
+        ("joint_harmonics", "joint 1")
+    ]
+    assert len(found.findings[0].parameters) == 120
+    assert "by a curve of its angle" in found.findings[0].sentence
+    assert not found.remaining.structure
+
+
+def test_its_curve_helps_readings_that_it_never_saw(found):
+    assert found.after.rms_mm < 0.5 * found.before.rms_mm
+
+
+def test_its_largest_waves_are_told_with_their_sizes(found):
+    names = [detail.name for detail in found.findings[0].details]
+
+    assert names == ["order", "amplitude", "phase"] * 5
+
+
+def test_a_curve_is_drawn_finely_enough_for_its_fastest_wave(found):
+    curve = found.findings[0].curve
+
+    assert np.diff(curve.line_x).max() < 360.0 / 60.0 / 3.0
+    assert np.ptp(curve.line) > 0.02
+
+
+def test_a_few_waves_are_told_one_by_one():
+    values = {"wave_1_2_sin": 3e-4, "wave_1_2_cos": 0.0, "wave_1_9_sin": 2e-4, "wave_1_9_cos": 1e-4}
+    measured, _ = campaigns(values, n=100)
+
+    found = diagnose(measured, START)
+
+    assert {len(finding.parameters) for finding in found.findings} == {2}
+    assert {finding.subject for finding in found.findings} == {"joint 1"}
