@@ -21,7 +21,7 @@ from service.showcase.errors import ShowcaseError
 from service.showcase.killed_service import KilledService
 from service.showcase.ledger_check import faults
 from service.storage.arrival import verify_left
-from tests.studies.storage_refusals.outcome import Outcome
+from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
@@ -205,11 +205,11 @@ async def _walk(scene: _Scene, further: int | None) -> None:
     try:
         await MOMENTS[scene.outcome.moment](scene)
         if not scene.began.is_set():
-            scene.outcome.moment = "the session had ended"
+            scene.outcome.moment = TOO_LATE
             scene.refuse()
-        await lasting
         reached = _runs_on(further) if further is not None else lambda session: False
         session = await scene.person.walk_until(reached)
+        await lasting
     except (ShowcaseError, httpx.TransportError) as error:
         scene.outcome.state = repr(error)
         return

@@ -4,6 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+TOO_LATE = "the session had ended"
+
 
 @dataclass
 class Outcome:
@@ -38,7 +40,8 @@ def _of_a_kind(kind: str, sessions: Sequence[Outcome]) -> str:
     stuck = [f"{s.fault}, {s.moment}: {s.state}" for s in those if not s.came_to_its_end]
     wrong = [sentence for session in those for sentence in session.wrong]
     return (
-        f"{len(those)} {kind} sessions, {sum(s.told for s in those)} of which the service said something, "
+        f"{len(those)} {kind} sessions, {sum(s.moment == TOO_LATE for s in those)} that had ended before, "
+        f"{sum(s.told for s in those)} of which the service said something, "
         f"{sum(s.lasted_s for s in those):.0f} s of refusals: {sum(s.kept for s in those)} kept, "
         f"{sum(s.repeated for s in those)} acts repeated, wrong {wrong or 'nothing'}; "
         f"ended {dict(Counter(s.state for s in those))}, stuck {stuck or 'none'}\n"

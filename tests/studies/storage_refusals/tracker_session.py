@@ -19,14 +19,17 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.arrival import verify_left
 from service.storage.database import Database
-from tests.integration.web.bench import CELL, Bench, session_request
-from tests.studies.storage_refusals.outcome import Outcome
+from tests.integration.web.bench import CELL, Bench, FakeRobot, session_request
+from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 
 TRACKER_FAULTS = ("full", *FAULTS)
-_STOPS = 6
-_COMMITS = 60  # of the session until it happens, at most
+_STOPS = 12
+_MOTIONS = 2 * _STOPS  # with an approach to each
+_ENDED_BY_HAND = 0.25  # of the sessions that wait
+_COMMITS = 3  # after a motion until it happens, at most
 _PATIENCE_S = 120.0
+_ENDED = {"finished", "aborted", "failed"}
 _PERSON = {"person": "Ada Byron"}
 _PAGE = {"session_id": 1, "limit": 500}
 _ANSWER_S = 60.0
@@ -38,6 +41,7 @@ class _Client:
     def __init__(self, http: httpx.AsyncClient, rng: Random) -> None:
         self._http, self._rng = http, rng
         self.shown: dict[int, dict[str, Any]] = {}
+        self._ends = rng.random() < _ENDED_BY_HAND
         self.told = self.aborted = False
 
     async def ask(self, method: str, path: str, **more: Any) -> httpx.Response:
@@ -69,20 +73,23 @@ class _Client:
                 await self.ask("POST", "/sessions/1/pause", json=_PERSON)
             case 1:
                 await self.ask("POST", "/sessions/1/confirm", json=_PERSON)
-            case 2:
+            case 2 if self._ends:
                 self.aborted = self.aborted or (await self.ask("POST", "/sessions/1/abort")).is_success
             case _:
                 pass
+
+    async def state(self) -> str | None:
+        """Return the session's state; None where it is not told now."""
+        answer = await self.ask("GET", "/sessions/1")
+        return answer.json()["state"] if answer.is_success else None
 
     async def end(self) -> str:
         """Confirm whatever is asked until the session has ended; returns its state."""
         until_s = time.monotonic() + _PATIENCE_S
         state = "unknown"
         while time.monotonic() < until_s:
-            answer = await self.ask("GET", "/sessions/1")
-            if answer.is_success:
-                state = answer.json()["state"]
-            if state in {"finished", "aborted", "failed"}:
+            state = await self.state() or state
+            if state in _ENDED:
                 break
             verb = {"awaiting_confirmation": "confirm", "paused": "resume", "planned": "start"}.get(state)
             if verb is not None:
@@ -107,13 +114,17 @@ class _Client:
 async def tracker_session(folder: Path, fault: str, rng: Random, lock_s: float) -> Outcome:
     """Run a session, have its database refuse at a random commit, and see what becomes of it."""
     outcome = Outcome("tracker", fault, "a commit", lasts_s(fault, rng, lock_s))
-    async with _service(folder) as (database, http):
+    bench = Bench()
+    async with _service(folder, bench) as (database, http):
         client = _Client(http, rng)
+        bench.robot.gate.clear()
         await client.begin()
-        for _ in range(rng.randrange(_COMMITS)):
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(database.next_commit.wait(), 0.5)
+        await _motions(bench.robot, rng.randrange(_MOTIONS))
         await client.look()
+        bench.robot.gate.set()
+        await _commits(database, rng.randrange(_COMMITS))
+        if bench.robot.moves == _MOTIONS:
+            outcome.moment = TOO_LATE
         async with _refusing(database, fault):
             await client.press_for(outcome.lasted_s)
         outcome.state = await client.end()
@@ -124,12 +135,28 @@ async def tracker_session(folder: Path, fault: str, rng: Random, lock_s: float) 
     return outcome
 
 
+async def _motions(robot: FakeRobot, number: int) -> None:
+    """Let the arm move so often, and return while it is about to move once more."""
+    for _ in range(number):
+        await robot.sent.wait()
+        robot.sent.clear()
+        robot.gate.set()  # who waits goes on, who comes next waits again
+        robot.gate.clear()
+    await robot.sent.wait()
+
+
+async def _commits(database: Database, most: int) -> None:
+    for _ in range(most):
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(database.next_commit.wait(), 0.5)
+
+
 @contextlib.asynccontextmanager
-async def _service(folder: Path) -> AsyncIterator[tuple[Database, httpx.AsyncClient]]:
+async def _service(folder: Path, bench: Bench) -> AsyncIterator[tuple[Database, httpx.AsyncClient]]:
     cell = folder / "cell.toml"
     cell.write_text(CELL, encoding="utf-8")
     settings = Settings(database_url=f"sqlite:///{folder}/truepose.sqlite3", cell_file=cell)
-    app = create_app(settings, Bench().registry())
+    app = create_app(settings, bench.registry())
     async with (
         app.router.lifespan_context(app),
         httpx.AsyncClient(
