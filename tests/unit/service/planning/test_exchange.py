@@ -8,7 +8,7 @@ import pytest
 
 from service.domain.errors import ConfigurationError
 from service.planning.errors import TooFewCandidatesError
-from service.planning.exchange import choose_by_exchange
+from service.planning.exchange import choose_by_exchange, rank_substitutes
 from service.planning.observability import observability_o1
 
 
@@ -163,3 +163,15 @@ def test_the_same_seed_gives_the_same_choice():
     first, second = (choose_by_exchange(jacobians, 10, np.random.default_rng(4)).indices for _ in range(2))
 
     assert list(first) == list(second)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_substitutes_are_ranked_by_the_index_that_they_give(seed):
+    jacobians = candidates(12, seed=seed)
+    chosen = np.isin(np.arange(12), np.random.default_rng(seed).choice(12, 4, replace=False))
+
+    ranked = rank_substitutes(jacobians, chosen, 1e-9 * np.eye(4))
+
+    assert sorted(ranked) == list(np.flatnonzero(~chosen))
+    found = [o1(jacobians, [*np.flatnonzero(chosen), row]) for row in ranked]
+    assert found == sorted(found, reverse=True)
