@@ -6,7 +6,7 @@ are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen
 shoulder touch.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,9 +14,10 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.cell import Cell
-from service.domain.robot import JointRange
+from service.domain.robot import FramePlacement, JointRange, Nest, Robot
 from service.planning.ballbar.bodies import BallbarCell, arm_body, arm_links, chain_of
 from service.planning.ballbar.capsules import Capsules, gaps
+from service.planning.work_space import WorkSpace
 
 _NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim
 _COLUMN_LINKS: Final = 2  # foot and what the first joint turns: they stand on the floor
@@ -55,12 +56,26 @@ class Rooms:
 
 def bodies_of(cell: Cell) -> CellBodies:
     """Return the bodies of a cell; a nest whose centre nobody knows is none."""
-    ranges = (JointRange(-np.pi, np.pi),) * cell.robot.n_joints
-    outline = BallbarCell(cell.robot, cell.base_nominal, np.zeros((3, 3)), ranges)
-    centres = [nest.centre_mm for nest in cell.nests if nest.centre_mm is not None]
     stated = cell.limits.floor_z_mm
     floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
-    return CellBodies(outline, np.array(centres).reshape(-1, 3), floor_mm, stated is not None)
+    return CellBodies(
+        _outline(cell.robot, cell.base_nominal), _centres_mm(cell.nests), floor_mm, stated is not None
+    )
+
+
+def bodies_in(space: WorkSpace) -> CellBodies:
+    """Return the bodies of a work space, whose table counts as stated."""
+    return CellBodies(
+        _outline(space.robot, space.base), _centres_mm(space.nests), space.table_z_mm, floor_is_stated=True
+    )
+
+
+def _outline(robot: Robot, base: FramePlacement) -> BallbarCell:
+    return BallbarCell(robot, base, np.zeros((3, 3)), (JointRange(-np.pi, np.pi),) * robot.n_joints)
+
+
+def _centres_mm(nests: Sequence[Nest]) -> FloatArray:
+    return np.array([nest.centre_mm for nest in nests if nest.centre_mm is not None]).reshape(-1, 3)
 
 
 def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = False) -> Rooms:

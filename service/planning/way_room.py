@@ -1,7 +1,7 @@
 """Whether the arm has room on its straight joint ways: from a stop to the approach of the next, and to it.
 
 Looked at is every second degree of the joint that turns most; between two looks the arm then sinks by less
-than a millimetre. Chosen stops come in an order that keeps off the table (`clear_ways`).
+than a millimetre. Plans that the service chooses are mended until none of their ways touches (`mended_ways`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ _AT_ONCE: Final = 20_000  # configurations; keeps the arrays small
 class Ways:
     """Straight joint motions, one after the other where they come from stops."""
 
-    names: tuple[str, ...]  # "from ... to ..."
+    names: tuple[str, ...]  # "from ... to ..."; none where nobody is told of them
     start_rad: FloatArray  # (n, J)
     end_rad: FloatArray  # (n, J)
 
@@ -52,7 +52,7 @@ def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = Fals
     blocked = touching(bodies, ways, floor_only=floor_only)
     if not blocked.size:
         return None
-    what = _what_touches(bodies, ways, blocked[0], floor_only=floor_only)
+    what = what_touches(bodies, ways, blocked[0], floor_only=floor_only)
     return (
         f"The way {ways.names[blocked[0]]} cannot be: {what}. Change the order, put a configuration "
         "between them that leads the arm round it, or have others chosen with another seed."
@@ -68,11 +68,11 @@ def what_to_watch(bodies: CellBodies, ways: Ways) -> str:
     others = f" Nor do {len(found) - 1} other ways." if len(found) > 1 else ""
     return (
         f"The way {ways.names[found[0]]} does not look clear, by the outline of the arm and {floor}: "
-        f"{_what_touches(bodies, ways, found[0])}.{others} Be ready to stop the arm, or change the order."
+        f"{what_touches(bodies, ways, found[0])}.{others} Be ready to stop the arm, or change the order."
     )
 
 
-def _what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> str:
+def what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool = False) -> str:
     """Return in words what touches on a way, where it has least room."""
     joints = _along(ways, np.array([way]), _looks(ways)[[way]])
     found = rooms(bodies, joints, floor_only=floor_only)
@@ -81,8 +81,13 @@ def _what_touches(bodies: CellBodies, ways: Ways, way: int, *, floor_only: bool 
 
 def touching(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> IntArray:
     """Return which ways something would touch on."""
-    if not ways.names:
-        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(least_rooms_mm(bodies, ways, floor_only=floor_only) < 0.0)
+
+
+def least_rooms_mm(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> FloatArray:
+    """Return the least room on each way [mm], negative where something would touch, shape (n,)."""
+    if not len(ways.start_rad):
+        return np.zeros(0)
     looks = _looks(ways)
     least = [
         np.minimum.reduceat(
@@ -91,7 +96,7 @@ def touching(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> Int
         )
         for some in _batches(looks)
     ]
-    return np.flatnonzero(np.concatenate(least) < 0.0)
+    return np.concatenate(least)
 
 
 def _looks(ways: Ways) -> IntArray:
