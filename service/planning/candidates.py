@@ -35,6 +35,12 @@ class Candidates:
         """Return some of them, in the order of `rows`."""
         return Candidates(self.joints_rad[rows], self.nest[rows])
 
+    def joined(self, others: "Candidates") -> "Candidates":
+        """Return these and behind them others."""
+        return Candidates(
+            np.vstack([self.joints_rad, others.joints_rad]), np.concatenate([self.nest, others.nest])
+        )
+
 
 def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candidates:
     """Draw n feasible configurations, uniformly in the joint ranges.

@@ -4,7 +4,7 @@ PlanningError
 ├── WorkSpaceError           what is said of the cell does not allow any configuration
 ├── TooFewCandidatesError    fewer configurations are feasible than were asked for
 ├── AimError                 no joints near a pose give its legs the wanted lengths
-└── NoWayError               no clear way was found from one stop to the next
+└── NoWayError               no clear way was found from one stop to the next, or to any in its place
 """
 
 from service.domain.errors import TrueposeError

@@ -1,5 +1,6 @@
 """Plans of tracker sessions: which configurations, in which order, which of them again."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -13,12 +14,14 @@ from service.identification.evaluation import evaluate
 from service.identification.problem import automatic_effects, build
 from service.planning.candidates import Candidates, draw_candidates
 from service.planning.clear_ways import clear_order
-from service.planning.exchange import Selection, choose_by_exchange
+from service.planning.exchange import Selection, choose_by_exchange, rank_substitutes
+from service.planning.mended_ways import is_clear, mended, pool_of
 from service.planning.work_space import WorkSpace, nominal_chain
 
 N_CANDIDATES: Final = 5000  # thesis of A. Nubiola, 2014, section 2.5.2
 REVISITED_SHARE: Final = 0.1
 FEWEST_REVISITS: Final = 5  # their spread is known to a third then, which is enough to see a lack of fit
+_SPARE: Final = 200  # more configurations than a validation has, drawn where some cannot be reached
 
 _READING_MM: Final = 0.015  # of a tracker in the work space; makes Jacobian and priors comparable
 
@@ -26,7 +29,8 @@ _READING_MM: Final = 0.015  # of a tracker in the work space; makes Jacobian and
 def plan_session(space: WorkSpace, template: SessionPlan, n: int, seed: int) -> SessionPlan:
     """Fill the stops of a template: chosen by observability to calibrate, at random to validate.
 
-    Role, approach and all else come from the template. Raises WorkSpaceError, TooFewCandidatesError.
+    Role, approach and all else come from the template. Raises WorkSpaceError, TooFewCandidatesError,
+    NoWayError.
     """
     approached = replace(space, approach_offset_rad=template.approach_offset_rad)
     if template.role == "calibration":
@@ -59,24 +63,42 @@ def plan_calibration(
 
     Raises
     ------
-    WorkSpaceError, TooFewCandidatesError
-        The cell does not offer that many configurations.
+    WorkSpaceError, TooFewCandidatesError, NoWayError
+        The cell does not offer that many configurations, or no ways between them.
     """
     rng = _generator(seed, "calibration")
     candidates = draw_candidates(space, max(n, n_candidates), rng)
-    chosen = choose_calibration(space, candidates, n, rng, effects).indices
+    jacobians = scaled_jacobians(space, candidates, effects)
+    chosen = choose_calibration(jacobians, n, rng).indices
     order = rng.permutation(chosen)  # a slow drift then looks like noise, not like a joint's error
     order = order[clear_order(space, candidates.joints_rad[order])]
+
+    def informative(order: Sequence[int], at: int) -> IntArray:
+        return _most_informative(jacobians, candidates.nest, order, at)
+
+    order = mended(pool_of(space, candidates.joints_rad), order, informative)
     stops = with_revisits(space, _stops(candidates.subset(order)), rng)
     return SessionPlan("calibration", stops, approach_offset_rad=space.approach_offset_rad)
 
 
 def plan_validation(space: WorkSpace, n: int, seed: int) -> SessionPlan:
     """Draw n random configurations and visit them on short ways; parameters and errors as above."""
-    candidates = draw_candidates(space, n, _generator(seed, "validation"))
+    rng = _generator(seed, "validation")
+    candidates = draw_candidates(space, n, rng)
     tour = short_tour(candidates.joints_rad)
     ordered = candidates.subset(tour[clear_order(space, candidates.joints_rad[tour])])
+    if not is_clear(pool_of(space, ordered.joints_rad)):
+        ordered = _mended_validation(space, ordered, rng)
     return SessionPlan("validation", _stops(ordered), approach_offset_rad=space.approach_offset_rad)
+
+
+def _mended_validation(space: WorkSpace, ordered: Candidates, rng: np.random.Generator) -> Candidates:
+    pool = ordered.joined(draw_candidates(space, len(ordered) + _SPARE, rng))
+
+    def nearest(order: Sequence[int], at: int) -> IntArray:
+        return _nearest(pool, order, at)
+
+    return pool.subset(mended(pool_of(space, pool.joints_rad), range(len(ordered)), nearest))
 
 
 def _generator(seed: int, role: Role) -> np.random.Generator:
@@ -84,17 +106,34 @@ def _generator(seed: int, role: Role) -> np.random.Generator:
     return np.random.default_rng([seed, ("calibration", "validation").index(role)])
 
 
-def choose_calibration(
-    space: WorkSpace,
-    candidates: Candidates,
-    n: int,
-    rng: np.random.Generator,
-    effects: tuple[str, ...] | None = None,
-) -> Selection:
-    """Choose n of the candidates by O1 of the parameters of `effects`."""
-    jacobians = scaled_jacobians(space, candidates, effects)
-    known = np.eye(jacobians.shape[2])  # in this scaling every prior has the variance 1
-    return choose_by_exchange(jacobians, n, rng, prior_information=known)
+def choose_calibration(jacobians: FloatArray, n: int, rng: np.random.Generator) -> Selection:
+    """Choose n of the candidates by O1, from their `scaled_jacobians`."""
+    return choose_by_exchange(jacobians, n, rng, prior_information=_known(jacobians))
+
+
+def _known(jacobians: FloatArray) -> FloatArray:
+    """Return what is known beforehand: in the scaling of the Jacobians every prior has the variance 1."""
+    return np.eye(jacobians.shape[2])
+
+
+def _most_informative(jacobians: FloatArray, nest: IntArray, order: Sequence[int], at: int) -> IntArray:
+    """Return what may take the place of a calibration stop: the same nest, first what loses least O1."""
+    chosen = np.zeros(len(nest), dtype=bool)
+    chosen[list(order)] = True
+    chosen[order[at]] = False
+    ranked = rank_substitutes(jacobians, chosen, _known(jacobians))
+    fits = (nest[ranked] == nest[order[at]]) & (ranked != order[at])
+    return np.asarray(ranked[fits])
+
+
+def _nearest(candidates: Candidates, order: Sequence[int], at: int) -> IntArray:
+    """Return what may take the place of a validation stop: the same nest, first on the shortest way."""
+    leaves = order[at]
+    way = np.max(np.abs(candidates.joints_rad - candidates.joints_rad[leaves]), axis=1)
+    free = candidates.nest == candidates.nest[leaves]
+    free[list(order)] = False
+    ranked = np.argsort(way, kind="stable")
+    return np.asarray(ranked[free[ranked]])
 
 
 def scaled_jacobians(
@@ -153,14 +192,21 @@ def with_revisits(
     """Return the stops and after them the revisits: a tenth, never fewer than five, in another order.
 
     They come after all first visits, so that what changed meanwhile is in their differences. Fewer than
-    five stops are revisited more than once.
+    five stops are revisited more than once. Raises NoWayError where none can be reached.
     """
     count = max(FEWEST_REVISITS, int(np.ceil(REVISITED_SHARE * len(stops))))
     drawn = np.resize(rng.permutation(len(stops)), count)
-    if np.all(np.diff(drawn) > 0):  # by chance the order of the first visits
+    if _ascends(drawn):  # by chance the order of the first visits
         drawn = drawn[::-1]
     joints = np.array([stop.joints_rad for stop in stops])
+
+    def rarest(order: Sequence[int], _: int) -> IntArray:
+        return np.argsort(np.bincount(order, minlength=len(stops)), kind="stable")
+
     drawn = drawn[clear_order(space, joints[drawn], joints[-1])]
+    drawn = mended(
+        pool_of(space, joints), drawn, rarest, start=len(stops) - 1, allowed=lambda order: not _ascends(order)
+    )
     again = (stops[index] for index in drawn)
     first = max(stop.config for stop in stops) + 1
     revisits = tuple(
@@ -168,6 +214,10 @@ def with_revisits(
         for config, stop in enumerate(again, start=first)
     )
     return stops + revisits
+
+
+def _ascends(order: Sequence[int] | IntArray) -> bool:
+    return bool(np.all(np.diff(order) > 0))
 
 
 def short_tour(joints_rad: FloatArray) -> IntArray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from service.domain.robot import LinkMass
-from service.domain.session import SessionPlan
+from service.domain.session import PlannedStop, SessionPlan
 from service.planning.candidates import draw_candidates
 from service.planning.observability import observability_o1
 from service.planning.session_plans import (
@@ -19,13 +19,20 @@ from service.planning.session_plans import (
     with_revisits,
 )
 from tests.unit.service.planning.test_candidates import SPACE
-from tests.unit.service.sequencing.fakes import make_stop
 
 FEW = 300  # candidates: enough for the tests, a tenth of the time
 
 
 def rng():
     return np.random.default_rng(2)
+
+
+def feasible_stops(n):
+    drawn = draw_candidates(SPACE, n, rng())
+    return tuple(
+        PlannedStop(config, tuple(joints.tolist()), int(nest))
+        for config, joints, nest in zip(range(1, n + 1), drawn.joints_rad, drawn.nest, strict=True)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +53,7 @@ def test_what_is_chosen_determines_the_parameters_better_than_chance():
     candidates = draw_candidates(SPACE, FEW, rng())
     jacobians = scaled_jacobians(SPACE, candidates)
 
-    chosen = choose_calibration(SPACE, candidates, 30, rng())
+    chosen = choose_calibration(jacobians, 30, rng())
 
     by_chance = [
         observability_o1(jacobians[rows].reshape(90, -1), 30)
@@ -79,7 +86,7 @@ def test_a_jacobian_is_the_difference_quotient_of_the_nominal_robot():
 
 @pytest.mark.parametrize(("n", "again"), [(3, 5), (5, 5), (30, 5), (50, 5), (51, 6), (120, 12)])
 def test_a_tenth_is_visited_again_and_never_fewer_than_five(n, again):
-    stops = with_revisits(SPACE, tuple(make_stop(config) for config in range(1, n + 1)), rng())
+    stops = with_revisits(SPACE, feasible_stops(n), rng())
 
     revisits = [stop for stop in stops if stop.repeat_of is not None]
     assert len(stops) == n + again
@@ -93,9 +100,7 @@ def test_a_tenth_is_visited_again_and_never_fewer_than_five(n, again):
 
 @pytest.mark.parametrize("seed", range(50))
 def test_revisits_come_in_another_order_than_the_first_visits(seed):
-    stops = with_revisits(
-        SPACE, tuple(make_stop(config) for config in range(1, 6)), np.random.default_rng(seed)
-    )
+    stops = with_revisits(SPACE, feasible_stops(5), np.random.default_rng(seed))
 
     assert [stop.repeat_of for stop in stops[5:]] != [1, 2, 3, 4, 5]
 
