@@ -14,6 +14,7 @@ from pathlib import Path
 from service.exchange.json_text import render_json
 from service.reports.table_report import Section, Verdict, write_table_report
 from service.showcase.diagnosis_report.document import report_document
+from service.showcase.diagnosis_report.joint_curves import joint_curves_section
 from service.showcase.diagnosis_report.judging import Outcome
 from service.showcase.diagnosis_report.measured_data import measured_section
 from service.showcase.diagnosis_report.studies import studies
@@ -23,7 +24,7 @@ from service.showcase.diagnosis_report.workers import outcomes_of, worker_proces
 from service.showcase.progress import RunProgress, shown_progress
 
 _QUICK = Extent(campaigns=2, undisturbed=8, pairs=6, sizes=(100,))
-_MEASURED, _TIMING = "measured", "timing"
+_MEASURED, _TIMING, _CURVES = "measured", "timing", "curves"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,6 +53,10 @@ def _sections(
         if _MEASURED in chosen:
             with progress.phase("measured data"):
                 section = measured_section()
+            yield section
+        if _CURVES in chosen:
+            with progress.phase("joints off by curves"):
+                section = joint_curves_section(options.first_seed)
             yield section
         yield from _simulated(options.jobs, [s for s in every if s.key in chosen], outcomes, progress)
 
@@ -90,7 +95,7 @@ def _extent(options: argparse.Namespace) -> Extent:
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     usual = Extent()
-    keys = (_TIMING, _MEASURED, *(study.key for study in studies(_QUICK)))
+    keys = (_TIMING, _MEASURED, _CURVES, *(study.key for study in studies(_QUICK)))
     parser = argparse.ArgumentParser(
         prog="python -m service.showcase.diagnosis_report",
         description=__doc__,

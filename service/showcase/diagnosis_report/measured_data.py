@@ -81,11 +81,6 @@ def nothing_certain(diagnosis: Diagnosis) -> bool:
     return all(finding.confidence is not Confidence.CERTAIN for finding in diagnosis.findings)
 
 
-def nothing_claimed(diagnosis: Diagnosis) -> bool:
-    """Whether there is no finding at all."""
-    return not diagnosis.findings
-
-
 def springs_at_most_likely(diagnosis: Diagnosis) -> bool:
     """Whether springs of joints 2 and 3 are not called certain, and nothing else is named."""
     allowed = {Cause("compliance", subject) for subject in ("joint 2", "joint 3", "joints")}
@@ -105,7 +100,7 @@ _EXPECTED: Final = (
         for name in ("iiwa7-0kg", "iiwa7-1p25kg", "iiwa7-2p5kg")
     ),
     *(
-        _Expected(name, None, "nothing beyond geometry", nothing_claimed)
+        _Expected(name, None, "no certain name", nothing_certain)
         for name in ("motoman-left", "motoman-right")
     ),
     _Expected(
