@@ -41,7 +41,11 @@ class JointHarmonics:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Turn the joint by its waves."""
-        return [Term(k, *_wave(name, rows.turn_rad)) for k, name in enumerate(names)]
+        if not names:
+            return []
+        joints = [joint_of_wave(name) for name in names]
+        weights = _weights(names, rows.turn_rad[:, joints].T)
+        return [Term(k, Port(PortKind.THETA, joint), weights[k]) for k, joint in enumerate(joints)]
 
     def unseen(self, scene: Scene) -> str | None:
         """Need joints that turn."""
@@ -109,7 +113,7 @@ def _shown_curve(subject: str, waves: list[_FittedWave], fitted: Fitted, scene: 
     """Say how far a curve goes either way over what was measured, and which of its waves are the largest."""
     turn = scene.turn_rad[:, joint_of_subject(subject)]
     angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
-    weights = np.stack([_weight(name, angle) for name in fitted.names])
+    weights = _weights(fitted.names, angle)
     curve = fitted.values @ weights
     ends = 0.5 * (weights[:, int(np.argmax(curve))] - weights[:, int(np.argmin(curve))])
     amplitude, uncertainty = np.rad2deg([fitted.values @ ends, np.sqrt(ends @ fitted.covariance @ ends)])
@@ -152,15 +156,13 @@ def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
     return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
 
 
-def _wave(name: str, turn_rad: FloatArray) -> tuple[Port, FloatArray]:
-    joint = joint_of_wave(name)
-    return Port(PortKind.THETA, joint), _weight(name, turn_rad[:, joint])
-
-
-def _weight(name: str, turn_rad: FloatArray) -> FloatArray:
-    """Return the sine or cosine that a parameter is of, at angles (n,)."""
-    _, _, order, kind = name.split("_")
-    return np.asarray(np.sin(float(order) * turn_rad) if kind == "sin" else np.cos(float(order) * turn_rad))
+def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
+    """Return the sines and cosines that parameters are of, at angles (n,) or (k, n), shape (k, n)."""
+    angle = np.array([order_of_wave(name) for name in names])[:, None] * turn_rad
+    sine = np.array([name.endswith("_sin") for name in names])
+    weights = np.empty_like(angle)
+    weights[sine], weights[~sine] = np.sin(angle[sine]), np.cos(angle[~sine])
+    return weights
 
 
 def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:

@@ -1,6 +1,8 @@
 """What is being identified: the nominal robot, its start placement and the parameters of its effects."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from service.effects.ports import ParameterSpec
 from service.kinematics.frames import rotation_xyz
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: what follows from the parameters is kept once it was asked for
 class Structure:
     """A model without values: where it starts and which parameters move it.
 
@@ -32,7 +34,7 @@ class Structure:
     torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
     origin_s: float = 0.0  # time from which drifts and warm-ups count
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters, in order."""
         return tuple(spec.name for spec in self.specs)
@@ -49,7 +51,11 @@ class Structure:
 
     def index_of(self, name: str) -> int:
         """Return the index of a parameter."""
-        return self.names.index(name)
+        return self._places[name]
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        return {name: place for place, name in enumerate(self.names)}
 
     def extended(self, effect: str, specs: tuple[ParameterSpec, ...]) -> "Structure":
         """Return the structure with more parameters of an effect, at its end."""
