@@ -36,8 +36,9 @@ _FRESH = 3  # samples that a length stored by hand rests on, all taken after the
 _MOST_POLLS = 40  # of a ballbar that is slower than the polling
 
 _SETTLES = 10  # polls after which a bar that was taken off, or is held in a hand, has shown it
+_SETTLES_LATE = 40  # where polls came so seldom that they show nothing yet
 _IN_HAND = 5  # polls that a bar that was just put on is not taken for one in a hand
-_PATIENCE_S = 2.0  # wall time, of a ballbar whose driver does not return
+_PATIENCE_S = 4.0  # wall time, of a ballbar whose driver does not return
 
 _REFUSALS: Final[dict[WhyNot, str]] = {
     "no_signal": "The ballbar gives no signal; is it connected and switched on?",
@@ -118,15 +119,22 @@ class Readings:
             await self._polled.wait()
 
     async def settle(self) -> None:
-        """Return once it shows whether the ballbar is off: after one sample, or half a second of samples."""
+        """Return once it shows whether the ballbar is off: after one sample, or half a second of samples.
+
+        A ballbar that answers and shows nothing is waited for longer: a computer that has other work looks
+        seldom.
+        """
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(_PATIENCE_S):
-                for polls in range(1, _SETTLES + 1):
+                for polls in range(1, _SETTLES_LATE + 1):
                     if self._closed:
                         return
                     await self._polled.wait()
                     seen = self.sample.ballbar if self.sample is not None else "unknown"
+                    told = seen == "connected" or self._latest is None
                     if seen == "off" or (seen == "in_hand" and polls >= _IN_HAND):
+                        return
+                    if told and polls >= _SETTLES:
                         return
 
     async def watch(self) -> AsyncIterator[LiveSample]:
