@@ -52,7 +52,7 @@ class Evidence:
         self._proved: Seen = "unknown"
         self._inside_s: float | None = None  # since when every sample is within the range
         self._outside_s: float | None = None  # since when none is
-        self._silent_s: float | None = None  # since when there is no signal
+        self._silent_s: float | None = None  # since when no sample had a signal, however many were missed
         self._may_hang = True  # what is beyond its range now was not seen to come off
         self._value_mm: float | None = None  # where the reading was when it last moved
         self._moved_s = -math.inf  # when that was
@@ -114,7 +114,7 @@ class Evidence:
         self._arm_moves = False
 
     def _begin_anew(self) -> None:
-        self._inside_s = self._outside_s = self._silent_s = self._value_mm = None
+        self._inside_s = self._outside_s = self._value_mm = None
         self._moved_s = -math.inf
 
     def _follow(self, reading: BallbarReading, off_mm: float | None, *, asked: bool) -> None:
@@ -127,14 +127,17 @@ class Evidence:
             self._follow_inside(now_s)
             return
         self._inside_s = None
-        self._outside_s = now_s if self._outside_s is None else self._outside_s
         if _is_silent(reading):
-            self._silent_s = now_s if self._silent_s is None else self._silent_s
-            self._may_hang = self._may_hang and now_s - self._silent_s < _OFF_S
+            self._follow_silence(now_s)
         else:
             self._follow_beyond(now_s, asked=asked)
-        if now_s - self._outside_s >= _OFF_S:
-            self._proved = "unknown" if self._may_hang else "off"
+
+    def _follow_silence(self, now_s: float) -> None:
+        self._outside_s = now_s if self._outside_s is None else self._outside_s
+        if self._silent_s is None or now_s < self._silent_s:
+            self._silent_s = now_s
+        if now_s - self._silent_s >= _OFF_S:
+            self._may_hang, self._proved = False, "off"
 
     def _follow_inside(self, now_s: float) -> None:
         self._outside_s = self._silent_s = None
@@ -144,10 +147,13 @@ class Evidence:
         self.seen_in_motion |= self._arm_moves and now_s - self._inside_s >= _PERSISTS_S
 
     def _follow_beyond(self, now_s: float, *, asked: bool) -> None:
+        self._outside_s = now_s if self._outside_s is None else self._outside_s
         woke = self._silent_s is not None and now_s - self._silent_s >= _ASLEEP_S
         in_hand = now_s - self._moved_s < _HAND_S
         self._may_hang = (self._may_hang or woke or asked) and not in_hand
         self._silent_s = None
+        if now_s - self._outside_s >= _OFF_S:
+            self._proved = "unknown" if self._may_hang else "off"
 
     def _is_within(self, reading: BallbarReading, off_mm: float | None) -> bool:
         if reading.signal != "good" or not math.isfinite(reading.deviation_mm):

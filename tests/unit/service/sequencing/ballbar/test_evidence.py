@@ -103,6 +103,16 @@ def test_one_that_may_hang_is_off_once_it_falls_silent_or_is_moved(after):
     assert stream.against is None
 
 
+def test_silence_is_seen_also_where_a_busy_computer_looks_seldom():
+    stream = Stream().see(*OUT, asked=True)
+
+    for _ in range(3):
+        stream.now_s += 1.5
+        stream.see(math.nan)
+
+    assert stream.says == "off"
+
+
 def test_where_the_zero_is_not_known_every_good_reading_may_be_a_length_within_the_range():
     assert Stream().see(*[57.3] * 8, off_mm=None).says == "connected"
 
