@@ -25,6 +25,7 @@ LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
 # They happened once, in one campaign: two of them are not the same thing at two times.
 _EVENTS: Final = frozenset({"base_shift", "fixture_shift", "label_swap"})
+_JUMP: Final = ", jump"  # of a subject that is a place, a variable and a shape
 _DAY: Final = len("2026-03-03")
 _MINUTE: Final = len("2026-03-03T10:15")
 
@@ -114,10 +115,14 @@ def _over_time(
     key: Key, dated: Sequence[DatedDiagnosis], amplitudes: Sequence[Amplitude | None]
 ) -> CauseOverTime:
     signs = tuple(_sign(key, entry, found) for entry, found in zip(dated, amplitudes, strict=True))
-    found = [] if key.effect in _EVENTS else [sign for sign in signs if _has_amplitude_and_day(sign)]
+    found = [] if _is_event(key) else [sign for sign in signs if _has_amplitude_and_day(sign)]
     changes = tuple(_change(earlier, later) for earlier, later in pairwise(found))
     overall = _change(found[0], found[-1]) if len(found) > 2 else None
     return CauseOverTime(key.effect, key.subject, key.variant, key.unit, signs, changes, overall)
+
+
+def _is_event(key: Key) -> bool:
+    return key.effect in _EVENTS or key.subject.endswith(_JUMP)
 
 
 def _has_amplitude_and_day(sign: Sign) -> bool:

@@ -1,5 +1,6 @@
 """What to measure next: actions and configurations that would tell causes apart, or show an unknown one."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -207,8 +208,8 @@ def _wider(duel: _Duel, rivals: Sequence[Cause]) -> NextMeasurement:
 
 def _joint(cause: Cause) -> int | None:
     """Return the number of the joint that a cause sits in, from 1."""
-    what, _, number = cause.subject.partition(" ")
-    return int(number) if what == "joint" else None
+    place = re.match(r"joint (\d+)", cause.subject)
+    return int(place[1]) if place else None
 
 
 def _other_poses(own: Cause, rivals: Sequence[Cause]) -> NextMeasurement:

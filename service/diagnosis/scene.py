@@ -41,4 +41,5 @@ def scene_at(problem: Problem, state: State, reference_s: FloatArray) -> Scene:
         legs=problem.quantity == "length",
         initialisation=state.targets.initialisation,
         placement=state.targets.placement,
+        instrument_mm=structure.instrument_mm,
     )

@@ -3,6 +3,7 @@
 from service.diagnosis.left import Left
 from service.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from service.domain.results import Statistics
+from service.effects.unnamed.cause import NAME as UNNAMED
 
 _OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
@@ -40,7 +41,8 @@ def _beside(remaining: Remaining) -> str:
 
 def spoken(cause: Cause) -> str:
     """Return e.g. `backlash of joint 4`."""
-    return f"{cause.effect.replace('_', ' ')} ({cause.subject})"
+    name = "a cause without a name" if cause.effect == UNNAMED else cause.effect.replace("_", " ")
+    return f"{name} ({cause.subject})"
 
 
 def remaining_sentence(left: Left, *, full: bool) -> str:

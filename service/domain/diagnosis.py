@@ -10,6 +10,7 @@ from service.domain.arrays import FloatArray, IntArray
 from service.domain.results import Model, Statistics
 
 HeldOut = Literal["validation", "cross_validation"]
+Shape = Literal["line", "wave", "curve", "jump", "drift", "settling", "sign", "group"]
 
 
 class Verdict(StrEnum):

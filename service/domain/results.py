@@ -16,6 +16,7 @@ Unit = Literal[
     "1/K",
     "mm/h",
     "rad/h",
+    "rad/K",
     "kg",
     "kg*mm",
     "1/(N*mm2)",

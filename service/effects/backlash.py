@@ -40,7 +40,7 @@ class Backlash:
                 "the readings do not tell from which side each joint came to its stop: record the direction "
                 "and approach configurations from both sides"
             )
-        if not _from_both_sides(scene.stops.direction):
+        if not from_both_sides(scene.stops.direction):
             return (
                 "every joint came to its stops from one side only: approach about half of the "
                 "configurations from the other side"
@@ -49,7 +49,7 @@ class Backlash:
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each joint that came from both sides, and all of them together."""
-        joints = [] if scene.stops.direction is None else _from_both_sides(scene.stops.direction)
+        joints = [] if scene.stops.direction is None else from_both_sides(scene.stops.direction)
         specs = [spec for spec in map(_spec, joints) if spec.name not in scene.present]
         found = [Candidate(NAME, joint_subject(joint_of(spec.name)), (spec,)) for spec in specs]
         if len(specs) >= _FEWEST_TOGETHER:
@@ -85,6 +85,7 @@ def _short_of(rows: Rows, joint: int) -> FloatArray:
     return -0.5 * rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint])
 
 
-def _from_both_sides(direction: IntArray) -> list[int]:
+def from_both_sides(direction: IntArray) -> list[int]:
+    """Return the joints (0-based) that came to stops enough from either side; direction is (n, J)."""
     forth, back = (direction > 0).sum(axis=0), (direction < 0).sum(axis=0)
     return np.flatnonzero(np.minimum(forth, back) >= _FEWEST_EACH_WAY).tolist()

@@ -13,7 +13,7 @@ from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, 
 
 NAME = "joint_coupling"
 _WIDTH = 2e-3  # belief: four times what a wrist with a noticeable coupling shows
-_WRIST_JOINTS = 3
+WRIST_JOINTS = 3
 _SMALLEST_TURN_RAD = np.deg2rad(5.0)  # over less, a coupling is an offset
 
 
@@ -26,7 +26,7 @@ class JointCoupling:
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the couplings within the wrist: those that its shafts make."""
         n = setting.robot.n_joints
-        wrist = range(max(n - _WRIST_JOINTS, 0), n)
+        wrist = range(max(n - WRIST_JOINTS, 0), n)
         return tuple(_spec(moved, source) for moved in wrist for source in wrist if source < moved)
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
@@ -45,7 +45,7 @@ class JointCoupling:
         sources = np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist()
         return tuple(
             Candidate(NAME, joint_subject(moved), (spec,), float(source + 1))
-            for moved in range(max(n - _WRIST_JOINTS, 0), n)
+            for moved in range(max(n - WRIST_JOINTS, 0), n)
             for source in sources
             if source != moved
             for spec in (_spec(moved, source),)

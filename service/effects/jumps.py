@@ -68,7 +68,7 @@ def around(found: tuple[Gap, ...], time_s: float) -> Gap:
 def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
     """Move `port` of each prefix and component from the prefix's time on, not at all where no time is."""
     split = [split_motion(name) for name in names]
-    later = {prefix: _since(rows.stops, jump_time_s(prefix)) for prefix, _ in split}
+    later = {prefix: since(rows.stops, jump_time_s(prefix)) for prefix, _ in split}
     return [Term(k, port(prefix, component), later[prefix]) for k, (prefix, component) in enumerate(split)]
 
 
@@ -77,7 +77,8 @@ def jump_time_s(prefix: str) -> float:
     return float(prefix.rsplit("_", 1)[1])
 
 
-def _since(stops: Stops, time_s: float) -> FloatArray:
+def since(stops: Stops, time_s: float) -> FloatArray:
+    """Return 1 from a moment [s] on, 0 before it and where no time is, shape (n,)."""
     if stops.time_s is None:
         return np.zeros(len(stops))
     return np.asarray(stops.time_s >= time_s, dtype=float)

@@ -89,6 +89,8 @@ class Rows(NamedTuple):
     initialisation: IntArray | None = None  # (n,) of the ballbar
     placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
     length_mm: FloatArray | None = None  # (n,) nominal length of each leg
+    sighted_mm: FloatArray | None = None  # (n, 3) where the instrument looks, world
+    instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
 
 
 Need = Literal["torque", "direction", "time", "temperature", "attachment", "initialisation"]

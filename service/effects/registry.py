@@ -26,12 +26,13 @@ from service.effects.link_mass import LinkMasses
 from service.effects.nest_offset import NestOffset
 from service.effects.outliers import Outliers
 from service.effects.payload import Payload
-from service.effects.ports import Effect
+from service.effects.ports import Effect, Need
 from service.effects.reference import Reference
 from service.effects.thermal_growth import ThermalGrowth
 from service.effects.tool import Tool
 from service.effects.tool_certificate import ToolCertificate
 from service.effects.tool_reseating import ToolReseating
+from service.effects.unnamed.cause import Unnamed
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
@@ -56,6 +57,7 @@ _CAUSES: tuple[Cause, ...] = (
     Payload(),
     ThermalGrowth(),
     ToolReseating(),
+    Unnamed(),
 )
 _EFFECTS: tuple[Effect, ...] = (
     Base(),
@@ -77,6 +79,12 @@ def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
         if effect_named(name).name in names[:place]:
             raise ConfigurationError(f"Effect {name!r} is named twice: name it once.")
     return tuple(names)
+
+
+def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
+    """Return what a row must tell so that these parameters of an effect can be predicted there."""
+    found = effect_named(effect)
+    return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
 
 
 def effect_named(name: str) -> Effect:

@@ -30,7 +30,7 @@ class ThermalGrowth:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Lengthen every link that has a length."""
-        warmer = _warmer_k(rows.stops)
+        warmer = warmer_k(rows.stops)
         lengths = [
             (Port(kind, joint), length)
             for joint, row in enumerate(rows.robot.joints)
@@ -43,9 +43,9 @@ class ThermalGrowth:
         """Need temperatures that differ."""
         if scene.stops.temperature_c is None or not np.isfinite(scene.stops.temperature_c).any():
             return "the readings do not tell the temperature: record it beside each configuration"
-        if _range_k(scene.stops) < _SMALLEST_RANGE_K:
+        if range_k(scene.stops) < _SMALLEST_RANGE_K:
             return (
-                f"the temperature stayed within {_range_k(scene.stops):.1f} K: measure while the robot warms "
+                f"the temperature stayed within {range_k(scene.stops):.1f} K: measure while the robot warms "
                 "up, or on a warmer and on a colder day"
             )
         return None
@@ -60,7 +60,7 @@ class ThermalGrowth:
         """Say by how much lengths follow the temperature."""
         growth, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         reach_m = sum(abs(row.a_mm) + abs(row.d_mm) for row in scene.setting.robot.joints) / 1000.0
-        over_um = 1e6 * abs(growth) * reach_m * _range_k(scene.stops)
+        over_um = 1e6 * abs(growth) * reach_m * range_k(scene.stops)
         way = "grow" if growth >= 0.0 else "shrink"
         sentence = (
             f"The links {way} with the temperature, by {1e6 * abs(growth):.1f} um per metre and K: "
@@ -69,14 +69,15 @@ class ThermalGrowth:
         return Shown(subject, growth, "1/K", spread, sentence)
 
 
-def _warmer_k(stops: Stops) -> FloatArray:
+def warmer_k(stops: Stops) -> FloatArray:
     """Temperature above the reference, shape (n,); 0 where it is unknown."""
     if stops.temperature_c is None:
         return np.zeros(len(stops))
     return np.nan_to_num(stops.temperature_c - _REFERENCE_C, nan=0.0)
 
 
-def _range_k(stops: Stops) -> float:
+def range_k(stops: Stops) -> float:
+    """Return the span of the temperatures [K], 0 where they are unknown."""
     if stops.temperature_c is None:
         return 0.0
     known = stops.temperature_c[np.isfinite(stops.temperature_c)]

@@ -29,7 +29,11 @@ from service.exchange.robot_document import (
 FORMAT = "truepose-model"
 VERSION = 1
 _DEG = math.degrees(1.0)
-_IN_DEGREES: Mapping[Unit, str] = {"rad": "deg", "rad/h": "deg/h"}  # else the file speaks the internal unit
+_IN_DEGREES: Mapping[Unit, str] = {
+    "rad": "deg",
+    "rad/h": "deg/h",
+    "rad/K": "deg/K",
+}  # else the file speaks the internal unit
 _INTERNAL_UNITS: tuple[Unit, ...] = get_args(Unit)
 _UNITS: dict[str, Json] = {
     "length": "mm",

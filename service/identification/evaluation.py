@@ -12,7 +12,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Stops
 from service.effects.ports import Port, PortKind, Rows, Term
-from service.effects.registry import effect_named
+from service.effects.registry import effect_named, needs_of
 from service.identification.structure import Structure, base_axes
 from service.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from service.kinematics.frames import turned_axes
@@ -31,6 +31,7 @@ class Targets:
     placement: IntArray | None = None  # (n,) of the base fixture
     initialisation: IntArray | None = None  # (n,) of the ballbar
     length_mm: FloatArray | None = None  # (n,) as read
+    fixed_mm: FloatArray | None = None  # (n, 3) world: what stands there, where it is not the tool
 
     def __len__(self) -> int:
         return len(self.stops)
@@ -102,7 +103,7 @@ def evaluate(
 
 
 def _is_loaded(structure: Structure) -> bool:
-    return any("torque" in effect_named(name).needs for name in structure.effects)
+    return any("torque" in needs_of(name, structure.names_of(name)) for name in structure.effects)
 
 
 def _close(torque: FloatArray, before: FloatArray) -> bool:
@@ -168,7 +169,16 @@ def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, cha
         initialisation=targets.initialisation,
         placement=targets.placement,
         length_mm=targets.length_mm,
+        sighted_mm=_sighted(structure, targets, chain),
+        instrument_mm=structure.instrument_mm,
     )
+
+
+def _sighted(structure: Structure, targets: Targets, chain: Chain) -> FloatArray:
+    """Return where the instrument looks, as near as the direction of its beam asks for, shape (n, 3)."""
+    if targets.fixed_mm is not None:
+        return targets.fixed_mm
+    return chain.points(structure.nests_mm[targets.nest - 1])
 
 
 def rows_of(state: State) -> Rows:
@@ -232,7 +242,7 @@ def collect_terms(structure: Structure, rows: Rows) -> tuple[Term, ...]:
     terms: list[Term] = []
     for effect in structure.effects:
         indices = [k for k, owner in enumerate(structure.owners) if owner == effect]
-        names = tuple(structure.specs[k].name for k in indices)
+        names = structure.names_of(effect)
         terms += [
             term._replace(parameter=indices[term.parameter])
             for term in effect_named(effect).terms(names, rows)

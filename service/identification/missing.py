@@ -15,7 +15,7 @@ from scipy.linalg import hadamard
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.campaign import Stops
 from service.effects.ports import Need
-from service.effects.registry import effect_named
+from service.effects.registry import needs_of
 from service.identification.evaluation import Targets, evaluate
 from service.identification.observations import targets_subset
 from service.identification.structure import Structure
@@ -123,14 +123,14 @@ def _asked(structure: Structure, targets: Targets) -> list[tuple[str, Need]]:
         (effect, need)
         for effect in structure.effects
         if effect in structure.owners and effect not in idle
-        for need in sorted(effect_named(effect).needs)
+        for need in sorted(needs_of(effect, structure.names_of(effect)))
         if need in _COLUMNS
     ]
 
 
 def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) -> BoolArray:
     """Return which rows do not tell what an effect needs, shape (n,)."""
-    stops, names = targets.stops, _names(structure, effect)
+    stops, names = targets.stops, structure.names_of(effect)
     joints = _joints(names, structure.robot.n_joints)
     match need:
         case "direction" if stops.direction is not None:
@@ -146,23 +146,19 @@ def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) ->
     return np.ones(len(targets), dtype=bool)
 
 
-def _unknown(column: IntArray, names: list[str]) -> BoolArray:
+def _unknown(column: IntArray, names: tuple[str, ...]) -> BoolArray:
     """Return the rows of mountings or initialisations that the parameters do not know."""
     numbers = _numbers(names)
     return np.asarray(~np.isin(column, numbers) if numbers else column < 0)
 
 
-def _names(structure: Structure, effect: str) -> list[str]:
-    return [name for name, owner in zip(structure.names, structure.owners, strict=True) if owner == effect]
-
-
-def _numbers(names: list[str]) -> list[int]:
+def _numbers(names: tuple[str, ...]) -> list[int]:
     """Return the mountings or initialisations that parameters are of, e.g. 2 of `seat_2_rx`."""
     second = (name.split("_")[1:2] for name in names)
     return sorted({int(part) for parts in second for part in parts if part.isdecimal()})
 
 
-def _joints(names: list[str], n_joints: int) -> list[int]:
+def _joints(names: tuple[str, ...], n_joints: int) -> list[int]:
     """Return the 0-based joints that parameters are of, e.g. 1 of `gap_2`; all where a name tells none."""
     last = [name.rsplit("_", 1)[-1] for name in names]
     if not all(part.isdecimal() and 1 <= int(part) <= n_joints for part in last):
@@ -186,7 +182,7 @@ def _imagined(
             for signs in _signs(structure.robot.n_joints):
                 yield replace(stops, direction=np.tile(signs, (len(stops), 1)))
         case "attachment":
-            for number in sorted({n for effect in effects for n in _numbers(_names(structure, effect))}):
+            for number in sorted({n for effect in effects for n in _numbers(structure.names_of(effect))}):
                 yield replace(stops, attachment=np.full(len(stops), number))
 
 

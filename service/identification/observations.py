@@ -257,6 +257,7 @@ def targets_subset(targets: Targets, rows: IntArray) -> Targets:
         placement=None if targets.placement is None else targets.placement[rows],
         initialisation=None if targets.initialisation is None else targets.initialisation[rows],
         length_mm=None if targets.length_mm is None else targets.length_mm[rows],
+        fixed_mm=None if targets.fixed_mm is None else targets.fixed_mm[rows],
     )
 
 

@@ -109,7 +109,7 @@ def reference_block(campaign: Campaign) -> ReferenceBlock | None:
         time_s=readings.time_s[certified],
     )
     return ReferenceBlock(
-        targets=Targets(stops, np.ones(len(certified), dtype=np.int64)),
+        targets=Targets(stops, np.ones(len(certified), dtype=np.int64), fixed_mm=places[nest - 1]),
         fixed_nest=nest,
         certified_mm=places[nest - 1],
         measured_mm=readings.position_mm[certified],

@@ -49,6 +49,12 @@ class Structure:
         """Prior standard deviations, shape (P,)."""
         return np.array([spec.prior_width for spec in self.specs])
 
+    def names_of(self, effect: str) -> tuple[str, ...]:
+        """Return the names of the parameters of one effect."""
+        return tuple(
+            spec.name for spec, owner in zip(self.specs, self.owners, strict=True) if owner == effect
+        )
+
     def index_of(self, name: str) -> int:
         """Return the index of a parameter."""
         return self._places[name]

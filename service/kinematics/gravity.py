@@ -28,20 +28,38 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     ndarray, shape (n, J)
         Torques [N mm].
     """
+    return np.asarray(np.einsum("jni,jni->nj", chain.z, gravity_moments(chain, masses, gravity_m_s2)))
+
+
+def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
+    """Moments of the weight of all links beyond each joint about the origin of its frame.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations, J joints.
+    masses : tuple of LinkMass
+    gravity_m_s2 : ndarray, shape (3,)
+        In the world frame [m/s2].
+
+    Returns
+    -------
+    ndarray, shape (J, n, 3)
+        In the world frame [N mm].
+    """
     joints, n, _ = chain.z.shape
-    torques = np.empty((n, joints))
-    mass_kg, moment = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
+    moments = np.empty((joints, n, 3))
+    mass_kg, first = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
     for joint in reversed(range(joints)):
         for link in masses:
             if link.frame - 1 == joint:
                 centre = chain.rotation[joint] @ np.array(link.centre_of_gravity_mm)
-                mass_kg, moment = (
+                mass_kg, first = (
                     mass_kg + link.mass_kg,
-                    moment + link.mass_kg * (chain.origin[joint] + centre),
+                    first + link.mass_kg * (chain.origin[joint] + centre),
                 )
-        turning = cross(moment - mass_kg * chain.origin[joint], gravity_m_s2)
-        torques[:, joint] = np.einsum("ni,ni->n", chain.z[joint], turning)
-    return torques
+        moments[joint] = cross(first - mass_kg * chain.origin[joint], gravity_m_s2)
+    return moments
 
 
 def moment_regressor(

@@ -52,6 +52,7 @@ _AMPLITUDES = {
     "ballbar_zero": "constant error of a length",
     "outliers": "share of the readings",
     "label_swap": "share of the readings",
+    "unnamed": "largest departure, as its sentence says",
 }
 _PRINTED_UNITS = {"1": "", "degC": "°C"}
 _NO_RIVAL = (
@@ -66,7 +67,7 @@ def verdict_words(verdict: Verdict, *, answered: bool) -> VerdictWords:
 
 def effect_words(effect: str) -> str:
     """Return the name of an effect as words."""
-    return effect.replace("_", " ")
+    return "a cause without a name" if effect == "unnamed" else effect.replace("_", " ")
 
 
 def cause_words(cause: Cause) -> str:

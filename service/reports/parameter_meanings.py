@@ -39,6 +39,7 @@ _MEANINGS = (
     (r"fixed_(\d+)_([xyz])", "fixed nest {0} away from its certified place, {1}"),
     (r"zero_(\d+)", "added to every length after initialisation {0}"),
     (r"zerorate_(\d+)_(\S+)", "growth of the ballbar's zero after initialisation {0}"),
+    (r"cell_(\w+?)_.*", "part of a cause that has no name of its own"),
     (r"length_offset", "added to every length"),
     (r"(?:ballbar_)?scale", "lengths of the instrument are off by this share"),
 )

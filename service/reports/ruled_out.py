@@ -36,25 +36,26 @@ def ruled_out_rows(entries: Iterable[RuledOut]) -> tuple[RuledOutRow, ...]:
 
 def subjects(names: Iterable[str]) -> str:
     """Return subjects as one phrase, e.g. "joints 1, 2, 4; tool"."""
-    numbered: dict[str, list[str]] = {}
+    numbered: dict[tuple[str, str], list[str]] = {}
     for name in dict.fromkeys(names):
-        noun, number = _split(name)
-        numbered.setdefault(noun, []).append(number)
-    return "; ".join(filter(None, map(_phrase, numbered.items())))
+        noun, number, rest = _split(name)
+        numbered.setdefault((noun, rest), []).append(number)
+    return "; ".join(filter(None, (_phrase(*words, numbers) for words, numbers in numbered.items())))
 
 
-def _split(name: str) -> tuple[str, str]:
-    match = re.fullmatch(r"(\w+) (\d+)", name)
-    return (match[1], match[2]) if match else (name, "")
+def _split(name: str) -> tuple[str, str, str]:
+    """Return noun, number and what follows of e.g. `joint 3` or `joint 3, time, jump`."""
+    match = re.fullmatch(r"(\w+) (\d+)((?:, .*)?)", name)
+    return (match[1], match[2], match[3]) if match else (name, "", "")
 
 
-def _phrase(noun_numbers: tuple[str, list[str]]) -> str:
-    noun, numbers = noun_numbers[0], sorted(filter(None, noun_numbers[1]), key=int)
+def _phrase(noun: str, rest: str, all_numbers: list[str]) -> str:
+    numbers = sorted(filter(None, all_numbers), key=int)
     if len(numbers) < 2:
-        return " ".join([noun, *numbers])
+        return " ".join([noun, *numbers]) + rest
     more = len(numbers) - _MOST_NAMED
     listed = ", ".join(numbers[:_MOST_NAMED])
-    return f"{noun}s {listed}" + (f" and {more} more" if more > 0 else "")
+    return f"{noun}s {listed}" + (f" and {more} more" if more > 0 else "") + rest
 
 
 def _smallest(group: list[RuledOut]) -> str:

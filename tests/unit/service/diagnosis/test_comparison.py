@@ -199,8 +199,9 @@ def test_amplitudes_in_different_units_are_not_subtracted():
     assert [cause.changes for cause in causes] == [(), ()]
 
 
-def test_two_jumps_are_two_events_and_no_change():
-    jump = make_finding(effect="base_shift", subject="base", amplitude=0.08, unit="mm")
+@pytest.mark.parametrize(("effect", "subject"), [("base_shift", "base"), ("unnamed", "joint 3, time, jump")])
+def test_two_jumps_are_two_events_and_no_change(effect, subject):
+    jump = make_finding(effect=effect, subject=subject, amplitude=0.08, unit="mm")
 
     (cause,) = compare([dated(1, SPRING, jump), dated(2, AUTUMN, replace(jump, amplitude=0.5))])
 

@@ -34,6 +34,9 @@ def test_subjects_of_all_kinds_make_one_phrase():
     assert subjects([""]) == ""
     assert subjects(["joint 2", "joint 2"]) == "joint 2"
     assert subjects(["joint 10", "joint 2"]) == "joints 2, 10"
+    assert subjects(["joint 3, time, jump", "joint 1, time, jump", "joint 1, time, drift"]) == (
+        "joints 1, 3, time, jump; joint 1, time, drift"
+    )
 
 
 def test_a_hundred_nests_do_not_fill_the_page():

@@ -1,0 +1,241 @@
+"""Causes without a trade name: what each kind of cell moves, when it is looked for, and how it is told."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from service.effects.causes import Fitted
+from service.effects.registry import CAUSES, needs_of
+from service.effects.unnamed.kinds import key_of
+from service.effects.unnamed.table import KINDS
+from service.identification.derivatives import position_jacobian
+from service.identification.evaluation import evaluate, rows_of
+from service.identification.problem import build
+from service.kinematics.frames import cross
+from tests.scenes import ORIGIN_S, START, TRACKER_MM, telling_campaign, telling_scene, without_masses
+
+UNNAMED = CAUSES["unnamed"]
+UP = np.array([0.0, 0.0, 1.0])
+# A weight is taken where the arm is without the parameter, a load too: a hundredth of the motion at most.
+_RELATIVE = 0.01
+
+
+def kinds_of(candidates):
+    return {key_of(candidate.names[0]).kind for candidate in candidates}
+
+
+def candidate_of(kind, scene=None):
+    """The last cell of a kind: places with high numbers are more telling than the first."""
+    found = UNNAMED.candidates(telling_scene() if scene is None else scene)
+    return [candidate for candidate in found if key_of(candidate.names[0]).kind == kind][-1]
+
+
+@cache
+def usual_problem():
+    return build(telling_campaign(), START)
+
+
+def state_with(specs, values):
+    problem = usual_problem()
+    structure = problem.structure.extended("unnamed", specs)
+    return evaluate(structure, np.concatenate([problem.start, values]), problem.blocks[0].targets)
+
+
+def shown(names, values, spread=1e-9):
+    fitted = Fitted(tuple(names), np.array(values, dtype=float), spread**2 * np.eye(len(values)))
+    subject = next(c.subject for c in UNNAMED.candidates(telling_scene()) if c.names[0] == names[0])
+    return UNNAMED.shown(subject, fitted, telling_scene())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives_agree_with_differences_of_the_evaluated_model(kind):
+    specs = candidate_of(kind).specs
+    jacobian = position_jacobian(state_with(specs, np.zeros(len(specs))))[-len(specs) :]
+
+    for parameter, spec in enumerate(specs):
+        step = 0.1 * spec.prior_width * np.eye(len(specs))[parameter]
+        moved = state_with(specs, step).position_mm - state_with(specs, -step).position_mm
+        difference = moved / (0.2 * spec.prior_width)
+        assert np.abs(difference).max() > 0.0
+        assert jacobian[parameter] == pytest.approx(difference, abs=_RELATIVE * np.abs(difference).max())
+
+
+def test_names_lead_back_to_the_cell_and_are_given_once():
+    candidates = UNNAMED.candidates(telling_scene())
+    names = [name for candidate in candidates for name in candidate.names]
+
+    assert len(set(names)) == len(names)
+    assert [key_of(name).name for name in names] == names
+    assert kinds_of(candidates) == set(KINDS)
+
+
+def test_what_the_model_has_is_no_candidate():
+    first = UNNAMED.candidates(telling_scene())[0]
+
+    left = UNNAMED.candidates(telling_scene(present=frozenset(first.names)))
+
+    assert first.names not in {candidate.names for candidate in left}
+
+
+@pytest.mark.parametrize(
+    ("column", "lost"),
+    [
+        ("time_s", {"jump", "drift", "slip", "kick"}),
+        ("temperature_c", {"warm", "stretch"}),
+        ("direction", {"rub"}),
+    ],
+)
+def test_a_cell_is_not_looked_for_where_readings_do_not_tell_what_it_depends_on(column, lost):
+    scene = telling_scene()
+
+    left = UNNAMED.candidates(replace(scene, stops=replace(scene.stops, **{column: None})))
+
+    assert kinds_of(left) == set(KINDS) - lost
+
+
+@pytest.mark.parametrize(
+    ("changes", "lost"),
+    [({"instrument_mm": None}, {"azimuth", "elevation"}), ({"legs": True}, {"kick", "azimuth", "elevation"})],
+)
+def test_errors_of_an_instrument_need_an_instrument_whose_place_is_known(changes, lost):
+    found = kinds_of(UNNAMED.candidates(telling_scene(**changes)))
+
+    assert found & {"kick", "azimuth", "elevation"} == {"kick", "azimuth", "elevation"} - lost
+
+
+def test_bearings_need_masses_that_load_them():
+    scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
+
+    assert "tilt" not in kinds_of(UNNAMED.candidates(scene))
+
+
+def test_joints_that_hardly_turn_show_no_waves():
+    still = telling_scene(turn_rad=np.zeros((24, 6)))
+
+    assert not kinds_of(UNNAMED.candidates(still)) & {"wobble", "cross", "along", "pair"}
+
+
+def test_a_row_that_tells_nothing_leaves_every_cell_but_those_of_angles_and_loads_at_rest():
+    state = state_with((), [])
+    stops = replace(state.targets.stops, time_s=None, temperature_c=None, direction=None)
+    rows = rows_of(state)._replace(stops=stops, instrument_mm=None)
+    at_rest = set(KINDS) - {"wobble", "cross", "along", "pair", "tilt"}
+
+    for kind in at_rest:
+        terms = UNNAMED.terms(candidate_of(kind).names, rows)
+        assert not any(np.any(term.weight) for term in terms), kind
+
+
+def test_a_parallelogram_joins_parallel_axes_only():
+    found = [c for c in UNNAMED.candidates(telling_scene()) if key_of(c.names[0]).kind == "pair"]
+
+    assert {c.subject for c in found} == {
+        "joint 2, angles of joints 2 and 3, wave",
+        "joint 3, angles of joints 2 and 3, wave",
+    }
+
+
+def test_an_error_in_azimuth_turns_what_is_read_about_the_instrument():
+    specs = candidate_of("azimuth").specs
+    still, turned = (state_with(specs, np.array([0.0, size])) for size in (0.0, 1e-6))
+    arms = still.position_mm - TRACKER_MM
+    azimuth = np.arctan2(arms[:, 1], arms[:, 0])
+
+    wanted = 1e-6 * np.cos(2.0 * azimuth)[:, None] * cross(UP, arms)
+
+    assert turned.position_mm - still.position_mm == pytest.approx(wanted, abs=1e-7)
+
+
+def test_an_error_in_elevation_keeps_distances_and_lifts():
+    specs = candidate_of("elevation").specs
+    still, lifted = (state_with(specs, np.array([0.0, size])) for size in (0.0, 1e-6))
+    arms = still.position_mm - TRACKER_MM
+    elevation = np.arctan2(arms[:, 2], np.hypot(arms[:, 0], arms[:, 1]))
+
+    moved = lifted.position_mm - still.position_mm
+
+    assert np.einsum("ni,ni->n", moved, arms) == pytest.approx(0.0, abs=1e-6)
+    level = np.hypot(arms[:, 0], arms[:, 1])
+    assert moved[:, 2] == pytest.approx(1e-6 * np.cos(2.0 * elevation) * level, abs=1e-7)
+
+
+def test_fixed_nests_are_seen_under_their_own_azimuth():
+    problem = build(telling_campaign(), START, with_reference=True)
+    block = problem.blocks[1]
+
+    rows = rows_of(evaluate(problem.structure, problem.start, block.targets))
+
+    assert rows.sighted_mm is block.targets.fixed_mm
+    assert rows.sighted_mm == pytest.approx(block.certified_mm)
+
+
+def test_a_jump_is_told_with_its_size_and_its_moment():
+    told = shown([f"cell_jump_3_{ORIGIN_S + 345.0:.0f}_turn"], [np.deg2rad(-0.010)])
+
+    assert told.sentence == (
+        "The zero of joint 3 jumped by 0.0100 deg, 6 min after the first reading; nothing else moved then."
+    )
+    assert (told.subject, told.unit) == ("joint 3, time, jump", "deg")
+    assert told.amplitude == pytest.approx(-0.010)
+    assert [(detail.name, detail.unit) for detail in told.details] == [("time", "s")]
+
+
+def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
+    names = [f"cell_jump_3_{ORIGIN_S + after:.0f}_turn" for after in (345.0, 405.0)]
+
+    told = shown(names, np.deg2rad([0.004, -0.02]))
+
+    assert told.amplitude == pytest.approx(-0.02)
+    assert "the largest of 2 such jumps" in told.sentence
+    assert [detail.name for detail in told.details] == ["time", "amplitude"] * 2
+
+
+def test_a_tool_that_slipped_is_told_with_shift_and_turn():
+    names = candidate_of("slip").names
+
+    told = shown(names, [0.03, 0.0, 0.04, 0.0, 3e-4, 0.0])
+
+    assert told.amplitude == pytest.approx(0.05)
+    assert "slipped in its seat by 0.050 mm and turned by 0.0172 deg" in told.sentence
+    assert [detail.name for detail in told.details] == ["time", "rotation"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_told_in_one_plain_sentence(kind):
+    candidate = candidate_of(kind)
+    values = [0.3 * spec.prior_width for spec in candidate.specs]
+
+    told = shown(candidate.names, values)
+
+    assert told.sentence[0].isupper()
+    assert told.sentence.endswith(".")
+    assert told.sentence.count(". ") == 0
+    assert told.subject == candidate.subject
+    assert abs(told.amplitude) > told.standard_uncertainty > 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "needs"),
+    [
+        ("jump", {"time"}),
+        ("kick", {"time"}),
+        ("warm", {"temperature"}),
+        ("rub", {"torque", "direction"}),
+        ("cross", set()),
+    ],
+)
+def test_a_model_asks_of_rows_what_its_cells_depend_on(kind, needs):
+    assert needs_of("unnamed", candidate_of(kind).names) == needs
+    assert needs_of("unnamed", (*candidate_of(kind).names, *candidate_of("drift").names)) == needs | {"time"}
+
+
+def test_friction_that_follows_the_load_is_loaded_also_where_the_model_has_no_spring():
+    specs = candidate_of("rub").specs
+    problem = build(telling_campaign(), ("base", "geometry"))
+    structure, values = problem.structure.extended("unnamed", specs), np.append(problem.start, 1e-7)
+
+    state = evaluate(structure, values, problem.blocks[0].targets)
+
+    assert np.abs(state.position_mm - state_with((), []).position_mm).max() > 1e-5
