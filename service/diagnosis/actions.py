@@ -1,13 +1,14 @@
 """Actions: what to do so that one cause leaves readings that another cannot, where no configuration would.
 
 One table, tried from the top: an action serves a pair of causes when the pair has one of its effects, or
-both of them where both are needed.
+both of them where both are needed. A cause without a name counts by its place, its variable and its shape.
 """
 
 from dataclasses import dataclass
 from typing import Final
 
 from service.domain.diagnosis import Cause
+from service.effects.unnamed.cause import NAME as UNNAMED
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,18 +55,23 @@ _ACTIONS: Final = (
         "legs again",
     ),
     Action(
-        frozenset({"instrument_drift"}),
+        frozenset({"instrument_drift", "tracker"}),
         "Read the fixed nests at least at every tenth configuration, and at the very beginning and end",
     ),
     Action(frozenset({"tool_reseating"}), REMOUNT, again=True),
     Action(frozenset({"nest_offset"}), ALL_NESTS),
-    Action(frozenset({"backlash"}), BOTH_SIDES),
-    Action(frozenset({"thermal_growth"}), WARM_AND_COLD, again=True),
-    Action(frozenset({"base_drift", "base_shift"}), AT_THE_END, again=True),
+    Action(frozenset({"backlash", "sign"}), BOTH_SIDES),
+    Action(frozenset({"thermal_growth", "temperature"}), WARM_AND_COLD, again=True),
+    Action(frozenset({"base_drift", "base_shift", "time"}), AT_THE_END, again=True),
 )
 
 
 def action_for(cause: Cause, rival: Cause) -> Action | None:
     """Return what tells two causes apart; None where configurations do."""
-    pair = frozenset({cause.effect, rival.effect})
+    pair = _words(cause) | _words(rival)
     return next((action for action in _ACTIONS if action.serves(pair)), None)
+
+
+def _words(cause: Cause) -> frozenset[str]:
+    """Return the words by which a table of actions knows a cause."""
+    return frozenset(cause.subject.split(", ") if cause.effect == UNNAMED else (cause.effect,))

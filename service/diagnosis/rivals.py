@@ -13,6 +13,7 @@ from service.diagnosis.screening import screen
 from service.diagnosis.selection import Selected
 from service.domain.diagnosis import Cause
 from service.effects.causes import Candidate
+from service.effects.cells import Cell, cell_of
 
 # In BIC. Odds of e^4 between two names is what one may defend (R. E. Kass, A. E. Raftery, J. American
 # Statistical Association 90, 1995, 773-795, call 6 to 10 strong). The shape of a slow curve is a formula that
@@ -22,8 +23,8 @@ _SHAPE_MARGIN = 20.0
 # Beside structure that nothing explains, what decides between two causes may be that structure: a rival must
 # then fall short by this share of all that the pick explains.
 _SHARE_BESIDE_STRUCTURE = 0.15
-_SAME_ANGLE = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
-_SAME_TIME = frozenset({"base_drift", "base_shift", "thermal_growth", "instrument_drift", "tool_reseating"})
+_RUN_TOGETHER = frozenset({"time", "temperature", "mounting"})  # over a campaign
+_SLOW = frozenset({"drift", "settling"})  # one shape: the time constant is part of what is searched
 _SLOW_ORDER = 2.5  # a wave so slow that a gain or a coupling can pass for it
 
 
@@ -73,8 +74,12 @@ def _needed(pick: Candidate, other: Candidate) -> float:
 
 
 def _differ_in_shape(pick: Candidate, other: Candidate) -> bool:
-    effects = {pick.effect, other.effect}
-    if effects <= _SAME_TIME:
-        return effects != {"base_drift", "instrument_drift"}
-    slow = all(one.variant <= _SLOW_ORDER for one in (pick, other) if one.effect == "joint_harmonics")
-    return effects <= _SAME_ANGLE and pick.subject == other.subject and slow
+    one, another = cell_of(pick), cell_of(other)
+    if {one.over, another.over} <= _RUN_TOGETHER:
+        return one.shape != another.shape and not {one.shape, another.shape} <= _SLOW
+    angles = all(cell.over.startswith("angle") for cell in (one, another))
+    return angles and one.where == another.where and _is_slow(pick, one) and _is_slow(other, another)
+
+
+def _is_slow(candidate: Candidate, cell: Cell) -> bool:
+    return cell.shape == "line" or candidate.variant <= _SLOW_ORDER

@@ -159,12 +159,27 @@ def test_every_pair_of_causes_gets_an_action_or_configurations():
     static = {
         "axis_parallelism", "base_compliance", "compliance", "compliance_nonlinear", "instrument_scale",
         "joint_coupling", "joint_gain", "joint_harmonics", "label_swap", "link_bending", "link_mass",
-        "outliers", "payload",
+        "outliers", "payload", "unnamed",
     }  # fmt: skip
 
     for effect in CAUSES:
         action = action_for(Cause(effect, ""), Cause("joint_gain", "joint 1"))
         assert (action is None) == (effect in static), effect
+
+
+@pytest.mark.parametrize(
+    ("subject", "said"),
+    [
+        ("joint 3, time, jump", "at the end"),
+        ("link 2, temperature, line", "warmed up"),
+        ("joint 3, torque of joint 3, sign", "from below"),
+        ("tracker, time, jump", "fixed nests"),
+    ],
+)
+def test_a_cause_without_a_name_gets_the_action_of_its_variable(subject, said):
+    action = action_for(Cause("unnamed", subject), Cause("joint_gain", "joint 1"))
+
+    assert said in action.do
 
 
 def depends(kind, joint=None, order=0.0):

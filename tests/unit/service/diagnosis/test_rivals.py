@@ -7,6 +7,7 @@ import pytest
 from service.diagnosis.rivals import weighed
 from service.diagnosis.screening import pooled
 from service.domain.diagnosis import Cause
+from tests.scenes import ORIGIN_S
 from tests.selections import make_selected, make_start
 
 GAIN = ("joint_gain", "joint 4")
@@ -78,3 +79,14 @@ def test_beside_unexplained_structure_a_rival_must_fall_further_behind():
 
     assert rivals_of(start, GAIN, SLOW_WAVE).rivals == ()
     assert rivals_of(start, GAIN, SLOW_WAVE, structure_left=True).rivals == (Cause(*SLOW_WAVE[:2]),)
+
+
+def test_a_named_cause_has_a_rival_in_a_cell_without_a_name_that_explains_as_much():
+    """A first joint whose zero jumped turns the arm as a base does that turned on its foot."""
+    moment = f"{ORIGIN_S + 30.0 * 39.5:.0f}"
+    start = make_start({"unnamed": {f"cell_jump_1_{moment}_turn": 3e-4}})
+    pick = ("base_shift", "base", f"jump_{moment}_x")
+    jump = ("unnamed", "joint 1, time, jump", f"cell_jump_1_{moment}_turn")
+
+    assert rivals_of(start, pick, jump).rivals == (Cause(*jump[:2]),)
+    assert rivals_of(start, jump, pick).rivals == ()

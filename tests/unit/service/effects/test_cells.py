@@ -1,0 +1,49 @@
+"""The table of cells: where every cause acts, over what, with which shape."""
+
+import re
+from typing import get_args
+
+import pytest
+
+from service.domain.diagnosis import Shape
+from service.effects.causes import Candidate
+from service.effects.cells import cell_of
+from service.effects.registry import CAUSES
+from tests.scenes import telling_scene
+
+WHERE = re.compile(
+    r"joint \d+|joints|link \d+|links|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
+)
+OVER = re.compile(
+    r"angle of joint \d+|angles of joints \d+ and \d+|torque of (joint \d+|joints)|load|direction|time"
+    r"|temperature|mounting|azimuth|elevation|range|constant"
+)
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_every_candidate_of_every_cause_has_a_place_a_variable_and_a_shape(cause):
+    candidates = CAUSES[cause].candidates(telling_scene()) or (Candidate(cause, "joint 2", ()),)
+
+    cells = [cell_of(candidate) for candidate in candidates]
+
+    assert all(WHERE.fullmatch(cell.where) for cell in cells)
+    assert all(OVER.fullmatch(cell.over) for cell in cells)
+    assert {cell.shape for cell in cells} <= set(get_args(Shape))
+
+
+@pytest.mark.parametrize(
+    ("candidate", "cell"),
+    [
+        (Candidate("joint_coupling", "joint 6", (), 5.0), ("joint 6", "angle of joint 5", "line")),
+        (Candidate("joint_harmonics", "joint 4", (), 2.0), ("joint 4", "angle of joint 4", "wave")),
+        (
+            Candidate("joint_harmonics", "joint 4", (), 60.0, function=True),
+            ("joint 4", "angle of joint 4", "curve"),
+        ),
+        (Candidate("base_drift", "base", ()), ("base", "time", "drift")),
+        (Candidate("base_drift", "base", (), 600.0), ("base", "time", "settling")),
+        (Candidate("unnamed", "link 2, temperature, line", ()), ("link 2", "temperature", "line")),
+    ],
+)
+def test_what_was_searched_over_is_part_of_the_cell(candidate, cell):
+    assert cell_of(candidate) == cell
