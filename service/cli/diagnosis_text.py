@@ -6,7 +6,7 @@ from rich.table import Table
 
 from service.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from service.domain.results import Statistics
-from service.reports.causes import causes_listed, printed_unit
+from service.reports.causes import causes_listed, place_words, printed_unit, worth_words
 from service.reports.rounding import millimetres, p_value, with_uncertainty
 
 _HELD_OUT = {
@@ -42,6 +42,8 @@ def _evidence(finding: Finding) -> Iterator[str]:
     amplitude = with_uncertainty(finding.amplitude, finding.amplitude_standard_uncertainty)
     size = f"{amplitude} {printed_unit(finding.unit)}".rstrip()
     yield f"Amplitude {size}; {finding.confidence.value}, p {_p(finding.p_value)}."
+    if finding.worth is not None:
+        yield f"{place_words(finding)}; it moves the tool by {worth_words(finding.worth)}."
     yield _gain(finding.gain)
     if finding.confusable_with:
         yield f"These data cannot tell it from: {causes_listed(finding.confusable_with)}."

@@ -20,6 +20,7 @@ from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import Propose, Selected, reselected
 from service.diagnosis.start import NUISANCE, Start
+from service.diagnosis.ways import worth_of
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import (
@@ -35,6 +36,7 @@ from service.domain.diagnosis import (
 )
 from service.domain.results import Model
 from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.cells import cell_of
 from service.effects.compliance import NAME as COMPLIANCE
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
@@ -253,6 +255,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     subject, group = answer.tested.groups[index]
     gain = answer.tested.judged.gain(index)
     shown = _shown(answer, subject, group)
+    cell = cell_of(group[0]._replace(subject=subject))
     sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
     return Finding(
         effect=group[0].effect,
@@ -269,6 +272,10 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         parameters=names_of(group),
         share=share,
         curve=finding_curve(answer.tested.selected, answer.start.scene, group),
+        where=cell.where,
+        over=cell.over,
+        shape=cell.shape,
+        worth=worth_of(answer.tested.selected, names_of(group)),
     )
 
 

@@ -3,7 +3,7 @@
 Causes propose parameters (`candidate_columns`); smooth families are given as terms (`term_columns`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -24,6 +24,14 @@ def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatA
     chunks = [_candidate_chunk(fit, chunk) for chunk in _chunks(candidates, size)]
     m = len(fit.solution.final.residual)
     return np.concatenate(chunks) if chunks else np.zeros((0, m))
+
+
+def candidate_motions(fit: RobustFit, candidates: Sequence[Candidate]) -> Iterator[FloatArray]:
+    """Yield how each reading of the first block moves per unit of each candidate's parameters, (k, n, d)."""
+    block, state = fit.blocks[0], fit.results[0].state
+    for candidate in candidates:
+        acting = candidate_terms(state, candidate.effect, candidate.names, 0)
+        yield trial_derivatives(block.derivatives(tried(state, candidate.specs, acting)), state)
 
 
 def _chunks(candidates: Sequence[Candidate], size: int) -> list[list[Candidate]]:

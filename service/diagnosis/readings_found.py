@@ -11,7 +11,8 @@ from service.diagnosis.selection import Selected
 from service.diagnosis.start import Start
 from service.domain.arrays import BoolArray
 from service.domain.diagnosis import Cause, Confidence, Finding, Gain
-from service.effects.causes import Fitted, Shown
+from service.effects.causes import Candidate, Fitted, Shown
+from service.effects.cells import cell_of
 from service.effects.label_swap import pair_subject
 from service.effects.registry import CAUSES
 from service.identification.distributions import chi2_exceeded
@@ -105,6 +106,7 @@ def _shown(effect: str, subject: str, number: int, readings: int, start: Start) 
 
 
 def _finding(effect: str, shown: Shown, p_value: float, gain: Gain | None) -> Finding:
+    cell = cell_of(Candidate(effect, shown.subject, ()))
     sure = gain is not None and gain.interval_95_mm[0] > 0.0
     return Finding(
         effect=effect,
@@ -120,4 +122,7 @@ def _finding(effect: str, shown: Shown, p_value: float, gain: Gain | None) -> Fi
         gain=gain,
         parameters=(),
         share=0.0,
+        where=cell.where,
+        over=cell.over,
+        shape=cell.shape,
     )

@@ -1,9 +1,13 @@
 """What was ruled out: every cause that was looked at and not found, and those that these data cannot show."""
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
 import numpy as np
 
-from service.diagnosis.screening import screen
+from service.diagnosis.screening import Screened, screen
 from service.diagnosis.selection import LEVEL, Selected
+from service.diagnosis.upper_limits import upper_limits_mm
 from service.domain.diagnosis import Cause, RuledOut
 from service.effects.causes import Scene
 from service.effects.registry import CAUSES
@@ -13,20 +17,37 @@ def ruled_out(
     scene: Scene, selected: Selected, found: frozenset[Cause], without: tuple[str, ...]
 ) -> tuple[RuledOut, ...]:
     """Return one entry per cause and subject, the least improbable first, then what cannot be seen."""
-    best: dict[Cause, RuledOut] = {}
-    if selected.pool.all:
-        screened = screen(selected.pool.view())
-        for index in np.argsort(screened.p_value).tolist():
-            candidate = selected.pool.all[index]
-            cause = Cause(candidate.effect, candidate.subject)
-            if cause in found or cause in best:
-                continue
-            size, p_value = float(screened.size[index]), float(screened.p_value[index])
-            best[cause] = _entry(cause, size, p_value)
+    tried = _tried(selected, found) if selected.pool.all else ()
     return (
-        *sorted(best.values(), key=lambda one: (not one.visible, one.p_value or 0.0)),
+        *sorted(tried, key=lambda one: (not one.visible, one.p_value or 0.0)),
         *_unseen(scene, without),
     )
+
+
+def _tried(selected: Selected, found: frozenset[Cause]) -> Iterator[RuledOut]:
+    view = selected.pool.view()
+    screened = screen(view)
+    order = np.argsort(screened.p_value, kind="stable").tolist()
+    best = _first_of_each(selected, found, order)
+    limited = _first_of_each(selected, found, [k for k in order if _has_limit(selected, screened, k)])
+    limits = dict(zip(limited, upper_limits_mm(view, tuple(limited.values())), strict=True))
+    for cause, index in best.items():
+        size, p_value = float(screened.size[index]), float(screened.p_value[index])
+        entry = _entry(cause, size, p_value)
+        yield replace(entry, upper_limit_mm=limits.get(cause) if entry.visible else None)
+
+
+def _first_of_each(selected: Selected, found: frozenset[Cause], order: Sequence[int]) -> dict[Cause, int]:
+    """Return the first candidate of each cause that was not found."""
+    first: dict[Cause, int] = {}
+    for index in order:
+        candidate = selected.pool.all[index]
+        first.setdefault(Cause(candidate.effect, candidate.subject), index)
+    return {cause: index for cause, index in first.items() if cause not in found}
+
+
+def _has_limit(selected: Selected, screened: Screened, index: int) -> bool:
+    return float(screened.size[index]) > 0.0 and not selected.pool.all[index].function
 
 
 def _entry(cause: Cause, size: float, p_value: float) -> RuledOut:

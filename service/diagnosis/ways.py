@@ -12,6 +12,7 @@ import numpy as np
 
 from service.diagnosis.selection import Selected
 from service.domain.arrays import BoolArray, FloatArray
+from service.domain.diagnosis import Worth
 from service.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from service.identification.evaluation import State
 from service.identification.trial import trial_derivatives, tried
@@ -68,6 +69,12 @@ def effect_of(selected: Selected, names: Sequence[str]) -> FloatArray:
     """Return what fitted parameters do to each reading [mm], shape (n, d)."""
     rows = [selected.fit.structure.index_of(name) for name in names]
     return np.asarray(np.tensordot(selected.fit.values[rows], selected.fit.results[0].jacobian[rows], 1))
+
+
+def worth_of(selected: Selected, names: Sequence[str]) -> Worth:
+    """Return how far fitted parameters move the tool over the readings of the first block."""
+    way_mm = np.linalg.norm(effect_of(selected, names), axis=1)
+    return Worth(float(way_mm.mean()), float(way_mm.max()))
 
 
 def values_of(selected: Selected, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:

@@ -81,6 +81,14 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
+class Worth:
+    """How far a cause moves the tool over the calibration readings [mm]; of legs, how much a length."""
+
+    mean_mm: float
+    max_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
     """One cause that the data show."""
 
@@ -98,6 +106,10 @@ class Finding:
     parameters: tuple[str, ...]  # their names in the extended model; none for bad readings
     share: float  # of the structure explained, 0..1
     curve: Curve | None = None
+    where: str = ""  # "joint 3", "base"; nothing in what was stored before findings said so
+    over: str = ""  # what it depends on: "angle of joint 3", "time"
+    shape: Shape | None = None
+    worth: Worth | None = None  # None for bad readings
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +158,7 @@ class RuledOut:
     reason: str
     p_value: float | None = None  # corrected; None where the data cannot show the cause at all
     visible: bool = True  # False: these data cannot show it
+    upper_limit_mm: float | None = None  # 95 %: how large it could still be, RMS at the tool; None: unseen
 
 
 @dataclass(frozen=True, slots=True)

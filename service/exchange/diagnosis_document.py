@@ -19,6 +19,7 @@ from service.domain.diagnosis import (
     Noise,
     Remaining,
     RuledOut,
+    Worth,
 )
 from service.domain.results import Statistics
 from service.exchange.json_text import Json, number_or_null
@@ -66,7 +67,17 @@ def _finding(finding: Finding) -> Json:
         "share": number_or_null(finding.share),
         "parameters": list(finding.parameters),
         "curve": _curve(finding.curve),
+        "where": finding.where,
+        "over": finding.over,
+        "shape": finding.shape,
+        "worth": _worth(finding.worth),
     }
+
+
+def _worth(worth: Worth | None) -> Json:
+    if worth is None:
+        return None
+    return {"mean_mm": number_or_null(worth.mean_mm), "max_mm": number_or_null(worth.max_mm)}
 
 
 def _detail(detail: Detail) -> Json:
@@ -160,6 +171,7 @@ def _ruled_out(entry: RuledOut) -> Json:
         "reason": entry.reason,
         "p_value": None if entry.p_value is None else number_or_null(entry.p_value),
         "visible": entry.visible,
+        "upper_limit_mm": None if entry.upper_limit_mm is None else number_or_null(entry.upper_limit_mm),
     }
 
 

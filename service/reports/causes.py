@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict
+from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict, Worth
+from service.reports.rounding import millimetres
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,19 @@ def causes_listed(causes: tuple[Cause, ...]) -> str:
 def amplitude_meaning(effect: str) -> str:
     """Return what the amplitude of an effect is; "" for an effect that says so nowhere else."""
     return _AMPLITUDES.get(effect, "")
+
+
+def place_words(finding: Finding) -> str:
+    """Return where a cause acts, over what and in which shape; "" where a finding does not say so."""
+    if not finding.where:
+        return ""
+    over = "" if finding.over == "constant" else f", over {finding.over}"
+    return f"{finding.where.capitalize()}{over} ({finding.shape})"
+
+
+def worth_words(worth: Worth) -> str:
+    """Return how far a cause moves the tool."""
+    return f"{millimetres(worth.mean_mm)} mm on average, {millimetres(worth.max_mm)} mm at most"
 
 
 def printed_unit(unit: str) -> str:

@@ -5,7 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain
-from service.reports.causes import amplitude_meaning, cause_words, confidence_meaning, printed_unit
+from service.reports.causes import (
+    amplitude_meaning,
+    cause_words,
+    confidence_meaning,
+    place_words,
+    printed_unit,
+    worth_words,
+)
 from service.reports.figures.residual_curve import CurveFigure, residual_curve
 from service.reports.look_alikes import Alternatives, alternatives
 from service.reports.rounding import MINUS, interval, millimetres, p_value, with_uncertainty
@@ -58,6 +65,10 @@ def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
     yield "Amplitude ± standard uncertainty", amplitude_text(finding), amplitude_meaning(finding.effect)
     if 0.0 < finding.amplitude_standard_uncertainty < math.inf:
         yield "95 % interval of the amplitude", _interval(finding), "normal approximation"
+    if finding.where:
+        yield "Where, over what (shape)", place_words(finding), ""
+    if finding.worth is not None:
+        yield "Motion of the tool", worth_words(finding.worth), "by this cause, over the calibration readings"
     yield "Held-out gain", *gain_text(finding.gain)
     yield "p value", p_value(finding.p_value), "chance of noise alone showing as much, over everything tried"
     yield (

@@ -15,6 +15,7 @@ _OF_ONE_JOINT = frozenset({
     "compliance",
     "compliance_nonlinear",
 })
+_UNNAMED = "unnamed"
 _OF_A_BALLBAR = frozenset({"ballbar_zero", "fixture_shift"})
 _KIN = (
     # of loads: everything that follows the torques
@@ -81,11 +82,21 @@ def alternatives(finding: Finding, diagnosis: Diagnosis) -> Alternatives:
 
 def acts_alike(finding: Finding, entry: RuledOut) -> bool:
     """Whether the two leave similar residuals: the same effect elsewhere, the same joint, or kin."""
+    if entry.effect == _UNNAMED:
+        return finding.subject != entry.subject and _share_a_cell(finding, entry)
     if finding.effect == entry.effect:
         return finding.subject != entry.subject
+    if finding.effect == _UNNAMED:
+        return entry.subject == finding.where
     if {finding.effect, entry.effect} <= _OF_ONE_JOINT:
         return _may_be_same(finding.subject, entry.subject)
     return any({finding.effect, entry.effect} <= kin for kin in _KIN)
+
+
+def _share_a_cell(finding: Finding, entry: RuledOut) -> bool:
+    """Whether a cause without a name, whose subject is its cell, acts at the same place or over the same."""
+    where, over, _ = entry.subject.split(", ")
+    return where == finding.where or over == finding.over
 
 
 def _impossible(entry: RuledOut, diagnosis: Diagnosis) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from service.domain.diagnosis import RuledOut
 from service.reports.causes import effect_words
-from service.reports.rounding import MISSING, p_value
+from service.reports.rounding import MISSING, millimetres, p_value
 
 _MOST_NAMED = 12  # subjects of one reason; a hundred nests would fill the page
 
@@ -19,6 +19,7 @@ class RuledOutRow:
     subjects: str
     reason: str
     p_value: str  # the smallest of them
+    at_most: str  # how large any of them could still be
 
 
 def ruled_out_rows(entries: Iterable[RuledOut]) -> tuple[RuledOutRow, ...]:
@@ -28,7 +29,11 @@ def ruled_out_rows(entries: Iterable[RuledOut]) -> tuple[RuledOutRow, ...]:
         groups.setdefault((entry.effect, entry.reason), []).append(entry)
     return tuple(
         RuledOutRow(
-            effect_words(effect), subjects(entry.subject for entry in group), reason, _smallest(group)
+            effect_words(effect),
+            subjects(entry.subject for entry in group),
+            reason,
+            _smallest(group),
+            _at_most(group),
         )
         for (effect, reason), group in groups.items()
     )
@@ -60,6 +65,11 @@ def _phrase(noun: str, rest: str, all_numbers: list[str]) -> str:
 
 def _smallest(group: list[RuledOut]) -> str:
     return " ".join(_bounds(sorted(entry.p_value for entry in group if entry.p_value is not None)))
+
+
+def _at_most(group: list[RuledOut]) -> str:
+    limits = [entry.upper_limit_mm for entry in group if entry.upper_limit_mm is not None]
+    return f"{millimetres(max(limits))} mm" if limits else MISSING
 
 
 def _bounds(values: list[float]) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from service.domain.diagnosis import Confidence, HeldOut, Verdict
+from service.domain.diagnosis import Confidence, HeldOut, Shape, Verdict
 from service.web.schemas.results import Document, StatisticsDocument
 
 
@@ -47,6 +47,13 @@ class CurveDocument(Document):
     line_band: list[float | None] = Field(description="Half width of the 95 % band.")
 
 
+class WorthDocument(Document):
+    """How far a cause moves the tool over the calibration readings."""
+
+    mean_mm: float | None = Field(examples=[0.041])
+    max_mm: float | None = Field(examples=[0.093])
+
+
 class FindingDocument(Document):
     """One cause that the data show."""
 
@@ -64,6 +71,10 @@ class FindingDocument(Document):
     share: float | None = Field(description="Of the structure explained: 0 to 1.")
     parameters: list[str] = Field(description="Their names in the extended model.")
     curve: CurveDocument | None
+    where: str = Field("", examples=["joint 3"], description="Empty: it was stored before findings said so.")
+    over: str = Field("", examples=["direction"], description="What it depends on.")
+    shape: Shape | None = Field(None, examples=["sign"])
+    worth: WorthDocument | None = Field(None, description="Null for what is wrong with readings.")
 
 
 class DependenceDocument(Document):
@@ -98,6 +109,12 @@ class RuledOutDocument(Document):
     reason: str
     p_value: float | None
     visible: bool = Field(description="False: these data cannot show it.")
+    upper_limit_mm: float | None = Field(
+        None,
+        examples=[0.018],
+        description="How large it could still be (95 %), RMS at the tool over the measured configurations. "
+        "Null: these data cannot show it.",
+    )
 
 
 class NoiseDocument(Document):

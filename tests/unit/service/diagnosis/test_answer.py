@@ -58,6 +58,24 @@ def test_a_planted_cause_is_named_measured_and_certain(explained):
     assert finding.share == 1.0
 
 
+def test_a_finding_says_where_it_acts_over_what_and_what_it_is_worth(explained, campaign):
+    (finding,) = explained.findings
+    turn = 1e-3 * campaign.calibration.stops.joints_rad[:, 3]
+
+    assert (finding.where, finding.over, finding.shape) == ("joint 4", "angle of joint 4", "line")
+    assert 0.0 < finding.worth.mean_mm < finding.worth.max_mm
+    assert finding.worth.max_mm < 400.0 * np.abs(turn).max()  # no reading is farther from the axis than that
+
+
+def test_what_was_tried_and_not_found_says_how_large_it_could_still_be(explained):
+    limits = {(one.effect, one.subject): one.upper_limit_mm for one in explained.ruled_out}
+    unseen = [one.upper_limit_mm for one in explained.ruled_out if not one.visible]
+
+    # A wave of the joint farthest out is held by the readings; the base may turn with its own frame.
+    assert 0.0 < limits["backlash", "joint 3"] < 0.05
+    assert set(unseen) == {None}
+
+
 def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.held_out == "validation"
     assert explained.before.n == explained.after.n == 40

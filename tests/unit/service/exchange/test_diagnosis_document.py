@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import Gain
+from service.domain.diagnosis import Finding, Gain, RuledOut, Worth
 from service.exchange.diagnosis_document import diagnosis_document
 from service.storage.documents import from_document, to_document
 from tests.diagnoses import make_curve, make_diagnosis, make_finding, make_unexplained, make_wave
@@ -96,3 +96,30 @@ def test_a_stored_diagnosis_prints_the_same_document(diagnosis):
 
     assert diagnosis_document(again) == diagnosis_document(diagnosis)
     np.testing.assert_array_equal(again.errors.before_mm, diagnosis.errors.before_mm)
+
+
+def test_a_finding_says_its_place_its_variable_its_shape_and_its_worth():
+    placed = make_wave(where="joint 6", over="angle of joint 6", shape="wave", worth=Worth(0.04, math.nan))
+
+    (finding,) = printed(make_diagnosis(findings=(placed,)))["findings"]
+
+    assert (finding["where"], finding["over"], finding["shape"]) == ("joint 6", "angle of joint 6", "wave")
+    assert finding["worth"] == {"mean_mm": 0.04, "max_mm": None}
+
+
+def test_a_finding_of_an_earlier_version_is_read_without_them():
+    stored = to_document(make_wave())
+    for key in ("where", "over", "shape", "worth"):
+        del stored[key]
+
+    read = from_document(Finding, stored)
+
+    assert (read.where, read.over, read.shape, read.worth) == ("", "", None, None)
+
+
+def test_what_was_ruled_out_says_how_large_it_could_still_be():
+    limited = RuledOut("backlash", "joint 2", "nothing", 0.4, upper_limit_mm=0.018)
+
+    entries = printed(make_diagnosis(ruled_out=(limited, replace(limited, upper_limit_mm=None))))["ruled_out"]
+
+    assert [entry["upper_limit_mm"] for entry in entries] == [0.018, None]

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from service.domain.diagnosis import Cause, NextMeasurement, RuledOut
@@ -85,3 +87,25 @@ def test_where_no_ballbar_was_nobody_asks_for_its_zero(quantity, asked):
     answer = answered(finding("thermal_growth", "links"), (unseen,), quantity=quantity)
 
     assert len(answer.not_excluded) == asked
+
+
+@pytest.mark.parametrize(
+    ("cell", "alike"),
+    [
+        ("joint 3, time, jump", True),  # the same place
+        ("tracker, time, jump", False),
+        ("joint 5, angle of joint 2, wave", False),
+    ],
+)
+def test_cells_without_a_name_are_alike_where_place_or_variable_is_the_same(cell, alike):
+    found = replace(finding("backlash", "joint 3"), where="joint 3", over="direction")
+
+    assert acts_alike(found, entry("unnamed", cell)) is alike
+
+
+def test_a_cause_without_a_name_is_asked_for_the_named_ones_of_its_place():
+    found = replace(finding("unnamed", "joint 3, time, jump"), where="joint 3", over="time")
+
+    assert acts_alike(found, entry("backlash", "joint 3"))
+    assert not acts_alike(found, entry("backlash", "joint 4"))
+    assert not acts_alike(found, entry("unnamed", "joint 3, time, jump"))

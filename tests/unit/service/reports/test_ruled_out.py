@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 from service.domain.diagnosis import RuledOut
 from service.reports.ruled_out import ruled_out_rows, subjects
 
@@ -43,3 +45,12 @@ def test_a_hundred_nests_do_not_fill_the_page():
     phrase = subjects(f"nest {k}" for k in range(1, 101))
 
     assert phrase == "nests 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 and 88 more"
+
+
+def test_of_several_subjects_the_largest_limit_is_told():
+    entries = [
+        replace(entry(f"joint {k}"), upper_limit_mm=limit) for k, limit in enumerate((0.012, None, 0.03))
+    ]
+
+    assert ruled_out_rows(entries)[0].at_most == "0.0300 mm"
+    assert ruled_out_rows(entries[1:2])[0].at_most == "–"  # noqa: RUF001 - as it is printed
