@@ -37,7 +37,6 @@ from service.domain.diagnosis import (
 from service.domain.results import Model
 from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.cells import cell_of
-from service.effects.compliance import NAME as COMPLIANCE
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.identification.considered import considered
@@ -86,9 +85,9 @@ def answered(
     withdrawn: tuple[str, ...] = ()
     refuted: frozenset[Cause] = frozenset()
     tested = _tested(start, selected, judging, without, refuted)
-    while useless := _useless(tested.selected, tested.groups, tested.judged, tested.left):
+    while useless := _to_withdraw(start, tested):
         groups = tested.groups
-        withdrawn += tuple(_withdrawal(groups[index], tested.judged.gain(index)) for index in useless)
+        withdrawn += tuple(_withdrawal(start, tested, index) for index in useless)
         refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
         selected = reselected(start.fit, tested.selected, kept, propose)
@@ -167,19 +166,21 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     return tuple(
         index
         for index, gain in enumerate(gains)
-        if gain.rms_before_mm <= gain.rms_after_mm
-        or (owed[index] and _explains_little(gain, judged))
-        or _is_no_spring(selected, groups[index][1])
+        if gain.rms_before_mm <= gain.rms_after_mm or (owed[index] and _explains_little(gain, judged))
     )
 
 
-def _is_no_spring(selected: Selected, group: tuple[Candidate, ...]) -> bool:
-    """Whether a finding is a gearbox that turns against its load."""
-    if group[0].effect != COMPLIANCE:
-        return False
-    structure, values = selected.fit.structure, selected.fit.values
-    springs = [name for name in names_of(group) if "*" not in name]
-    return any(values[structure.index_of(name)] < 0.0 for name in springs)
+def _to_withdraw(start: Start, tested: _Tested) -> tuple[int, ...]:
+    """Return the findings that are not kept: those that do not help, and those that physics forbids."""
+    useless = _useless(tested.selected, tested.groups, tested.judged, tested.left)
+    forbidden = tuple(index for index in range(len(tested.groups)) if _forbidden(start, tested, index))
+    return useless or forbidden
+
+
+def _forbidden(start: Start, tested: _Tested, index: int) -> str:
+    """Return why physics does not let a finding be kept, "" where it does."""
+    shown = _shown(tested.selected, scene_of(start.problem, tested.selected.fit), *tested.groups[index])
+    return shown.limits.why if shown.limits and shown.limits.withdrawn and shown.impossible else ""
 
 
 def _explains_little(gain: Gain, judged: Judged) -> bool:
@@ -188,8 +189,11 @@ def _explains_little(gain: Gain, judged: Judged) -> bool:
     return gain.rms_before_mm**2 - gain.rms_after_mm**2 < _SMALL_PART * wrong
 
 
-def _withdrawal(group: Group, gain: Gain) -> str:
-    subject, picks = group
+def _withdrawal(start: Start, tested: _Tested, index: int) -> str:
+    (subject, picks), gain = tested.groups[index], tested.judged.gain(index)
+    why = _forbidden(start, tested, index)
+    if why:
+        return f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: {why}."
     return (
         f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on unseen points, or beside "
         "what nothing explains, it does not help beyond chance "
@@ -254,9 +258,10 @@ def _findings(answer: _Answer) -> tuple[Finding, ...]:
 def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
     subject, group = answer.tested.groups[index]
     gain = answer.tested.judged.gain(index)
-    shown = _shown(answer, subject, group)
+    shown = _shown(answer.tested.selected, answer.scene, subject, group)
     cell = cell_of(group[0]._replace(subject=subject))
-    sure = not scale.rivals and gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
+    helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
+    sure = helps and not scale.rivals and not shown.impossible
     return Finding(
         effect=group[0].effect,
         subject=shown.subject,
@@ -266,7 +271,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         p_value=scale.p_value,
         confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
         details=shown.details,
-        sentence=shown.sentence,
+        sentence=_sentence(shown),
         confusable_with=scale.rivals,
         gain=gain,
         parameters=names_of(group),
@@ -279,12 +284,19 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     )
 
 
-def _shown(answer: _Answer, subject: str, group: tuple[Candidate, ...]) -> Shown:
-    fit = answer.tested.selected.fit
+def _sentence(shown: Shown) -> str:
+    """Return what is said of a finding; beyond physical limits also that it cannot be what it says."""
+    if shown.limits is None or not shown.impossible:
+        return shown.sentence
+    return f"{shown.sentence.removesuffix('.')}; {shown.limits.why}: something else acts here."
+
+
+def _shown(selected: Selected, scene: Scene, subject: str, group: tuple[Candidate, ...]) -> Shown:
+    fit = selected.fit
     names = names_of(group)
     rows = [fit.structure.index_of(name) for name in names]
     fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
-    return CAUSES[group[0].effect].shown(subject, fitted, answer.scene)
+    return CAUSES[group[0].effect].shown(subject, fitted, scene)
 
 
 def _model(answer: _Answer) -> Model:

@@ -7,7 +7,7 @@ r x m g has no part along gravity, so that this is a tilt about a horizontal axi
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from service.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from service.kinematics.frames import cross
 
@@ -58,7 +58,7 @@ class BaseCompliance:
             f"The base tilts under the weight of the arm, by {compliance:.1e} rad/(N*mm): what it stands on "
             "gives, or its screws are loose."
         )
-        return Shown(subject, compliance, "rad/(N*mm)", spread, sentence)
+        return Shown(subject, compliance, "rad/(N*mm)", spread, sentence, limits=SPRING)
 
 
 def _overturning_moment(rows: Rows) -> FloatArray:

@@ -69,6 +69,20 @@ class Candidate(NamedTuple):
         return self._replace(specs=specs)
 
 
+class Limits(NamedTuple):
+    """What an amplitude can be by physics, in its own unit."""
+
+    low: float
+    high: float
+    why: str  # what is wrong beyond them: "a spring cannot do that"
+    withdrawn: bool = False  # a finding beyond them is not kept: under more load its model errs more
+
+
+# What gives, gives way: a passive part that moved against its load would add energy.
+SPRING = Limits(0.0, np.inf, "a spring cannot do that")
+_CLEARLY = 2.0  # standard uncertainties beyond a limit
+
+
 @dataclass(frozen=True, slots=True)
 class Shown:
     """A fitted cause in its own words and units (angles in deg)."""
@@ -79,6 +93,15 @@ class Shown:
     standard_uncertainty: float
     sentence: str
     details: tuple[Detail, ...] = ()
+    limits: Limits | None = None
+
+    @property
+    def impossible(self) -> bool:
+        """Whether the amplitude is beyond its physical limits by more than it is uncertain."""
+        if self.limits is None:
+            return False
+        slack = _CLEARLY * self.standard_uncertainty
+        return not self.limits.low - slack <= self.amplitude <= self.limits.high + slack
 
 
 class Fitted(NamedTuple):

@@ -10,7 +10,7 @@ Source: thesis of A. Nubiola, 2014, annex I.
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
+from service.effects.causes import SPRING, Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from service.effects.names import joint_name, joint_of, joint_subject
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from service.kinematics.chain import Chain
@@ -77,7 +77,7 @@ class Compliance:
             f"The gearbox of {subject} winds up under load, by {spring:.2e} rad/(N*mm): up to "
             f"{np.rad2deg(abs(spring) * largest):.3f} deg in these configurations."
         )
-        return Shown(subject, spring, "rad/(N*mm)", spread, sentence)
+        return Shown(subject, spring, "rad/(N*mm)", spread, sentence, limits=SPRING._replace(withdrawn=True))
 
 
 def compliance_prior(setting: Setting) -> tuple[FloatArray, FloatArray]:

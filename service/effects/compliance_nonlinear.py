@@ -9,7 +9,7 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import Candidate, Fitted, Limits, Scene, Shown
 from service.effects.compliance import compliance_prior, known_torque
 from service.effects.names import joint_name, joint_subject
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
@@ -19,6 +19,7 @@ _T0_N_MM = (500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # where softness may end, fo
 _USUAL_T0_N_MM = 2000.0
 _STIFF = 20.0  # times t0, where all teeth bear: the slope is 1e-17 of what it is at zero
 _SHARE_WIDTH = 2.0  # belief: four times the softness, relative to the spring's own, that is often met
+_LIMITS = Limits(-1.0, np.inf, "a gear cannot be stiffer than rigid")
 _BENT = 0.5  # of t0: a joint whose torque stays below has no bend in its characteristic that could be seen
 _VISIBLE_RAD = 1e-5  # a joint that never deflects by this much shows nothing of its characteristic
 _FEWEST_TOGETHER = 3  # fewer joints are named one by one
@@ -77,7 +78,7 @@ class ComplianceNonlinear:
                 Detail(f"share of {name}", float(value), "1", float(deviation))
                 for name, value, deviation in zip(names, shares, spreads, strict=True)
             ]
-        return Shown(subject, share, "1", spread, sentence, tuple(details))
+        return Shown(subject, share, "1", spread, sentence, tuple(details), _LIMITS)
 
 
 def softening(names: tuple[str, ...], values: FloatArray, joint: int, torque_n_mm: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
 from service.domain.robot import LinkMass, Robot
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from service.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from service.effects.stretched_arm import stretched_rows
 from service.kinematics.chain import Chain, body_gradients
@@ -91,7 +91,7 @@ class LinkBending:
             Detail(f"1/EI of link {_link_of(name)}", float(value), "1/(N*mm2)", float(deviation))
             for name, value, deviation in zip(fitted.names, fitted.values, spreads, strict=True)
         )
-        return Shown(subject, sag, "mm", spread, sentence, details)
+        return Shown(subject, sag, "mm", spread, sentence, details, SPRING)
 
 
 def beams(robot: Robot) -> dict[int, Beam]:

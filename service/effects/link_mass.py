@@ -1,7 +1,15 @@
 """Link mass: a link weighs something else, or elsewhere, than its maker states."""
 
 from service.effects.causes import Candidate, Fitted, Scene, Shown
-from service.effects.loads import WrongMass, mass_specs, mass_terms, stated_mass, unseen_masses, wrong_mass
+from service.effects.loads import (
+    WrongMass,
+    mass_limits,
+    mass_specs,
+    mass_terms,
+    stated_mass,
+    unseen_masses,
+    wrong_mass,
+)
 from service.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 
 NAME = "link_mass"
@@ -61,7 +69,8 @@ class LinkMasses:
             for number, item in wrong.items()
             for detail in item.details(prefix=f"link {number}: " if len(wrong) > 1 else "")
         )
-        return Shown(subject, worst.extra_kg, "kg", worst.extra_spread_kg, sentence, details)
+        limits = mass_limits(stated)
+        return Shown(subject, worst.extra_kg, "kg", worst.extra_spread_kg, sentence, details, limits)
 
 
 def _links(setting: Setting) -> list[int]:

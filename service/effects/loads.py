@@ -12,13 +12,14 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
 from service.domain.robot import LinkMass, Robot
-from service.effects.causes import Fitted, Scene
+from service.effects.causes import Fitted, Limits, Scene
 from service.effects.ports import ParameterSpec, Port, PortKind, Rows, Term
 from service.kinematics.frames import cross
 
 AXES = "xyz"
 CENTRE_WIDTH_MM = 50.0  # belief, also: five times what a drawing is usually off by
 _MASS_SHARE = 0.5  # belief: five times what a weighing or a data sheet is usually off by
+_LARGEST_SHARE = 0.5  # of a stated mass: who weighs or draws a part is not off by more
 _SMALLEST_KG = 1.0  # where no mass is stated
 
 
@@ -46,6 +47,12 @@ def stated_mass(robot: Robot, frame: int) -> LinkMass:
         return LinkMass(frame + 1, 0.0, (0.0, 0.0, 0.0))
     x, y, z = (sum(mass.mass_kg * mass.centre_of_gravity_mm[k] for mass in masses) / total for k in range(3))
     return LinkMass(frame + 1, total, (x, y, z))
+
+
+def mass_limits(stated: LinkMass) -> Limits | None:
+    """Return by how much a mass may differ from what is stated [kg]; None where nothing is."""
+    most_kg = _LARGEST_SHARE * stated.mass_kg
+    return Limits(-most_kg, most_kg, "a mass is not misstated by so much") if most_kg > 0.0 else None
 
 
 def mass_specs(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from service.effects.causes import Candidate, Fitted, Scene, Shown
-from service.effects.loads import mass_specs, mass_terms, stated_mass, unseen_masses, wrong_mass
+from service.effects.loads import mass_limits, mass_specs, mass_terms, stated_mass, unseen_masses, wrong_mass
 from service.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 
 NAME = "payload"
@@ -50,4 +50,12 @@ class Payload:
             f"The tool weighs {abs(wrong.extra_kg):.2f} kg {way} than the {stated.mass_kg:g} kg stated; its "
             f"centre of gravity is {float(np.linalg.norm(wrong.shift_mm)):.0f} mm from where it should be."
         )
-        return Shown(subject, wrong.extra_kg, "kg", wrong.extra_spread_kg, sentence, wrong.details())
+        return Shown(
+            subject,
+            wrong.extra_kg,
+            "kg",
+            wrong.extra_spread_kg,
+            sentence,
+            wrong.details(),
+            mass_limits(stated),
+        )

@@ -8,13 +8,15 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Stops
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import Candidate, Fitted, Limits, Scene, Shown
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "thermal_growth"
 _GROWTH = "growth"
 _REFERENCE_C = 20.0
 _WIDTH_PER_K = 1e-4  # belief: four times what aluminium grows by
+# From carbon fibre, which shrinks a little, to the softer plastics.
+MATERIALS = Limits(-5e-6, 60e-6, "no material of a robot does that")
 _SMALLEST_RANGE_K = 0.5  # over less, a metre of aluminium grows by less than a tracker's noise
 
 
@@ -66,7 +68,7 @@ class ThermalGrowth:
             f"The links {way} with the temperature, by {1e6 * abs(growth):.1f} um per metre and K: "
             f"{over_um:.0f} um from the coldest to the warmest reading, over the length of the arm."
         )
-        return Shown(subject, growth, "1/K", spread, sentence)
+        return Shown(subject, growth, "1/K", spread, sentence, limits=MATERIALS)
 
 
 def warmer_k(stops: Stops) -> FloatArray:

@@ -65,7 +65,8 @@ class Unnamed:
         more = f" It is the largest of {len(cells)} such {kind.shape}s." if len(cells) > 1 else ""
         sentence = kind.sentence(largest.key, Size(abs(first.amplitude), beside), scene)
         details = tuple(detail for cell in cells for detail in cell.details(several=len(cells) > 1))
-        return Shown(subject, first.amplitude, first.unit, first.uncertainty, sentence + more, details)
+        size = first.amplitude, first.unit, first.uncertainty
+        return Shown(subject, *size, sentence + more, details, kind.limits)
 
 
 class _Amplitude(NamedTuple):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Shape
 from service.domain.results import Unit
-from service.effects.causes import Scene
+from service.effects.causes import Limits, Scene
 from service.effects.ports import NOTHING, Need, Port, Rows
 
 _PREFIX = "cell"
@@ -72,6 +72,7 @@ class Kind:
     moves: Callable[[Key, Rows], Moves]
     sentence: Callable[[Key, Size, Scene], str]
     variant_is: tuple[str, str] | None = None  # name and unit of the variant among the details
+    limits: Limits | None = None  # of the amplitude, by physics
     needs: frozenset[Need] = NOTHING  # what a row must tell so that a cell can be predicted there
 
     def subject(self, place: Place) -> str:

@@ -4,7 +4,7 @@ import numpy as np
 
 from service.domain.arrays import FloatArray
 from service.effects.backlash import from_both_sides
-from service.effects.causes import Scene
+from service.effects.causes import SPRING, Limits, Scene
 from service.effects.compliance import known_torque
 from service.effects.names import joint_subject
 from service.effects.ports import Port, PortKind, Rows, motion_port
@@ -15,6 +15,7 @@ from service.kinematics.gravity import gravity_moments
 # Belief: a bearing stands moments across its axis several times better than its gear does those about it.
 _TILT = 1e-6  # rad/(N mm)
 _RUB = 1e-6  # rad/(N mm), belief: friction that holds a joint off as far as its gearbox winds up
+_FRICTION = Limits(0.0, np.inf, "friction cannot push")
 _FIRST_BEARING = 2  # what the first one carries tilts with the base
 _FIRST_TURN = 3  # components 3..5 of a motion
 _SMALLEST_LOAD_N_MM = 1.0
@@ -85,11 +86,11 @@ def _of_rub(key: Key, size: Size, scene: Scene) -> str:
 KINDS = (
     Kind(
         "tilt", "line", (Part("tilt", "rad/(N*mm)", _TILT),), lambda place: f"link {place[0]}",
-        once("load"), _bearings, lambda _scene: STEADY, _tilts, _of_tilt,
+        once("load"), _bearings, lambda _scene: STEADY, _tilts, _of_tilt, limits=SPRING,
     ),
     Kind(
         "rub", "sign", (Part("turn", "rad/(N*mm)", _RUB),), lambda place: joint_subject(place[0] - 1),
         lambda place: f"torque of joint {place[0]}", _rubbing, lambda _scene: STEADY, _rubs, _of_rub,
-        needs=frozenset({"torque", "direction"}),
+        limits=_FRICTION, needs=frozenset({"torque", "direction"}),
     ),
 )  # fmt: skip

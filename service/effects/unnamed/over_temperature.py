@@ -5,7 +5,7 @@ import numpy as np
 from service.effects.causes import Scene
 from service.effects.names import joint_subject
 from service.effects.ports import Need, Port, PortKind, Rows
-from service.effects.thermal_growth import ThermalGrowth, range_k, warmer_k
+from service.effects.thermal_growth import MATERIALS, ThermalGrowth, range_k, warmer_k
 from service.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place, Size, once
 
 _ZERO_RAD_PER_K = np.deg2rad(0.01)  # belief: five times a joint that visibly warms up
@@ -72,6 +72,7 @@ KINDS = (
     ),
     Kind(
         "stretch", "line", (Part("growth", "1/K", _GROWTH_PER_K),), _link,
-        once("temperature"), _links, lambda _scene: STEADY, _link_grows, _of_growth, needs=_NEEDS,
+        once("temperature"), _links, lambda _scene: STEADY, _link_grows, _of_growth,
+        limits=MATERIALS, needs=_NEEDS,
     ),
 )  # fmt: skip

@@ -105,7 +105,7 @@ def _of_joint(place: Place) -> str:
 KINDS = (
     Kind(
         "jump", "jump", (Part("turn", "rad", _ZERO_RAD),), _of_joint, once("time"),
-        _joints, _moments, _zero_jumps, _of_jump, ("time", "s"), _NEEDS,
+        _joints, _moments, _zero_jumps, _of_jump, ("time", "s"), needs=_NEEDS,
     ),
     Kind(
         "drift", "drift", (Part("turn", "rad/h", _ZERO_RAD),), _of_joint, once("time"),
@@ -113,10 +113,10 @@ KINDS = (
     ),
     Kind(
         "slip", "jump", _six(_SLIP_MM, _SLIP_RAD), once("tool"), once("time"),
-        _tool, _moments, _tool_slips, _of_slip, ("time", "s"), _NEEDS,
+        _tool, _moments, _tool_slips, _of_slip, ("time", "s"), needs=_NEEDS,
     ),
     Kind(
         "kick", "jump", _six(_KICK_MM, _KICK_RAD), once("tracker"), once("time"),
-        _tracker, _moments, _tracker_jumps, _of_kick, ("time", "s"), _NEEDS,
+        _tracker, _moments, _tracker_jumps, _of_kick, ("time", "s"), needs=_NEEDS,
     ),
 )  # fmt: skip

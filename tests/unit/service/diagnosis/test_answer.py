@@ -76,6 +76,15 @@ def test_what_was_tried_and_not_found_says_how_large_it_could_still_be(explained
     assert set(unseen) == {None}
 
 
+def test_what_no_material_does_is_likely_at_most_and_says_so():
+    found = diagnose(planted({"thermal_growth": {"growth": -1e-4}}, n=60), START)
+
+    (finding,) = [one for one in found.findings if one.over == "temperature"][:1]
+    assert finding.effect == "thermal_growth"
+    assert finding.confidence is Confidence.LIKELY
+    assert finding.sentence.endswith("; no material of a robot does that: something else acts here.")
+
+
 def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.held_out == "validation"
     assert explained.before.n == explained.after.n == 40
