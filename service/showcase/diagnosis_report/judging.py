@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass, replace
 
 from service.domain.diagnosis import Cause, Diagnosis, Finding, Verdict
+from service.effects.causes import Candidate
+from service.effects.cells import cell_of
+from service.effects.unnamed.cause import NAME as UNNAMED
 from service.showcase.diagnosis_report.planting import Planted
 
 _SAME_ORDER = 0.5  # orders of gears and encoders are whole numbers
@@ -25,7 +28,7 @@ class Outcome:
     verdict: str
     named: tuple[Named, ...]  # in the order of what was planted
     found: tuple[str, ...]
-    wrong: tuple[str, ...]  # findings that answer nothing planted
+    wrong: tuple[str, ...]  # findings that answer nothing planted, nor describe it rightly
     rivals: tuple[str, ...]
     depends_on: tuple[str, ...]
     structure_left: bool
@@ -64,7 +67,9 @@ def judge(diagnosis: Diagnosis, planted: tuple[Planted, ...]) -> Outcome:
         verdict=diagnosis.verdict.value,
         named=tuple(named),
         found=tuple(_said(finding) for finding in diagnosis.findings),
-        wrong=tuple(_said(f) for f in diagnosis.findings if id(f) not in answering),
+        wrong=tuple(
+            _said(f) for f in diagnosis.findings if id(f) not in answering and not _tells(f, planted)
+        ),
         rivals=tuple(f"{rival.effect} ({rival.subject})" for rival in rivals),
         depends_on=tuple(one.variable for one in diagnosis.remaining.depends_on),
         structure_left=diagnosis.remaining.structure,
@@ -87,6 +92,15 @@ def _answers(planted: Planted, findings: tuple[Finding, ...]) -> list[Finding]:
         return named
     same = [finding for finding in named if _has_order(finding, planted.order)]
     return (same or named)[:1]
+
+
+def _tells(finding: Finding, planted: tuple[Planted, ...]) -> bool:
+    """Whether a cause without a name says rightly where something planted acts, or over what."""
+    if finding.effect != UNNAMED:
+        return False
+    causes = (cause for effect in planted for cause in effect.right)
+    cells = [cell_of(Candidate(cause.effect, cause.subject, ())) for cause in causes]
+    return any(finding.where == cell.where or finding.over == cell.over for cell in cells)
 
 
 def _named(planted: Planted, found: list[Finding], rivals: list[Cause]) -> Named:

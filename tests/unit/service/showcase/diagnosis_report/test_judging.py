@@ -117,3 +117,22 @@ def test_a_diagnosis_that_failed_detects_and_names_nothing():
     assert not outcome.detected
     assert not outcome.all_named
     assert outcome.fault
+
+
+@pytest.mark.parametrize(
+    ("where", "over", "wrong"),
+    [
+        ("joint 6", "time", ()),  # the place is right
+        ("link 6", "angle of joint 6", ()),  # what it depends on is
+        ("tool", "time", ("unnamed (tool, time, jump)",)),
+    ],
+)
+def test_a_cause_without_a_name_that_describes_what_was_planted_is_not_wrong(where, over, wrong):
+    cell = make_finding(
+        effect="unnamed", subject=f"{where}, {over}, jump", where=where, over=over, confusable_with=()
+    )
+
+    outcome = judge(explained(cell), (WAVE,))
+
+    assert outcome.wrong == wrong
+    assert outcome.named[0].credit == 0.0  # described, not named
