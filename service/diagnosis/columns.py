@@ -19,9 +19,7 @@ _LARGEST = 3_000_000  # numbers in one chunk of derivatives: what stays near the
 
 def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatArray:
     """Return whitened derivatives of all parameters of the candidates, shape (K, m)."""
-    rows = max(len(block.weights) for block in fit.blocks)
-    size = max(12, _LARGEST // (3 * max(rows, 1)))
-    chunks = [_candidate_chunk(fit, chunk) for chunk in _chunks(candidates, size)]
+    chunks = [_candidate_chunk(fit, chunk) for chunk in _chunks(candidates, _chunk_size(fit))]
     m = len(fit.solution.final.residual)
     return np.concatenate(chunks) if chunks else np.zeros((0, m))
 
@@ -29,32 +27,46 @@ def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatA
 def candidate_motions(fit: RobustFit, candidates: Sequence[Candidate]) -> Iterator[FloatArray]:
     """Yield how each reading of the first block moves per unit of each candidate's parameters, (k, n, d)."""
     block, state = fit.blocks[0], fit.results[0].state
-    for candidate in candidates:
-        acting = candidate_terms(state, candidate.effect, candidate.names, 0)
-        yield trial_derivatives(block.derivatives(tried(state, candidate.specs, acting)), state)
+    for chunk in _chunks(candidates, _chunk_size(fit)):
+        specs = _specs(chunk)
+        motions = trial_derivatives(block.derivatives(tried(state, specs, _terms(state, chunk))), state)
+        yield from np.split(motions, np.cumsum([len(candidate.specs) for candidate in chunk])[:-1])
 
 
-def _chunks(candidates: Sequence[Candidate], size: int) -> list[list[Candidate]]:
-    chunks: list[list[Candidate]] = [[]]
+def _chunks(candidates: Sequence[Candidate], size: int) -> Iterator[list[Candidate]]:
+    """Yield runs of candidates of at most so many parameters, never less than one."""
+    chunk, count = list[Candidate](), 0
     for candidate in candidates:
-        if sum(len(other.specs) for other in chunks[-1]) + len(candidate.specs) > size and chunks[-1]:
-            chunks.append([])
-        chunks[-1].append(candidate)
-    return [chunk for chunk in chunks if chunk]
+        if chunk and count + len(candidate.specs) > size:
+            yield chunk
+            chunk, count = [], 0
+        chunk.append(candidate)
+        count += len(candidate.specs)
+    if chunk:
+        yield chunk
+
+
+def _chunk_size(fit: RobustFit) -> int:
+    rows = max(len(block.weights) for block in fit.blocks)
+    return max(12, _LARGEST // (3 * max(rows, 1)))
 
 
 def _candidate_chunk(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatArray:
-    specs = tuple(spec for candidate in candidates for spec in candidate.specs)
+    return _columns(fit, _specs(candidates), [_terms(result.state, candidates) for result in fit.results])
 
-    def terms(state: State) -> tuple[Term, ...]:
-        found: list[Term] = []
-        first = 0
-        for effect, names in _runs(candidates):
-            found += candidate_terms(state, effect, names, first)
-            first += len(names)
-        return tuple(found)
 
-    return _columns(fit, specs, [terms(result.state) for result in fit.results])
+def _specs(candidates: Sequence[Candidate]) -> tuple[ParameterSpec, ...]:
+    return tuple(spec for candidate in candidates for spec in candidate.specs)
+
+
+def _terms(state: State, candidates: Sequence[Candidate]) -> tuple[Term, ...]:
+    """Return how the parameters of all candidates act, numbered from 0."""
+    found: list[Term] = []
+    first = 0
+    for effect, names in _runs(candidates):
+        found += candidate_terms(state, effect, names, first)
+        first += len(names)
+    return tuple(found)
 
 
 def _runs(candidates: Sequence[Candidate]) -> list[tuple[str, tuple[str, ...]]]:
