@@ -64,7 +64,7 @@ class Unnamed:
         beside = largest.sizes[1].amplitude if len(largest.sizes) > 1 else 0.0
         more = f" It is the largest of {len(cells)} such {kind.shape}s." if len(cells) > 1 else ""
         sentence = kind.sentence(largest.key, Size(abs(first.amplitude), beside), scene)
-        details = tuple(detail for cell in cells for detail in cell.details(several=len(cells) > 1))
+        details = tuple(detail for cell in cells for detail in cell.details(scene, several=len(cells) > 1))
         size = first.amplitude, first.unit, first.uncertainty
         return Shown(subject, *size, sentence + more, details, kind.limits)
 
@@ -84,11 +84,13 @@ class _Cell(NamedTuple):
     key: Key
     sizes: tuple[_Amplitude, ...]
 
-    def details(self, *, several: bool) -> Iterator[Detail]:
+    def details(self, scene: Scene, *, several: bool) -> Iterator[Detail]:
         """Say which variant it is; its size where it is one of several; what it does beside."""
-        which = KINDS[self.key.kind].variant_is
-        if which is not None:
-            yield Detail(which[0], float(self.key.variant), which[1], 0.0)
+        kind = KINDS[self.key.kind]
+        if kind.variant_is is not None:
+            name, unit = kind.variant_is
+            variant = float(self.key.variant)
+            yield Detail(name, variant, unit, kind.variant_known_to(variant, scene))
         if several:
             yield Detail("amplitude", self.sizes[0].amplitude, self.sizes[0].unit, self.sizes[0].uncertainty)
         for size in self.sizes[1:]:

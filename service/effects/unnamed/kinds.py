@@ -58,6 +58,11 @@ class Size(NamedTuple):
     beside: float = 0.0  # of the others
 
 
+def exactly(_variant: float, _scene: Scene) -> float:
+    """Return the uncertainty of what is a whole number."""
+    return 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class Kind:
     """One row of the table."""
@@ -72,6 +77,7 @@ class Kind:
     moves: Callable[[Key, Rows], Moves]
     sentence: Callable[[Key, Size, Scene], str]
     variant_is: tuple[str, str] | None = None  # name and unit of the variant among the details
+    variant_known_to: Callable[[float, Scene], float] = exactly  # standard uncertainty of the variant
     limits: Limits | None = None  # of the amplitude, by physics
     needs: frozenset[Need] = NOTHING  # what a row must tell so that a cell can be predicted there
 

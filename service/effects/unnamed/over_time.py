@@ -5,7 +5,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.results import Unit
 from service.effects.causes import Scene, varied
-from service.effects.jumps import gaps, since, thinned
+from service.effects.jumps import Gap, gaps, since, thinned
 from service.effects.names import joint_subject
 from service.effects.ports import Need, Port, PortKind, Rows, motion_port
 from service.effects.rigid_motion import COMPONENTS
@@ -17,6 +17,7 @@ _SLIP_MM, _SLIP_RAD = 0.5, 5e-3  # belief: five times what a loose seat lets a t
 _KICK_MM, _KICK_RAD = 0.5, 5e-4  # belief: a tripod that was pushed, at a few metres
 _NEEDS: frozenset[Need] = frozenset({"time"})
 _LEAST_POSITIONS, _LEAST_LENGTHS = 4, 12  # on either side of a jump
+_MOST_MOMENTS = 60  # that are tried, evenly chosen: every place tries them all
 
 
 def _six(shift_mm: float, turn_rad: float) -> tuple[Part, ...]:
@@ -24,10 +25,21 @@ def _six(shift_mm: float, turn_rad: float) -> tuple[Part, ...]:
     return tuple(Part(name, *belief) for name, belief in zip(COMPONENTS, units, strict=True))
 
 
-def _moments(scene: Scene) -> Variants:
+def _gaps(scene: Scene) -> tuple[Gap, ...]:
     least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
-    found = gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
-    return [(gap.label, gap.middle_s) for gap in thinned(found)]
+    return thinned(gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least), _MOST_MOMENTS)
+
+
+def _moments(scene: Scene) -> Variants:
+    return [(gap.label, gap.middle_s) for gap in _gaps(scene)]
+
+
+def _moment_known_to(time_s: float, scene: Scene) -> float:
+    """Return the standard uncertainty of a moment: it may lie anywhere between the two tried beside it."""
+    tried = [gap.middle_s for gap in _gaps(scene)]
+    before = max((other for other in tried if other < time_s), default=time_s)
+    after = min((other for other in tried if other > time_s), default=time_s)
+    return (after - before) / 2.0 / float(np.sqrt(12.0))
 
 
 def _joints(scene: Scene) -> list[Place]:
@@ -105,7 +117,7 @@ def _of_joint(place: Place) -> str:
 KINDS = (
     Kind(
         "jump", "jump", (Part("turn", "rad", _ZERO_RAD),), _of_joint, once("time"),
-        _joints, _moments, _zero_jumps, _of_jump, ("time", "s"), needs=_NEEDS,
+        _joints, _moments, _zero_jumps, _of_jump, ("time", "s"), _moment_known_to, needs=_NEEDS,
     ),
     Kind(
         "drift", "drift", (Part("turn", "rad/h", _ZERO_RAD),), _of_joint, once("time"),
@@ -113,10 +125,10 @@ KINDS = (
     ),
     Kind(
         "slip", "jump", _six(_SLIP_MM, _SLIP_RAD), once("tool"), once("time"),
-        _tool, _moments, _tool_slips, _of_slip, ("time", "s"), needs=_NEEDS,
+        _tool, _moments, _tool_slips, _of_slip, ("time", "s"), _moment_known_to, needs=_NEEDS,
     ),
     Kind(
         "kick", "jump", _six(_KICK_MM, _KICK_RAD), once("tracker"), once("time"),
-        _tracker, _moments, _tracker_jumps, _of_kick, ("time", "s"), needs=_NEEDS,
+        _tracker, _moments, _tracker_jumps, _of_kick, ("time", "s"), _moment_known_to, needs=_NEEDS,
     ),
 )  # fmt: skip

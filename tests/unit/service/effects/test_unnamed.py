@@ -179,7 +179,20 @@ def test_a_jump_is_told_with_its_size_and_its_moment():
     )
     assert (told.subject, told.unit) == ("joint 3, time, jump", "deg")
     assert told.amplitude == pytest.approx(-0.010)
-    assert [(detail.name, detail.unit) for detail in told.details] == [("time", "s")]
+    (moment,) = told.details
+    assert (moment.name, moment.value, moment.unit) == ("time", ORIGIN_S + 345.0, "s")
+    assert moment.standard_uncertainty == pytest.approx(30.0 / np.sqrt(12.0))  # readings are 30 s apart
+
+
+def test_of_many_readings_not_every_gap_is_tried_and_the_moment_is_known_less_well():
+    scene = telling_scene(campaign=telling_campaign(200))
+    jumps = [c for c in UNNAMED.candidates(scene) if c.subject == "joint 3, time, jump"]
+
+    fitted = Fitted(jumps[20].names, np.array([1e-4]), np.array([[1e-12]]))
+    (moment,) = UNNAMED.shown(jumps[20].subject, fitted, scene).details
+
+    assert len(jumps) <= 60
+    assert moment.standard_uncertainty == pytest.approx(4 * 30.0 / np.sqrt(12.0))  # every fourth gap
 
 
 def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
