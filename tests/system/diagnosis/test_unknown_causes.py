@@ -37,7 +37,8 @@ def test_a_cause_left_out_of_the_library_gets_no_undoubted_name(hidden, diagnose
 def test_what_nothing_explains_is_said_with_what_it_depends_on(part, variable, diagnosed):
     (hidden,) = (one for one in REALISTIC if part in one.label)
     trial = trial_of((hidden,), 100, seed=72)
-    every = ("joint_harmonics", "joint_gain", "joint_coupling", "base_drift", "base_shift", "backlash")
+    named = ("joint_harmonics", "joint_gain", "joint_coupling", "base_drift", "base_shift", "backlash")
+    every = (*named, "unnamed")
 
     diagnosis, outcome = diagnosed(replace(trial, without=every))
 
@@ -49,7 +50,9 @@ def test_a_smooth_curve_shows_what_nothing_explains(diagnosed):
     (hidden,) = (one for one in REALISTIC if "order 2" in one.label and "joint 1" in one.label)
     trial = trial_of((hidden,), 100, seed=72, factor=2.0)
 
-    diagnosis, _ = diagnosed(replace(trial, without=("joint_harmonics", "joint_gain", "joint_coupling")))
+    diagnosis, _ = diagnosed(
+        replace(trial, without=("joint_harmonics", "joint_gain", "joint_coupling", "unnamed"))
+    )
 
     (curve,) = (one.curve for one in diagnosis.remaining.depends_on if one.variable == "angle of joint 1")
     assert (curve.variable_unit, curve.quantity_unit) == ("deg", "deg")
