@@ -14,6 +14,7 @@ from service.diagnosis.selection import Selected
 from service.domain.diagnosis import Cause
 from service.effects.causes import Candidate
 from service.effects.cells import Cell, cell_of
+from service.effects.unnamed.cause import NAME as UNNAMED
 
 # In BIC. Odds of e^4 between two names is what one may defend (R. E. Kass, A. E. Raftery, J. American
 # Statistical Association 90, 1995, 773-795, call 6 to 10 strong). The shape of a slow curve is a formula that
@@ -77,6 +78,8 @@ def _differ_in_shape(pick: Candidate, other: Candidate) -> bool:
     one, another = cell_of(pick), cell_of(other)
     if {one.over, another.over} <= _RUN_TOGETHER:
         return one.shape != another.shape and not {one.shape, another.shape} <= _SLOW
+    if UNNAMED in (pick.effect, other.effect) and one.over == another.over:
+        return False  # the same place and the same variable: whichever shape is told, these are right
     angles = all(cell.over.startswith("angle") for cell in (one, another))
     return angles and one.where == another.where and _is_slow(pick, one) and _is_slow(other, another)
 

@@ -90,3 +90,13 @@ def test_a_named_cause_has_a_rival_in_a_cell_without_a_name_that_explains_as_muc
 
     assert rivals_of(start, pick, jump).rivals == (Cause(*jump[:2]),)
     assert rivals_of(start, jump, pick).rivals == ()
+
+
+def test_the_same_place_and_variable_in_a_shape_without_a_name_is_a_rival_by_the_usual_margin_only():
+    # a wave of the angle of joint 5 is 14 in BIC behind this coupling: between the two margins
+    start = make_start({"joint_coupling": {"coupling_6_5": 4e-4}})
+    wave = ("unnamed", "joint 6, angle of joint 5, wave", "cell_cross_6-5_1_sin")
+
+    found = rivals_of(start, ("joint_coupling", "joint 6", "coupling_6_5"), wave)
+
+    assert found.rivals == ()
