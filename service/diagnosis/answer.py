@@ -18,7 +18,7 @@ from service.diagnosis.remaining import Prepared, prepared_families
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import Propose, Selected, reselected
+from service.diagnosis.selection import Propose, Selected, reselected, select
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import worth_of
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
@@ -39,6 +39,7 @@ from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.cells import cell_of
 from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
+from service.effects.unnamed.cause import NAME as UNNAMED
 from service.identification.considered import considered
 from service.identification.distributions import chi2_median
 from service.identification.identify import nominal_fit
@@ -90,6 +91,8 @@ def answered(
         withdrawn += tuple(_withdrawal(start, tested, index) for index in useless)
         refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
         kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
+        if not kept and any(groups[index][1][0].effect == UNNAMED for index in useless):
+            kept = _names_alone(start, propose)
         selected = reselected(start.fit, tested.selected, kept, propose)
         tested = _tested(start, selected, judging, without, refuted)
     tell(0.85, "putting it into words")
@@ -100,6 +103,15 @@ def answered(
     )
     scene = scene_of(start.problem, tested.selected.fit)
     return _told(_Answer(start, replace(tested, left=left), scene), withdrawn, without)
+
+
+def _names_alone(start: Start, propose: Propose) -> tuple[Candidate, ...]:
+    """Return what is found among causes with a name: a cell that does not help had stood in its place."""
+
+    def named(fit: RobustFit) -> tuple[Candidate, ...]:
+        return tuple(candidate for candidate in propose(fit) if candidate.effect != UNNAMED)
+
+    return select(start.fit, named, lambda _share: None).picks
 
 
 def _tested(
