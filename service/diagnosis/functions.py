@@ -40,8 +40,8 @@ class Function:
 _NOTHING = Function(0.0, -np.inf, 0.0, 0.0)
 
 
-def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums) -> Function:
-    """Fit a random function by maximum likelihood.
+def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums, widest: float = np.inf) -> Function:
+    """Fit a random function by maximum likelihood, no larger than physics allows.
 
     Parameters
     ----------
@@ -51,6 +51,8 @@ def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums) -> Function:
         Their products with the residuals.
     sums : Sums
         Of these residuals.
+    widest : float
+        What the width of its scaled parameters may be at most.
     """
     sizes, axes = np.linalg.eigh(gram)
     seen = sizes > _SEEN * max(float(sizes.max(initial=0.0)), 1e-300)
@@ -64,10 +66,9 @@ def most_likely(gram: FloatArray, towards: FloatArray, sums: Sums) -> Function:
     left = sums.residual_square - explained
     gain = sums.degrees / sums.alike * np.log(sums.residual_square / left)
     gain -= np.log1p(ratios * sizes).sum(axis=1)
-    best = int(np.argmax(gain))
-    variance = float(left[best]) / max(sums.degrees, 1.0)
-    width = float(np.sqrt(ratios[best, 0] * variance))
-    return Function(width, float(gain[best]), float(explained[best]), float(shrunk[best].sum()))
+    widths = np.sqrt(ratios[:, 0] * left / max(sums.degrees, 1.0))
+    best = int(np.argmax(np.where(widths <= widest, gain, -np.inf)))
+    return Function(float(widths[best]), float(gain[best]), float(explained[best]), float(shrunk[best].sum()))
 
 
 def chance(gram: FloatArray, towards: FloatArray, sums: Sums) -> float:

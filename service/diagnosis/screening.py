@@ -73,7 +73,8 @@ class Pool:
         """Return the candidates as they stand beside the fit, as if `without` had not been fitted."""
         past = self.normal.past(without)
         absorbed = past.absorbed(self.products)
-        return View(self, past.sums, absorbed, past.towards(self.products, absorbed))
+        fitted = frozenset(self.fit.structure.names).difference(without)
+        return View(self, past.sums, absorbed, past.towards(self.products, absorbed), fitted)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +85,7 @@ class View:
     sums: Sums
     absorbed: FloatArray  # (K, q)
     towards: FloatArray  # (K,) products with the residuals
+    fitted: frozenset[str]  # parameters past which it is looked
 
     def with_pick(self, index: int, footing: Footing) -> tuple["View", Footing]:
         """Return view and footing once a candidate is fitted too."""
@@ -92,7 +94,8 @@ class View:
         towards = self.towards - products @ (new.T @ footing.residual)
         extended = footing.extended(new)
         sums = replace(self.sums, residual_square=extended.residual_square, degrees=extended.degrees)
-        return View(self.pool, sums, np.hstack([self.absorbed, products]), towards), extended
+        view = View(self.pool, sums, np.hstack([self.absorbed, products]), towards, self.fitted)
+        return view, extended
 
 
 def pooled(fit: RobustFit, candidates: Sequence[Candidate]) -> Pool:
@@ -140,8 +143,10 @@ def screen(view: View) -> Screened:
     screened = _screened(view)
     tried, shares = _tried(view.pool.all), _shares(view.pool.all)
     for index in view.pool.functions:
+        if not view.fitted.isdisjoint(view.pool.all[index].names):
+            continue  # what its prior holds back of a fitted function is no function once more
         gram, towards = _of_function(view, index)
-        found = most_likely(gram, towards, view.sums)
+        found = most_likely(gram, towards, view.sums, widest=1.0)
         screened.explained[index], screened.size[index] = found.explained, found.size
         screened.width[index] = found.width
         screened.score[index] = found.gain - 2.0 * np.log(tried[index])

@@ -163,10 +163,13 @@ def reselected(
     start: RobustFit, selected: Selected, kept: tuple[Candidate, ...], propose: Propose
 ) -> Selected:
     """Return the selection with some of its picks only, as far as they are worth it, fitted again."""
+    resized = 0
     while True:
         fit = refitted(start, selected.fit, kept) if kept else start
         pool = pooled(fit, (*kept, *propose(fit)))
         worth = tuple(_worth(kept, pool))
-        if worth == kept:
+        settled_down = resized == _MOST_REFITS or not _differ(worth, kept)
+        if len(worth) == len(kept) and settled_down:
             return Selected(fit, kept, pool, selected.full)
+        resized += len(worth) == len(kept)
         kept = worth

@@ -49,7 +49,7 @@ class Candidate(NamedTuple):
 
     The parameters of a `function` are those of one random function: each is small, there may be more of them
     than readings, and how large they are together is told by the data; their prior widths tell how they
-    compare among each other.
+    compare among each other, and how large they are at most.
     """
 
     effect: str

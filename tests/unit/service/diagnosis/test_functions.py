@@ -67,3 +67,14 @@ def test_columns_that_see_nothing_are_nothing():
     sums = Sums(10.0, 9.0, 9.0, 1.0)
 
     assert most_likely(np.zeros((3, 3)), np.zeros(3), sums).gain == -np.inf
+
+
+def test_a_function_is_no_larger_than_physics_allows():
+    columns, residual = drawn(3, 1.0)
+    sums = Sums(float(residual @ residual), float(len(residual)), float(len(residual)), 1.0)
+    gram, towards = columns @ columns.T, columns @ residual
+
+    free, held = most_likely(gram, towards, sums), most_likely(gram, towards, sums, widest=0.5)
+
+    assert free.width > 0.5 >= held.width > 0.3
+    assert held.gain < free.gain

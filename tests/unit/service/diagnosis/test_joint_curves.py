@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import diagnose
+from service.diagnosis.scene import scene_of
+from service.diagnosis.selection import reselected, select
+from service.diagnosis.start import started
+from service.effects.registry import CAUSES
 from tests.scenes import START, telling_campaign
 from tests.selections import planted
 
@@ -65,3 +69,18 @@ def test_a_few_waves_are_told_one_by_one():
 
     assert {len(finding.parameters) for finding in found.findings} == {2}
     assert {finding.subject for finding in found.findings} == {"joint 1"}
+
+
+def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time():
+    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006), n=120)
+    start = started(measured, START, relabel=False)
+
+    def propose(fit):
+        return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
+
+    selected = select(start.fit, propose, lambda _share: None)
+    assert selected.picks[0].function
+
+    again = reselected(start.fit, selected, selected.picks, propose)
+
+    assert again.picks[0].names == selected.picks[0].names
