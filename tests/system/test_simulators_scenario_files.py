@@ -25,6 +25,7 @@ def write(tmp_path):
 def test_the_shipped_scenarios_are_there():
     assert shipped_scenarios() == [
         "irb120-clean",
+        "irb120-curves",
         "irb120-everyday",
         "irb120-thesis",
         "irb120-tilted",
@@ -135,7 +136,7 @@ def test_a_scenario_that_extends_itself_is_refused(write, tmp_path):
 
 
 def test_an_unknown_name_is_answered_with_the_shipped_ones():
-    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-everyday"):
+    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-curves"):
         load_scenario("irb6600")
 
 
