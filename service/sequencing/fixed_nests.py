@@ -1,5 +1,6 @@
 """The fixed nests: finding them, placing the tracker in the world with them, watching them."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -21,6 +22,7 @@ from service.sequencing.tracking import WatchfulTracker, standard_uncertainty_mm
 # A nest that was pushed in the plane of the nests leaves about a third of it as residual: the rigid
 # motion takes up the rest.
 _SHARE_LEFT_IN_RESIDUALS: Final = 1.0 / 3.0
+_BEYOND_NOISE: Final = 3.0  # times the stated uncertainty of a mean: less is no motion of a nest
 
 
 class FixedNests:
@@ -162,9 +164,10 @@ class FixedNests:
         return np.array([stated_covariance_mm2(reading) for reading in self._taken[fixed_nest, 1]])
 
     def check_references(self) -> None:
-        """Raise AttentionNeededError where a fixed nest is off by more than the limit."""
+        """Raise AttentionNeededError where a fixed nest is off by more than limit and readings explain."""
         off_mm = {nest: self._off_mm(nest) for nest, _ in self._taken}
-        limit_mm = self._plan.reference_limit_mm
+        noise_mm = max((self._noise_mm(nest) for nest in off_mm), default=0.0)
+        limit_mm = max(self._plan.reference_limit_mm, _BEYOND_NOISE * noise_mm)
         moved = [nest for nest, off in off_mm.items() if not off <= limit_mm]
         if not moved:
             return
@@ -178,3 +181,9 @@ class FixedNests:
     def _off_mm(self, fixed_nest: int) -> float:
         points = to_world(self.registration, self._points(fixed_nest, 1))
         return float(np.linalg.norm(points.mean(axis=0) - self._certified[fixed_nest - 1]))
+
+    def _noise_mm(self, fixed_nest: int) -> float:
+        """Return what the readings of a nest say of the uncertainty of their mean; 0 where nothing."""
+        stated = self._stated(fixed_nest)
+        noise_mm = float(np.sqrt(np.trace(stated.mean(axis=0)) / len(stated)))
+        return noise_mm if math.isfinite(noise_mm) else 0.0

@@ -543,6 +543,23 @@ async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_an
     assert last.position_world_mm == pytest.approx(true, abs=1e-8)
 
 
+async def test_a_fixed_nest_off_by_no_more_than_its_readings_scatter_has_not_moved():
+    cell = FakeCell()
+    cell.tracker.stated_mm = 0.11  # per coordinate: 0.3 mm is less than three times 0.19
+    operator = PatientOperator()
+    point_taken = cell.journal.point_taken
+
+    async def bump_the_tracker(point):
+        if point.config == 10:
+            cell.tracker.at = cell.tracker.at + np.array([0.0, 0.3, 0.0])
+        return await point_taken(point)
+
+    cell.journal.point_taken = bump_the_tracker
+
+    assert await run_session(cell, make_plan(12), operator) is SessionState.FINISHED
+    assert len(operator.questions) == 1
+
+
 async def test_a_reading_of_another_reflector_is_never_stored():
     cell = FakeCell()
     cell.tracker.arm_error_mm = np.array([9.0, 9.0, 0.0])  # 12.7 mm off, found only by a wide search
