@@ -7,7 +7,7 @@ from service.effects.registry import CAUSES
 from service.identification.problem import build
 from tests.scenes import telling_campaign
 
-SEARCHED = ("base_shift", "fixture_shift", "label_swap", "outliers")
+SEARCHED = ("base_shift", "fixture_shift", "label_swap", "outliers", "unnamed")
 
 
 @pytest.mark.parametrize("effect", SEARCHED)
