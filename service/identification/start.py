@@ -13,7 +13,7 @@ from service.identification.structure import Structure
 from service.kinematics.frames import angles_xyz
 
 # What these are like only a search in the data tells: a time, a pair of nests, single readings.
-_FOUND_BY_SEARCH = frozenset({"base_shift", "fixture_shift", "label_swap", "outliers"})
+_FOUND_BY_SEARCH = frozenset({"base_shift", "fixture_shift", "label_swap", "outliers", "unnamed"})
 _GIMBAL_RAD = np.deg2rad(80.0)  # beyond it the angles RotX RotY RotZ about the start lose their meaning
 
 
