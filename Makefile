@@ -18,11 +18,11 @@ demo: setup
 	$(BIN)/truepose demo --out out/demo
 
 # A file of tests at a time, so that what a module sets up is set up once; in the order of the folders, so that
-# the long files (browser, system) do not come last, when there is nothing left to do beside them. Three processes
-# on two cores: those files wait for pages and wires. One thread of linear algebra each: the matrices are small,
-# and two threads wait for each other on busy cores.
+# the long files (browser, system) do not come last, when there is nothing left to do beside them. Two processes on
+# two cores: with three, tests that look for free ports met each other. One thread of linear algebra each: the
+# matrices are small, and two threads wait for each other on busy cores.
 test: setup
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 3 --dist loadfile \
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile \
 	  --no-loadscope-reorder
 
 check: setup
