@@ -143,10 +143,11 @@ def screen(view: View) -> Screened:
     screened = _screened(view)
     tried, shares = _tried(view.pool.all), _shares(view.pool.all)
     for index in view.pool.functions:
-        if not view.fitted.isdisjoint(view.pool.all[index].names):
+        candidate = view.pool.all[index]
+        if not view.fitted.isdisjoint(candidate.names):
             continue  # what its prior holds back of a fitted function is no function once more
         gram, towards = _of_function(view, index)
-        found = most_likely(gram, towards, view.sums, widest=1.0)
+        found = most_likely(gram, towards, view.sums, widest=1.0 / candidate.size)
         screened.explained[index], screened.size[index] = found.explained, found.size
         screened.width[index] = found.width
         screened.score[index] = found.gain - 2.0 * np.log(tried[index])

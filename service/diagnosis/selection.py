@@ -17,7 +17,7 @@ from service.identification.robust import RobustFit, settled
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6  # each may add several picks; one or two are usual
 _ROUNDS = 3  # of decisions about gross readings and discrepancy at each refit, from those before
-_RESIZED = 0.1  # logarithm of the size of a function: less moves no prediction
+_RESIZED = 0.2  # logarithm of the size of a function: a step of the grid on which it is searched
 _READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
 
 
@@ -73,14 +73,12 @@ def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
     """Whether some picks went, or are functions of clearly another size now."""
     if len(kept) < len(picks):
         return True
-    sizes = [
-        one.specs[0].prior_width / other.specs[0].prior_width for one, other in zip(kept, picks, strict=True)
-    ]
+    sizes = [one.size / other.size for one, other in zip(kept, picks, strict=True)]
     return bool(np.abs(np.log(sizes)).max(initial=0.0) > _RESIZED)
 
 
 def _same_as(one: Candidate, other: Candidate) -> bool:
-    return one._replace(specs=()) == other._replace(specs=()) and one.names == other.names
+    return (one.effect, one.subject, one.names) == (other.effect, other.subject, other.names)
 
 
 def _picked(pool: Pool) -> tuple[list[Candidate], bool]:

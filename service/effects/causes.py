@@ -57,6 +57,7 @@ class Candidate(NamedTuple):
     specs: tuple[ParameterSpec, ...]
     variant: float = 0.0  # what was searched over: an order, a time; 0 where nothing was
     function: bool = False
+    size: float = 1.0  # of a function: its prior widths over those that it was proposed with
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,7 +67,7 @@ class Candidate(NamedTuple):
     def sized(self, factor: float) -> "Candidate":
         """Return it with all prior widths multiplied."""
         specs = tuple(spec._replace(prior_width=factor * spec.prior_width) for spec in self.specs)
-        return self._replace(specs=specs)
+        return self._replace(specs=specs, size=factor * self.size)
 
 
 class Limits(NamedTuple):

@@ -5,6 +5,7 @@ import pytest
 
 from service.diagnosis.diagnose import diagnose
 from service.diagnosis.scene import scene_of
+from service.diagnosis.screening import pooled, screen
 from service.diagnosis.selection import reselected, select
 from service.diagnosis.start import started
 from service.effects.registry import CAUSES
@@ -84,3 +85,14 @@ def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time
     again = reselected(start.fit, selected, selected.picks, propose)
 
     assert again.picks[0].names == selected.picks[0].names
+
+
+def test_a_curve_that_was_sized_may_still_grow_to_what_physics_allows():
+    measured, _ = campaigns(lines(1, 25, seed=2, size_deg=0.006))
+    start = started(measured, START, relabel=False)
+    proposed = CAUSES["joint_harmonics"].candidates(scene_of(start.problem, start.fit))
+    curve = next(one for one in proposed if one.function and one.subject == "joint 1")
+
+    wide, small = (screen(pooled(start.fit, (one,)).view()).width[0] for one in (curve, curve.sized(0.01)))
+
+    assert 0.01 * small == pytest.approx(wide, rel=0.25)  # a step of the grid

@@ -520,17 +520,22 @@ async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
     assert await runner.run() is SessionState.ABORTED
 
 
-async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_anew():
-    cell = FakeCell()
-    operator = PatientOperator()
+def bump_the_tracker(cell):
+    """Have the tracker be pushed by 0.3 mm after the tenth configuration."""
     point_taken = cell.journal.point_taken
 
-    async def bump_the_tracker(point):
+    async def push(point):
         if point.config == 10:
             cell.tracker.at = cell.tracker.at + np.array([0.0, 0.3, 0.0])
         return await point_taken(point)
 
-    cell.journal.point_taken = bump_the_tracker
+    cell.journal.point_taken = push
+
+
+async def test_a_fixed_nest_that_moved_pauses_and_resuming_places_the_tracker_anew():
+    cell = FakeCell()
+    operator = PatientOperator()
+    bump_the_tracker(cell)
 
     ended = await run_session(cell, make_plan(12), operator)
 
@@ -547,14 +552,7 @@ async def test_a_fixed_nest_off_by_no_more_than_its_readings_scatter_has_not_mov
     cell = FakeCell()
     cell.tracker.stated_mm = 0.11  # per coordinate: 0.3 mm is less than three times 0.19
     operator = PatientOperator()
-    point_taken = cell.journal.point_taken
-
-    async def bump_the_tracker(point):
-        if point.config == 10:
-            cell.tracker.at = cell.tracker.at + np.array([0.0, 0.3, 0.0])
-        return await point_taken(point)
-
-    cell.journal.point_taken = bump_the_tracker
+    bump_the_tracker(cell)
 
     assert await run_session(cell, make_plan(12), operator) is SessionState.FINISHED
     assert len(operator.questions) == 1
