@@ -60,8 +60,10 @@ class Guard:
                 await self._verify()
             except OSError as error:  # no process can be had now; the next time it may
                 _LOG.warning("the database was not looked through: %s", error)
+            # not wait_for: before Python 3.12 it drops a cancellation that comes together with the doubt
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._doubt.wait(), _AGAIN_S)
+                async with asyncio.timeout(_AGAIN_S):
+                    await self._doubt.wait()
 
     async def check_seal(self) -> None:
         """Compare the file with how it was left; until then nothing is taken over from the log into it."""

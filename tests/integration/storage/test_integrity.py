@@ -119,6 +119,21 @@ async def test_what_is_changed_while_the_service_runs_is_found(database, script)
     assert database.condition.integrity == "damaged"
 
 
+async def test_a_doubt_that_comes_with_the_end_does_not_outlive_it(database):
+    await fill(database)
+    guard = Guard(database, 0.0)
+    guarding = asyncio.create_task(guard.follow())
+    await whole(database)
+    await asyncio.sleep(0.05)
+
+    guarding.cancel()
+    guard._doubt.set()
+    async with asyncio.timeout(10):
+        await asyncio.gather(guarding, return_exceptions=True)
+
+    assert guarding.cancelled()
+
+
 async def whole(database):
     async with asyncio.timeout(60):
         while database.condition.integrity != "whole":
