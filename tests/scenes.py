@@ -33,6 +33,7 @@ def telling_campaign(n=24, robot=IRB_120, seed=5, joints_rad=None, **changes):
         time_s=ORIGIN_S + _CADENCE_S * np.arange(n),
         temperature_c=23.0 + 3.0 * np.sin(0.3 * np.arange(n)),
         attachment=1 + np.arange(n) * 4 // n,
+        move_rad=np.diff(campaign.calibration.stops.joints_rad, axis=0, prepend=np.nan),
     )
     looks = np.arange(6 * 3)
     reference = FixedNestReadings(

@@ -34,6 +34,9 @@ REMOUNT: Final = (
 )
 ALL_NESTS: Final = "Read every nest of the tool in the same configurations"
 AT_THE_END: Final = "Measure the first configurations again at the end"
+IN_ANOTHER_ORDER: Final = (
+    "Measure the same configurations again in another order, so that each is reached from elsewhere"
+)
 WARM_AND_COLD: Final = (
     "Measure these configurations again once the robot has warmed up, and again when it has cooled down"
 )
@@ -61,6 +64,7 @@ _ACTIONS: Final = (
     Action(frozenset({"tool_reseating"}), REMOUNT, again=True),
     Action(frozenset({"nest_offset"}), ALL_NESTS),
     Action(frozenset({"backlash", "sign"}), BOTH_SIDES),
+    Action(frozenset({"last move"}), IN_ANOTHER_ORDER),
     Action(frozenset({"thermal_growth", "temperature"}), WARM_AND_COLD, again=True),
     Action(frozenset({"base_drift", "base_shift", "time"}), AT_THE_END, again=True),
 )

@@ -9,6 +9,7 @@ from service.diagnosis.selection import select
 from service.diagnosis.start import started
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Diagnosis
+from service.domain.last_moves import with_last_moves
 from service.effects.causes import Candidate, Scene
 from service.effects.registry import CAUSES
 from service.identification.reach import within_reach
@@ -48,7 +49,7 @@ def diagnose(
     """
     tell = progress or _silent
     tell(0.02, "fitting the present model")
-    reached = within_reach(campaign)
+    reached = within_reach(with_last_moves(campaign))
     start = started(reached.campaign, effects, relabel="label_swap" not in without)
     if isinstance(start, str):
         return unanswerable(campaign, effects or (), start)

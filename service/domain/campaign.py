@@ -23,6 +23,7 @@ class Stops:
     torque_n_mm: FloatArray | None = None  # (n, J) measured joint torques
     group: IntArray | None = None  # (n,) rows measured in one go
     repeat_of: IntArray | None = None  # (n,) an earlier configuration with the same joints, -1 for none
+    move_rad: FloatArray | None = None  # (n, J) how far each joint came from the stop before
 
     def __len__(self) -> int:
         return int(self.config.size)

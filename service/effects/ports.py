@@ -93,7 +93,7 @@ class Rows(NamedTuple):
     instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
 
 
-Need = Literal["torque", "direction", "time", "temperature", "attachment", "initialisation"]
+Need = Literal["torque", "direction", "move", "time", "temperature", "attachment", "initialisation"]
 NOTHING: frozenset[Need] = frozenset()
 
 

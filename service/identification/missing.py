@@ -2,8 +2,8 @@
 
 What the effect would have done is unknown, but not how much it usually does: the prediction is made again
 with everything that the row might have said (times over the campaign, temperatures within its range, every
-direction of approach, every mounting that the model knows), and the root mean square of what that changes
-is added to the uncertainty.
+direction of approach, moves of the usual size either way, every mounting that the model knows), and the root
+mean square of what that changes is added to the uncertainty.
 """
 
 from collections.abc import Iterator
@@ -14,6 +14,7 @@ from scipy.linalg import hadamard
 
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.campaign import Stops
+from service.domain.robot import Robot
 from service.effects.ports import Need
 from service.effects.registry import needs_of
 from service.identification.evaluation import Targets, evaluate
@@ -24,9 +25,11 @@ _COLUMNS: dict[Need, str] = {
     "time": "time_s",
     "temperature": "temperature_C",
     "direction": "dir1..",
+    "move": "the stop before (time_s of all rows)",
     "attachment": "an attachment that the model was made with",
     "initialisation": "an init that the model was made with",
 }
+_ANY_RANGE_RAD = np.pi  # of joints whose ranges are not stated
 _STEPS = 8  # times and temperatures that stand for the whole of their range
 _LENGTHS_ONLY = frozenset({"ballbar_zero", "fixture_shift"})  # effects that positions do not know of
 
@@ -135,6 +138,8 @@ def _lacking(structure: Structure, effect: str, need: Need, targets: Targets) ->
     match need:
         case "direction" if stops.direction is not None:
             return np.asarray((stops.direction[:, joints] == 0).any(axis=1))
+        case "move" if stops.move_rad is not None:
+            return np.asarray(~np.isfinite(stops.move_rad[:, joints]).all(axis=1))
         case "time" if stops.time_s is not None:
             return np.asarray(~np.isfinite(stops.time_s))
         case "temperature" if stops.temperature_c is not None:
@@ -181,9 +186,21 @@ def _imagined(
         case "direction":
             for signs in _signs(structure.robot.n_joints):
                 yield replace(stops, direction=np.tile(signs, (len(stops), 1)))
+        case "move":
+            for signs in _signs(structure.robot.n_joints):
+                yield replace(
+                    stops, move_rad=np.tile(_usual_move_rad(structure.robot) * signs, (len(stops), 1))
+                )
         case "attachment":
             for number in sorted({n for effect in effects for n in _numbers(structure.names_of(effect))}):
                 yield replace(stops, attachment=np.full(len(stops), number))
+
+
+def _usual_move_rad(robot: Robot) -> FloatArray:
+    """Return the root mean square of moves between configurations drawn from the ranges, shape (J,)."""
+    width = [limit.upper_rad - limit.lower_rad for limit in robot.calibration_ranges or ()]
+    usual: FloatArray = np.array(width or [_ANY_RANGE_RAD] * robot.n_joints) / np.sqrt(6.0)
+    return usual
 
 
 def _signs(joints: int) -> IntArray:

@@ -7,6 +7,7 @@ import numpy as np
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import LegReadings, Stops
 from service.domain.errors import ConfigurationError
+from service.domain.last_moves import told_moves
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.effects.ports import ParameterSpec
 from service.identification.derivatives import position_jacobian
@@ -79,7 +80,7 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
         Another number of joints, an unknown nest, or measured torques that the model needs are missing.
     """
     _check(model, stops, nest)
-    structure, values, targets = structure_of(model), values_of(model), Targets(stops, nest)
+    structure, values, targets = structure_of(model), values_of(model), Targets(told_moves(stops), nest)
     state = evaluate(structure, values, targets)
     jacobian = position_jacobian(state)
     variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
@@ -91,12 +92,12 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
 
 def unpredictable(model: Model, stops: Stops) -> tuple[str, ...]:
     """Return one sentence for every effect whose part in the positions some rows do not tell enough about."""
-    return left_out(structure_of(model), Targets(stops, np.ones(len(stops), dtype=np.int64)))
+    return left_out(structure_of(model), Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
 
 
 def unpredictable_lengths(model: Model, legs: LegReadings) -> tuple[str, ...]:
     """Return one sentence for every effect whose part in the lengths some rows do not tell enough about."""
-    return left_out(structure_of(model), leg_targets(legs))
+    return left_out(structure_of(model), _leg_targets(legs))
 
 
 def predict_nominal(model: Model, stops: Stops, nest: IntArray) -> FloatArray:
@@ -143,9 +144,13 @@ def predict_lengths(model: Model, legs: LegReadings, *, nominal: bool = False) -
     values = np.zeros(0) if nominal else values_of(model)
     offset = model.nominal_leg_offset_mm if nominal else _identified_offset(model)
     feet = _feet(model.nominal_anchors if nominal else identified_anchors(model), legs)
-    state = evaluate(structure, values, leg_targets(legs))
+    state = evaluate(structure, values, _leg_targets(legs))
     arm = state.position_mm - moved_feet(state, feet)
     return np.asarray(np.linalg.norm(arm, axis=1) + offset + excess_mm(state))
+
+
+def _leg_targets(legs: LegReadings) -> Targets:
+    return leg_targets(replace(legs, stops=told_moves(legs.stops)))
 
 
 def _feet(anchors: tuple[Anchor, ...], legs: LegReadings) -> FloatArray:

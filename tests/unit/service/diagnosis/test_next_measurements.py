@@ -174,6 +174,7 @@ def test_every_pair_of_causes_gets_an_action_or_configurations():
         ("link 2, temperature, line", "warmed up"),
         ("joint 3, torque of joint 3, sign", "from below"),
         ("tracker, time, jump", "fixed nests"),
+        ("joint 2, last move, line", "in another order"),
     ],
 )
 def test_a_cause_without_a_name_gets_the_action_of_its_variable(subject, said):

@@ -15,8 +15,8 @@ WHERE = re.compile(
     r"joint \d+|joints|link \d+|links|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
 )
 OVER = re.compile(
-    r"angle of joint \d+|angles of joints \d+ and \d+|torque of (joint \d+|joints)|load|direction|time"
-    r"|temperature|mounting|azimuth|elevation|range|constant"
+    r"angle of joint \d+|angles of joints \d+ and \d+|torque of (joint \d+|joints)|load|direction|last move"
+    r"|time|temperature|mounting|azimuth|elevation|range|constant"
 )
 
 

@@ -85,6 +85,7 @@ def test_what_the_model_has_is_no_candidate():
         ("time_s", {"jump", "drift", "slip", "kick"}),
         ("temperature_c", {"warm", "stretch"}),
         ("direction", {"rub"}),
+        ("move_rad", {"lag"}),
     ],
 )
 def test_a_cell_is_not_looked_for_where_readings_do_not_tell_what_it_depends_on(column, lost):
@@ -117,9 +118,31 @@ def test_joints_that_hardly_turn_show_no_waves():
     assert not kinds_of(UNNAMED.candidates(still)) & {"wobble", "cross", "along", "pair"}
 
 
+def test_joints_that_hardly_move_between_stops_show_no_lag():
+    scene = telling_scene()
+    creeping = replace(scene.stops, move_rad=0.01 * np.ones((24, 6)))
+
+    assert "lag" not in kinds_of(UNNAMED.candidates(replace(scene, stops=creeping)))
+
+
+def test_a_joint_that_lags_stays_behind_by_a_share_of_its_move():
+    specs = [spec for c in UNNAMED.candidates(telling_scene()) for spec in c.specs if "lag_2" in spec.name]
+    stops = telling_campaign().calibration.stops
+    behind = stops.joints_rad.copy()
+    behind[1:, 1] -= 1e-4 * np.diff(stops.joints_rad[:, 1])
+
+    lagging = state_with(specs, np.array([1e-4]))
+
+    problem = usual_problem()
+    held = replace(problem.blocks[0].targets, stops=replace(stops, joints_rad=behind))
+    assert lagging.position_mm == pytest.approx(
+        evaluate(problem.structure, problem.start, held).position_mm, abs=1e-6
+    )
+
+
 def test_a_row_that_tells_nothing_leaves_every_cell_but_those_of_angles_and_loads_at_rest():
     state = state_with((), [])
-    stops = replace(state.targets.stops, time_s=None, temperature_c=None, direction=None)
+    stops = replace(state.targets.stops, time_s=None, temperature_c=None, direction=None, move_rad=None)
     rows = rows_of(state)._replace(stops=stops, instrument_mm=None)
     at_rest = set(KINDS) - {"wobble", "cross", "along", "pair", "tilt"}
 
@@ -236,6 +259,7 @@ def test_every_kind_is_told_in_one_plain_sentence(kind):
         ("kick", {"time"}),
         ("warm", {"temperature"}),
         ("rub", {"torque", "direction"}),
+        ("lag", {"move"}),
         ("cross", set()),
     ],
 )

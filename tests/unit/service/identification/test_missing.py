@@ -19,6 +19,7 @@ COLUMNS = {
     "thermal_growth": {"temperature_c": None},
     "backlash": {"direction": None},
     "tool_reseating": {"attachment": None},
+    "unnamed": {"move_rad": None, "time_s": None},
 }
 N = 60
 
@@ -48,12 +49,15 @@ EXAMPLES = {
     "thermal_growth": {"growth": 18e-6},
     "backlash": {"gap_2": 1e-3, "gap_5": 2e-3},
     "tool_reseating": {"seat_1_x": 0.1, "seat_2_x": -0.2, "seat_3_x": 0.05},
+    "unnamed": {"cell_lag_2_line_share": 1e-3},
 }
 
 
 def rows(**columns):
     readings = telling_campaign(N).calibration
-    return replace(readings.stops, **columns), readings.nest
+    first = readings.stops.move_rad.copy()
+    first[0] = 0.0  # from where it stands
+    return replace(readings.stops, **({"move_rad": first} | columns)), readings.nest
 
 
 @pytest.mark.parametrize("effect", EXAMPLES)
@@ -121,6 +125,25 @@ def test_a_gap_adds_half_of_itself_times_the_lever_whatever_the_other_joints_do(
     # milliradian with each other, and levers of a metre are seen.
     assert added(both) == pytest.approx(added(one) + added(two), rel=1e-2)
     assert np.sqrt(3.0 * added(one).max()) == pytest.approx(0.5e-3 * 600.0, rel=0.5)
+
+
+def test_a_joint_that_lags_adds_its_share_of_a_usual_move():
+    model = model_with("unnamed", cell_lag_2_line_share=1e-3)
+    stops, nest = rows(move_rad=None, time_s=None)
+
+    added = predict(model, stops, nest)[1] ** 2 - predict(arm(), stops, nest)[1] ** 2
+
+    # Joint 2 is drawn from about 160 deg: moves of 65 deg (root mean square), at levers up to 0.7 m.
+    assert np.sqrt(3.0 * added.max()) == pytest.approx(1e-3 * 1.14 * 650.0, rel=0.5)
+
+
+def test_rows_in_the_order_of_time_tell_their_moves_themselves():
+    model = model_with("unnamed", cell_lag_2_line_share=1e-3)
+    stops, _ = rows(move_rad=None, direction=None)
+
+    (sentence,) = unpredictable(model, stops)
+
+    assert "the stop before (time_s of all rows), which 1 of 60 rows lack" in sentence
 
 
 def test_joints_that_have_no_gap_may_come_from_anywhere():

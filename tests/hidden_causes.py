@@ -1,0 +1,18 @@
+"""Campaigns of a simulated cell with something hidden in it that nothing planted by name can be."""
+
+from service.exchange.campaign_folder import read_campaign
+from simulators.cell import Cell
+from simulators.clock import CellClock
+from simulators.recording.campaign import record_in
+from simulators.recording.files import write_campaign
+from simulators.recording.plan import Wishes
+from simulators.scenario_file import load_scenario
+
+
+def recorded(folder, *hidden, seed=11, configurations=100, validation=200):
+    """The campaign of a clean cell whose arm also does what the hidden effects say."""
+    cell = Cell(load_scenario("irb120-clean"), seed, CellClock(0))
+    cell.planted.arm.extend(hidden)
+    recording, _ = record_in(cell, Wishes(configurations=configurations, validation=validation))
+    write_campaign(recording, folder)
+    return read_campaign(folder)
