@@ -26,7 +26,7 @@ _VERSION = 1
 _RAD = math.radians(1.0)
 _FACTORS = {
     **dict.fromkeys(("mm", "rad", "1", "kg", "kg*mm", "mm/h", "rad/h", "1/K", "rad/rad", "rad/K"), 1.0),
-    **dict.fromkeys(("rad/(N*mm)", "rad*s2/m", "1/(N*mm2)"), 1.0),
+    **dict.fromkeys(("rad/(N*mm)", "rad*s2/m", "1/(N*mm2)", "mm/N"), 1.0),
     **dict.fromkeys(("deg", "deg/h", "deg/K"), _RAD),
 }
 

@@ -20,6 +20,7 @@ Unit = Literal[
     "kg",
     "kg*mm",
     "1/(N*mm2)",
+    "mm/N",
 ]
 
 

@@ -17,7 +17,7 @@ from service.effects.unnamed.table import KINDS
 
 NAME = "unnamed"
 _TOLD_AS = {"rad": "deg", "rad/h": "deg/h", "rad/K": "deg/K"}
-_QUANTITY = {"rad": "rotation", "mm": "shift"}
+_QUANTITY = {"rad": "rotation", "mm": "shift", "mm/N": "shift"}
 
 
 class Unnamed:

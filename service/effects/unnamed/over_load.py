@@ -1,4 +1,4 @@
-"""What follows loads without a name: bearings that tilt, friction that grows with the load."""
+"""What follows loads without a name: bearings that tilt, a flange that gives, friction that grows."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from service.effects.causes import SPRING, Limits, Scene
 from service.effects.compliance import known_torque
 from service.effects.names import joint_subject
 from service.effects.ports import Port, PortKind, Rows, motion_port
-from service.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place, Size, once
+from service.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
 from service.kinematics.chain import Chain
 from service.kinematics.gravity import gravity_moments
 
@@ -16,9 +16,12 @@ from service.kinematics.gravity import gravity_moments
 _TILT = 1e-6  # rad/(N mm)
 _RUB = 1e-6  # rad/(N mm), belief: friction that holds a joint off as far as its gearbox winds up
 _FRICTION = Limits(0.0, np.inf, "friction cannot push")
+_SHIFT = 2e-3  # mm/N, belief: what shifts visibly by hand
 _FIRST_BEARING = 2  # what the first one carries tilts with the base
 _FIRST_TURN = 3  # components 3..5 of a motion
 _SMALLEST_LOAD_N_MM = 1.0
+# Axes of the last frame about which a mount is soft; it shifts along the other one, as a cantilever does.
+_SOFT_ABOUT = {"any": (0, 1), "x": (0,), "y": (1,)}
 
 
 def _bearings(scene: Scene) -> list[Place]:
@@ -26,7 +29,7 @@ def _bearings(scene: Scene) -> list[Place]:
     if not robot.masses:
         return []
     moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
-    joints = range(_FIRST_BEARING, robot.n_joints + 1)
+    joints = range(_FIRST_BEARING, robot.n_joints)  # what the last one carries tilts with the flange
     return [(j,) for j in joints if _largest(_across(scene.chain, j, moments)) > _SMALLEST_LOAD_N_MM]
 
 
@@ -41,6 +44,35 @@ def _across(chain: Chain, joint: int, moments: FloatArray) -> FloatArray:
     """Return the moment on a bearing along the two axes of its link across its own, shape (n, 2) [N mm]."""
     in_link: FloatArray = np.einsum("nij,ni->nj", chain.rotation[joint - 1], moments[joint - 1])
     return in_link[:, :2]
+
+
+def _mount(scene: Scene) -> list[Place]:
+    """Return the flange where the weight of a tool turns it."""
+    robot = scene.setting.robot
+    carried = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
+    return [ALONE] if _largest(_across(scene.chain, robot.n_joints, carried)) > _SMALLEST_LOAD_N_MM else []
+
+
+def _axes(_scene: Scene) -> Variants:
+    return [("any", 0.0), ("x", 1.0), ("y", 2.0)]
+
+
+def _gives(key: Key, rows: Rows) -> Moves:
+    """Tilt the tool about axes of the last frame by the moment of its weight; shift it by that weight."""
+    body, soft = rows.robot.n_joints, _SOFT_ABOUT[key.variant]
+    if key.part == "tilt":
+        moments = gravity_moments(rows.chain, rows.robot.masses, rows.gravity_m_s2)
+        about = _across(rows.chain, body, moments)
+        return [(motion_port(body, _FIRST_TURN + axis), about[:, axis]) for axis in soft]
+    weight_n = _tool_weight_n(rows)
+    return [(motion_port(body, 1 - axis), weight_n[:, 1 - axis]) for axis in soft]
+
+
+def _tool_weight_n(rows: Rows) -> FloatArray:
+    """Return the weight of the tool in the axes of the last frame, shape (n, 3)."""
+    mass_kg = sum(link.mass_kg for link in rows.robot.masses if link.frame == rows.robot.n_joints)
+    weight: FloatArray = np.einsum("nij,i->nj", rows.chain.rotation[-1], mass_kg * rows.gravity_m_s2)
+    return weight
 
 
 def _largest(loads: FloatArray) -> float:
@@ -74,6 +106,19 @@ def _of_tilt(key: Key, size: Size, scene: Scene) -> str:
     )
 
 
+def _of_mount(key: Key, size: Size, scene: Scene) -> str:
+    robot = scene.setting.robot
+    moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
+    soft = list(_SOFT_ABOUT[key.variant])
+    largest = _largest(_across(scene.chain, robot.n_joints, moments)[:, soft])
+    about = f" about its {key.variant} axis" if len(soft) == 1 else ""
+    return (
+        f"The flange, or what holds the tool on it, gives{about} under the moment of the tool's weight, by "
+        f"{size.amplitude:.1e} rad/(N*mm): up to {np.rad2deg(size.amplitude * largest):.4f} deg in these "
+        "configurations."
+    )
+
+
 def _of_rub(key: Key, size: Size, scene: Scene) -> str:
     joint = key.place[0] - 1
     largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
@@ -87,6 +132,10 @@ KINDS = (
     Kind(
         "tilt", "line", (Part("tilt", "rad/(N*mm)", _TILT),), lambda place: f"link {place[0]}",
         once("load"), _bearings, lambda _scene: STEADY, _tilts, _of_tilt, limits=SPRING,
+    ),
+    Kind(
+        "mount", "line", (Part("tilt", "rad/(N*mm)", _TILT), Part("shift", "mm/N", _SHIFT)),
+        once("flange"), once("load"), _mount, _axes, _gives, _of_mount, limits=SPRING,
     ),
     Kind(
         "rub", "sign", (Part("turn", "rad/(N*mm)", _RUB),), lambda place: joint_subject(place[0] - 1),

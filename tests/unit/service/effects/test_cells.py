@@ -12,7 +12,7 @@ from service.effects.registry import CAUSES
 from tests.scenes import telling_scene
 
 WHERE = re.compile(
-    r"joint \d+|joints|link \d+|links|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
+    r"joint \d+|joints|link \d+|links|flange|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"
 )
 OVER = re.compile(
     r"angle of joint \d+|angles of joints \d+ and \d+|torque of (joint \d+|joints)|load|direction|last move"

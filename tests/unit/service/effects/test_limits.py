@@ -27,6 +27,12 @@ def shown(cause, subject, values, relative=1e-3):
         ("unnamed", "link 4, load, line", {"cell_tilt_4_line_tilt": 1e-8}, {"cell_tilt_4_line_tilt": -1e-8}),
         (
             "unnamed",
+            "flange, load, line",
+            {"cell_mount_0_x_tilt": 1e-6, "cell_mount_0_x_shift": -1e-4},
+            {"cell_mount_0_x_tilt": -1e-6, "cell_mount_0_x_shift": 1e-4},
+        ),
+        (
+            "unnamed",
             "joint 3, torque of joint 3, sign",
             {"cell_rub_3_line_turn": 1e-8},
             {"cell_rub_3_line_turn": -1e-8},

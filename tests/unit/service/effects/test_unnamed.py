@@ -14,7 +14,9 @@ from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import evaluate, rows_of
 from service.identification.problem import build
 from service.kinematics.frames import cross
+from tests.robots import IRB_120
 from tests.scenes import ORIGIN_S, START, TRACKER_MM, telling_campaign, telling_scene, without_masses
+from tests.synthetic import NESTS
 
 UNNAMED = CAUSES["unnamed"]
 UP = np.array([0.0, 0.0, 1.0])
@@ -109,7 +111,42 @@ def test_errors_of_an_instrument_need_an_instrument_whose_place_is_known(changes
 def test_bearings_need_masses_that_load_them():
     scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
 
-    assert "tilt" not in kinds_of(UNNAMED.candidates(scene))
+    assert not {"tilt", "mount"} & kinds_of(UNNAMED.candidates(scene))
+
+
+def test_a_flange_that_nothing_hangs_on_shows_no_mount():
+    bare = replace(IRB_120, masses=tuple(mass for mass in IRB_120.masses if mass.frame < 6))
+    scene = telling_scene(campaign=telling_campaign(robot=bare))
+
+    assert kinds_of(UNNAMED.candidates(scene)) & {"tilt", "mount"} == {"tilt"}
+
+
+def test_the_last_bearing_is_told_by_the_flange_alone():
+    found = UNNAMED.candidates(telling_scene())
+
+    assert [c.subject for c in found if key_of(c.names[0]).kind == "tilt"] == [
+        f"link {joint}, load, line" for joint in (2, 3, 4, 5)
+    ]
+    assert {c.subject for c in found if key_of(c.names[0]).kind == "mount"} == {"flange, load, line"}
+
+
+def test_a_mount_that_gives_lets_the_tool_nod_and_drop():
+    """At zero the flange faces forward: the weight pulls along x of the last frame, and turns about its y."""
+    zero = telling_campaign(joints_rad=np.zeros((24, 6)))
+    problem, mount = build(zero, ("base", "geometry")), candidate_of("mount")
+    structure, targets = problem.structure.extended("unnamed", mount.specs), problem.blocks[0].targets
+    tilt, shift, weight_n = 1e-7, 1e-4, 9.81 * IRB_120.masses[-1].mass_kg
+
+    still, given = (
+        evaluate(structure, np.append(problem.start, values), targets).position_mm
+        for values in ([0.0, 0.0], [tilt, shift])
+    )
+
+    nod_rad = tilt * weight_n * IRB_120.masses[-1].centre_of_gravity_mm[2]
+    ahead_mm = np.array(NESTS)[zero.calibration.nest - 1, 2]
+    drop_mm = shift * weight_n + nod_rad * ahead_mm
+    assert (still - given)[:, 2] == pytest.approx(drop_mm, rel=1e-3)
+    assert (still - given)[:, 1] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_joints_that_hardly_turn_show_no_waves():
@@ -144,7 +181,7 @@ def test_a_row_that_tells_nothing_leaves_every_cell_but_those_of_angles_and_load
     state = state_with((), [])
     stops = replace(state.targets.stops, time_s=None, temperature_c=None, direction=None, move_rad=None)
     rows = rows_of(state)._replace(stops=stops, instrument_mm=None)
-    at_rest = set(KINDS) - {"wobble", "cross", "along", "pair", "tilt"}
+    at_rest = set(KINDS) - {"wobble", "cross", "along", "pair", "tilt", "mount"}
 
     for kind in at_rest:
         terms = UNNAMED.terms(candidate_of(kind).names, rows)
