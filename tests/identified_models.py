@@ -125,14 +125,14 @@ def extended(robot, *effects):
 
 
 def stops_and_nests(robot, n=60, seed=2):
-    """Stops with everything that effects may depend on, from before the origin of times on."""
+    """Stops of the campaign, with everything that effects may depend on."""
     rng = np.random.default_rng(seed)
     shape = (n, robot.n_joints)
     stops = Stops(
         config=np.arange(1, n + 1),
         joints_rad=np.radians(np.degrees(rng.uniform(-2.5, 2.5, shape)).round(5)),
         direction=rng.choice([-1, 0, 1], shape),
-        time_s=np.linspace(300.0, 4000.0, n).round(1),
+        time_s=np.linspace(ORIGIN_S, 4000.0, n).round(1),
         temperature_c=rng.uniform(18.0, 30.0, n).round(2),
         attachment=rng.integers(1, 4, n),
     )

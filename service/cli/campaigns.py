@@ -134,7 +134,8 @@ def predict_command(
     stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
     position, uncertainty = predict(identified, stops, nest)
     remark(
-        f"{sentence}, and its usual size is in u_mm." for sentence in unpredictable(identified, rows.stops)
+        f"{sentence}, and u_mm says how far off that may be."
+        for sentence in unpredictable(identified, rows.stops)
     )
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)

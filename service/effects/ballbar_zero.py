@@ -101,7 +101,7 @@ def _weight(name: str, rows: Rows) -> FloatArray:
     here = _after(int(number), rows)
     if kind == _CONSTANT:
         return here.astype(float)
-    return np.where(here, np.nan_to_num(hours_since(rows, float(start_s[0]))), 0.0)
+    return np.where(here, np.nan_to_num(hours_since(rows, float(start_s[0])), posinf=0.0), 0.0)
 
 
 def _after(number: int, rows: Rows) -> BoolArray:

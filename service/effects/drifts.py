@@ -3,6 +3,9 @@
 A parameter `<prefix>_<shape>_<component>` is a rate [mm/h, rad/h]. Of the shape `linear` the way after t
 hours is rate * t, of `exp<tau>` it is rate * tau * (1 - exp(-t / tau)), tau in seconds in the name: the rate
 is that at the origin of times, and the motion dies out.
+
+A made model knows an even drift as far as readings followed it, and holds it where they began and ended; one
+that settles is known to its end.
 """
 
 from collections.abc import Callable
@@ -14,7 +17,7 @@ from service.domain.diagnosis import Detail
 from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.ports import ParameterSpec, Port, Rows, Term
 from service.effects.rigid_motion import Widths, fitted_motion, motion_specs, split_motion
-from service.effects.times import SECONDS_PER_HOUR, duration_s, hours_since, spoken
+from service.effects.times import SECONDS_PER_HOUR, duration_s, hours_followed, hours_since, spoken
 
 LINEAR = "linear"
 _WIDTH_MM_PER_H = 0.3  # five times a drift that a calibration engineer would call serious
@@ -37,11 +40,14 @@ def drift_specs(prefix: str, shape: str) -> tuple[ParameterSpec, ...]:
 
 def drift_terms(names: tuple[str, ...], rows: Rows, port: Callable[[int], Port]) -> list[Term]:
     """Move `port` of each component by its rate times the way of its shape, not at all where no time is."""
-    hours = hours_since(rows, rows.origin_s)
     split = [split_motion(name) for name in names]
-    shapes = {prefix: _shape_of(prefix) for prefix, _ in split}
-    ways = {prefix: np.nan_to_num(_way_h(shape, hours)) for prefix, shape in shapes.items()}
+    ways = {prefix: np.nan_to_num(_come_h(_shape_of(prefix), rows)) for prefix, _ in split}
     return [Term(k, port(component), ways[prefix]) for k, (prefix, component) in enumerate(split)]
+
+
+def goes_on(names: tuple[str, ...]) -> bool:
+    """Return whether one of the shapes has no end of its own."""
+    return any(_shape_of(split_motion(name)[0]) == LINEAR for name in names)
 
 
 def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tuple[Candidate, ...]:
@@ -85,6 +91,11 @@ def _shape_of(prefix: str) -> str:
 
 def _time_constant_s(shape: str) -> float | None:
     return None if shape == LINEAR else float(shape.removeprefix("exp"))
+
+
+def _come_h(shape: str, rows: Rows) -> FloatArray:
+    """Way per rate [h] that each row has come, NaN where no time is, shape (n,)."""
+    return _way_h(shape, hours_followed(rows) if shape == LINEAR else hours_since(rows, rows.origin_s))
 
 
 def _way_h(shape: str, hours: FloatArray) -> FloatArray:

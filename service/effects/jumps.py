@@ -13,6 +13,7 @@ from service.domain.arrays import BoolArray, FloatArray
 from service.domain.campaign import Stops
 from service.effects.ports import Port, Rows, Term
 from service.effects.rigid_motion import split_motion
+from service.effects.times import moments_s
 
 _MOST = 120  # gaps that are tried; of more, every second or third
 
@@ -66,9 +67,9 @@ def around(found: tuple[Gap, ...], time_s: float) -> Gap:
 
 
 def jump_terms(names: tuple[str, ...], rows: Rows, port: Callable[[str, int], Port]) -> list[Term]:
-    """Move `port` of each prefix and component from the prefix's time on, not at all where no time is."""
+    """Move `port` of each prefix and component from the prefix's time on."""
     split = [split_motion(name) for name in names]
-    later = {prefix: since(rows.stops, jump_time_s(prefix)) for prefix, _ in split}
+    later = {prefix: since(rows, jump_time_s(prefix)) for prefix, _ in split}
     return [Term(k, port(prefix, component), later[prefix]) for k, (prefix, component) in enumerate(split)]
 
 
@@ -77,8 +78,6 @@ def jump_time_s(prefix: str) -> float:
     return float(prefix.rsplit("_", 1)[1])
 
 
-def since(stops: Stops, time_s: float) -> FloatArray:
-    """Return 1 from a moment [s] on, 0 before it and where no time is, shape (n,)."""
-    if stops.time_s is None:
-        return np.zeros(len(stops))
-    return np.asarray(stops.time_s >= time_s, dtype=float)
+def since(rows: Rows, time_s: float) -> FloatArray:
+    """Return 1 from a moment [s] on, 0 before it and where a time is missing to make a model, shape (n,)."""
+    return np.asarray(moments_s(rows) >= time_s, dtype=float)

@@ -86,6 +86,7 @@ class Rows(NamedTuple):
     gravity_m_s2: FloatArray  # (3,) world
     robot: Robot
     origin_s: float = 0.0  # time from which drifts and warm-ups count
+    last_s: float | None = None  # of the readings that a model was made from; None while it is made
     initialisation: IntArray | None = None  # (n,) of the ballbar
     placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
     length_mm: FloatArray | None = None  # (n,) nominal length of each leg

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from service.domain.errors import ConfigurationError, UnknownEffectError
+from service.effects import drifts
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
 from service.effects.ballbar_zero import BallbarZero
@@ -85,6 +86,16 @@ def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
     """Return what a row must tell so that these parameters of an effect can be predicted there."""
     found = effect_named(effect)
     return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
+
+
+def goes_on(effect: str, names: tuple[str, ...]) -> bool:
+    """Return whether these parameters of an effect move things ever further in time."""
+    match effect_named(effect):
+        case BaseDrift() | InstrumentDrift():
+            return drifts.goes_on(names)
+        case Unnamed() as cells:
+            return cells.goes_on(names)
+    return False
 
 
 def effect_named(name: str) -> Effect:

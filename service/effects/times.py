@@ -1,4 +1,8 @@
-"""When readings were taken: what effects that run or happen in time ask of it."""
+"""When readings were taken: what effects that run or happen in time ask of it.
+
+While a model is made, nothing runs or happens for rows that do not tell when they are. Once it is made, such
+a row is about the robot as the last reading left it: what has happened is past.
+"""
 
 import numpy as np
 
@@ -9,12 +13,29 @@ from service.effects.ports import Rows
 SECONDS_PER_HOUR = 3600.0
 
 
-def hours_since(rows: Rows, start_s: float) -> FloatArray:
-    """Return the time of each row after a moment [h], NaN where it is unknown, shape (n,)."""
+def moments_s(rows: Rows) -> FloatArray:
+    """Return the time of each row [s], shape (n,); where it is unknown NaN, of a made model infinity."""
+    unknown = np.nan if rows.last_s is None else np.inf
     time_s = rows.stops.time_s
     if time_s is None:
-        return np.full(len(rows.stops), np.nan)
-    return np.asarray((time_s - start_s) / SECONDS_PER_HOUR)
+        return np.full(len(rows.stops), unknown)
+    return np.where(np.isfinite(time_s), time_s, unknown)
+
+
+def hours_since(rows: Rows, start_s: float) -> FloatArray:
+    """Return the time of each row after a moment [h], as `moments_s` where it is unknown, shape (n,)."""
+    return np.asarray((moments_s(rows) - start_s) / SECONDS_PER_HOUR)
+
+
+def hours_followed(rows: Rows) -> FloatArray:
+    """Return the time after the origin [h] as far as readings followed it, NaN where unknown, shape (n,).
+
+    Beyond the first and the last reading of a made model it stands still.
+    """
+    hours = hours_since(rows, rows.origin_s)
+    if rows.last_s is None:
+        return hours
+    return np.clip(hours, 0.0, (rows.last_s - rows.origin_s) / SECONDS_PER_HOUR)
 
 
 def duration_s(scene: Scene) -> float:

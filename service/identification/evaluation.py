@@ -166,6 +166,7 @@ def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, cha
         gravity_m_s2=structure.gravity_m_s2,
         robot=structure.robot,
         origin_s=structure.origin_s,
+        last_s=structure.last_s,
         initialisation=targets.initialisation,
         placement=targets.placement,
         length_mm=targets.length_mm,

@@ -1,12 +1,13 @@
 """Rows that do not tell what an effect depends on: it is left out there, and the uncertainty says so.
 
 What the effect would have done is unknown, but not how much it usually does: the prediction is made again
-with everything that the row might have said (times over the campaign, temperatures within its range, every
-direction of approach, moves of the usual size either way, every mounting that the model knows), and the root
-mean square of what that changes is added to the uncertainty.
+with everything that the row might have said (temperatures within the campaign's range, every direction of
+approach, moves of the usual size either way, every mounting that the model knows), and the root mean square
+of what that changes is added to the uncertainty. A row without a time is later than all readings: `beyond`
+tells how much less is known there.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,13 +31,13 @@ _COLUMNS: dict[Need, str] = {
     "initialisation": "an init that the model was made with",
 }
 _ANY_RANGE_RAD = np.pi  # of joints whose ranges are not stated
-_STEPS = 8  # times and temperatures that stand for the whole of their range
+_STEPS = 8  # temperatures that stand for the whole of their range
 _LENGTHS_ONLY = frozenset({"ballbar_zero", "fixture_shift"})  # effects that positions do not know of
 
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """What the readings covered that a model was made from."""
+    """What the readings covered that made a model and judged it."""
 
     duration_s: float = 3600.0  # of a model that does not say so: an hour's campaign
     lowest_c: float = 15.0  # a workshop's year
@@ -57,10 +58,13 @@ def span_of(identified_from: dict[str, str | int | float]) -> Span:
     return Span(**known)
 
 
-def spanned(stops: Stops, origin_s: float) -> dict[str, float]:
-    """Return what a model is to say about the readings that it is made from, as far as it is known."""
+def spanned(read: Sequence[Stops], origin_s: float) -> dict[str, float]:
+    """Return what a model is to say about its readings, those that judge it too, as far as it is known."""
     found = {}
-    times, temperatures = _known(stops.time_s), _known(stops.temperature_c)
+    times, temperatures = (
+        np.concatenate([_known(column) for column in columns])
+        for columns in ([stops.time_s for stops in read], [stops.temperature_c for stops in read])
+    )
     if times.size:
         found["duration_s"] = float(times.max()) - origin_s
     if temperatures.size:
@@ -81,7 +85,7 @@ def left_out(structure: Structure, targets: Targets) -> tuple[str, ...]:
         if rows:
             sentences.append(
                 f"{effect} needs {_COLUMNS[need]}, which {rows} of {len(targets)} rows lack: "
-                "it is left out there"
+                f"it is {'as after the last reading' if need == 'time' else 'left out'} there"
             )
     return tuple(sentences)
 
@@ -177,9 +181,6 @@ def _imagined(
     """Yield the stops with everything that they might have said."""
     middles = (np.arange(_STEPS) + 0.5) / _STEPS
     match need:
-        case "time":
-            for time_s in structure.origin_s + span.duration_s * middles:
-                yield replace(stops, time_s=np.full(len(stops), time_s))
         case "temperature":
             for celsius in span.lowest_c + (span.highest_c - span.lowest_c) * middles:
                 yield replace(stops, temperature_c=np.full(len(stops), celsius))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.domain.campaign import Campaign
+from service.domain.campaign import Campaign, Stops
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.domain.robot import FramePlacement
 from service.identification.leg_observations import LEG_OFFSET, anchor_name
@@ -103,5 +103,11 @@ def _origin(fits: Fits) -> dict[str, str | int | float]:
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,
-        **spanned(stops, fits.identified.structure.origin_s),
+        **spanned((stops, *_judging(fits.campaign)), fits.identified.structure.origin_s),
     }
+
+
+def _judging(campaign: Campaign) -> tuple[Stops, ...]:
+    """Return the stops of the readings that judge a model, where the campaign has any."""
+    validation = campaign.validation if campaign.calibration is not None else campaign.validation_legs
+    return () if validation is None else (validation.stops,)

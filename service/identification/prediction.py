@@ -10,6 +10,7 @@ from service.domain.errors import ConfigurationError
 from service.domain.last_moves import told_moves
 from service.domain.results import Anchor, Model, NestCentre, Parameter
 from service.effects.ports import ParameterSpec
+from service.identification.beyond import held, held_variance
 from service.identification.derivatives import position_jacobian
 from service.identification.evaluation import Targets, evaluate
 from service.identification.leg_lengths import excess_mm, moved_feet
@@ -37,6 +38,7 @@ def structure_of(model: Model) -> Structure:
         instrument_mm=None if model.instrument_mm is None else np.array(model.instrument_mm),
         torques_measured=model.torques_measured,
         origin_s=model.origin_s,
+        last_s=model.origin_s + span_of(model.identified_from).duration_s,
     )
 
 
@@ -71,8 +73,8 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
         World frame.
     standard_uncertainty_mm : ndarray, shape (n,)
         Per axis, root mean square of the three: covariance of the parameters, scatter of the arm, the
-        discrepancy that held-out residuals showed, and what effects usually do that a row does not tell
-        enough about (`unpredictable`); not the noise of a reading.
+        discrepancy that held-out residuals showed, and of effects that a row does not tell enough about, or
+        that nobody followed as far (`unpredictable`), what they usually do; not the noise of a reading.
 
     Raises
     ------
@@ -86,18 +88,24 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
     variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
     span = span_of(model.identified_from)
     missing = left_out_variance(structure, values, targets, state.position_mm, span)
-    total = variance + missing + model.repeatability_mm**2 + model.discrepancy_mm**2
+    beyond = held_variance(structure, values, model.covariance, targets)
+    total = variance + missing + beyond + model.repeatability_mm**2 + model.discrepancy_mm**2
     return state.position_mm, np.sqrt(total)
 
 
 def unpredictable(model: Model, stops: Stops) -> tuple[str, ...]:
-    """Return one sentence for every effect whose part in the positions some rows do not tell enough about."""
-    return left_out(structure_of(model), Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
+    """Return one sentence for every effect whose part in the positions of some rows is not known well."""
+    return _unpredictable(model, Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
 
 
 def unpredictable_lengths(model: Model, legs: LegReadings) -> tuple[str, ...]:
-    """Return one sentence for every effect whose part in the lengths some rows do not tell enough about."""
-    return left_out(structure_of(model), _leg_targets(legs))
+    """Return one sentence for every effect whose part in the lengths of some rows is not known well."""
+    return _unpredictable(model, _leg_targets(legs))
+
+
+def _unpredictable(model: Model, targets: Targets) -> tuple[str, ...]:
+    structure = structure_of(model)
+    return left_out(structure, targets) + held(structure, targets)
 
 
 def predict_nominal(model: Model, stops: Stops, nest: IntArray) -> FloatArray:

@@ -33,6 +33,7 @@ class Structure:
     instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
     torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
     origin_s: float = 0.0  # time from which drifts and warm-ups count
+    last_s: float | None = None  # of the readings that a model was made from; None while it is made
 
     @cached_property
     def names(self) -> tuple[str, ...]:

@@ -42,6 +42,10 @@ class Unnamed:
         """Return what a row must tell so that the cells of these parameters can be predicted there."""
         return NOTHING.union(*(KINDS[key_of(name).kind].needs for name in names))
 
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the cells moves things ever further in time."""
+        return any(KINDS[key_of(name).kind].shape == "drift" for name in names)
+
     def unseen(self, scene: Scene) -> str | None:
         """There is always something to look at."""
         return None

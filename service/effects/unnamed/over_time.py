@@ -9,7 +9,7 @@ from service.effects.jumps import Gap, gaps, since, thinned
 from service.effects.names import joint_subject
 from service.effects.ports import Need, Port, PortKind, Rows, motion_port
 from service.effects.rigid_motion import COMPONENTS
-from service.effects.times import SECONDS_PER_HOUR, duration_s, hours_since, spoken
+from service.effects.times import SECONDS_PER_HOUR, duration_s, hours_followed, spoken
 from service.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
 
 _ZERO_RAD = np.deg2rad(0.05)  # belief, also per h: five times a zero that an operator would notice at once
@@ -60,22 +60,22 @@ def _theta(key: Key) -> Port:
 
 
 def _zero_jumps(key: Key, rows: Rows) -> Moves:
-    return [(_theta(key), since(rows.stops, float(key.variant)))]
+    return [(_theta(key), since(rows, float(key.variant)))]
 
 
 def _zero_drifts(key: Key, rows: Rows) -> Moves:
-    hours: FloatArray = np.nan_to_num(hours_since(rows, rows.origin_s))
+    hours: FloatArray = np.nan_to_num(hours_followed(rows))
     return [(_theta(key), hours)]
 
 
 def _tool_slips(key: Key, rows: Rows) -> Moves:
     port = motion_port(rows.robot.n_joints, COMPONENTS.index(key.part))
-    return [(port, since(rows.stops, float(key.variant)))]
+    return [(port, since(rows, float(key.variant)))]
 
 
 def _tracker_jumps(key: Key, rows: Rows) -> Moves:
     port = Port(PortKind.INSTRUMENT, COMPONENTS.index(key.part))
-    return [(port, since(rows.stops, float(key.variant)))]
+    return [(port, since(rows, float(key.variant)))]
 
 
 def _then(key: Key, scene: Scene) -> str:
