@@ -1,11 +1,14 @@
 """Cells without a name, hidden in a simulated arm by mechanics of their own: found, and described rightly."""
 
+import re
+
 import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import diagnose
 from service.domain.diagnosis import Verdict
 from simulators.physics.effects.effect import Deflection
+from simulators.physics.rigid import move
 from tests.hidden_causes import recorded
 
 
@@ -35,6 +38,73 @@ class SoftFlange:
         weight = np.einsum("nij,i->nj", flange[:, :3, :3], tool.mass_kg * np.array(loads.gravity_m_s2))
         tilt = self._compliance * np.cross(arm, weight)
         return Deflection.of_body(conditions, -1, np.hstack([np.zeros_like(tilt), tilt]))
+
+
+class Hose:
+    """A hose under tension between a clip on the base and one on an arm's body, stated as all joints read 0.
+
+    Its pull winds up the gears of the joints between the two.
+    """
+
+    _GEARS_RAD_PER_N_MM = (2e-8, 3.2e-8, 1.3e-7, 6.05e-7, 4.19e-7, 6.47e-7)
+
+    def __init__(self, pull_n, body, clip_mm, clip_on_base_mm):
+        self._pull_n, self._body = pull_n, body
+        self._clips = np.array(clip_mm), np.array(clip_on_base_mm)
+
+    def deflect(self, conditions, loads):
+        if loads.bodies is None:
+            return Deflection()
+        bodies = loads.bodies
+        clip, start = (
+            move(bodies.placements[:, body], place)
+            for body, place in zip((self._body, 0), self._clips, strict=True)
+        )
+        force = self._pull_n * (start - clip) / np.linalg.norm(start - clip, axis=1)[:, None]
+        angles = np.zeros_like(conditions.joints_rad)
+        for joint in range(self._body):
+            moment = np.cross(clip - bodies.axis_points_mm[:, joint], force)
+            torque = np.einsum("ni,ni->n", bodies.axis_directions[:, joint], moment)
+            angles[:, joint] = self._GEARS_RAD_PER_N_MM[joint] * torque
+        return Deflection(angles_rad=angles)
+
+
+def joints_named(text):
+    return {int(number) for number in re.findall(r"\d+", text)}
+
+
+@pytest.mark.parametrize(
+    ("pull_n", "body", "clip_mm", "seed"),
+    [
+        (30.0, 3, (0.0, 80.0, 680.0), 12),
+        (30.0, 4, (250.0, 80.0, 680.0), 11),
+        (30.0, 5, (302.0, 80.0, 680.0), 15),
+    ],
+)
+def test_a_hose_is_told_by_the_joints_that_it_pulls_and_never_given_a_sure_name(
+    pull_n, body, clip_mm, seed, tmp_path
+):
+    """No cell is a hose: what it does follows the angles between its clips, and so says the answer."""
+    hose = Hose(pull_n, body, clip_mm, (-100.0, 0.0, 300.0))
+
+    diagnosis = diagnose(recorded(tmp_path, hose, seed=seed))
+
+    first = diagnosis.findings[0]
+    assert "angle" in first.over
+    assert joints_named(first.where) | joints_named(first.over) <= set(range(1, body + 1))
+    sure = [one for one in diagnosis.findings if one.confidence == "certain"]
+    assert {one.effect for one in sure} <= {"unnamed"}
+    assert all(joints_named(one.where) <= set(range(1, body + 1)) for one in sure)
+    assert diagnosis.after.mean_mm < 0.8 * diagnosis.before.mean_mm
+
+
+def test_a_hose_on_the_tool_passes_for_a_load_and_is_not_sure(tmp_path):
+    hose = Hose(30.0, 6, (374.0, 80.0, 680.0), (-100.0, 0.0, 300.0))
+
+    diagnosis = diagnose(recorded(tmp_path, hose, seed=16))
+
+    assert diagnosis.verdict is Verdict.PARTLY_EXPLAINED
+    assert {one.confidence for one in diagnosis.findings} == {"likely"}
 
 
 @pytest.mark.parametrize(
