@@ -210,9 +210,10 @@ def _shares(candidates: tuple[Candidate, ...]) -> FloatArray:
 
 
 def _tried(candidates: tuple[Candidate, ...]) -> FloatArray:
-    """How many variants of its cause and subject each candidate was chosen from."""
+    """How many variants of its cause and subject each candidate was chosen from; what has none, from one."""
     variants = Counter((candidate.effect, candidate.subject) for candidate in candidates)
-    return np.array([variants[candidate.effect, candidate.subject] for candidate in candidates], dtype=float)
+    counts = [variants[one.effect, one.subject] if one.variant else 1 for one in candidates]
+    return np.array(counts, dtype=float)
 
 
 def _explained(view: View) -> tuple[FloatArray, FloatArray]:

@@ -170,6 +170,16 @@ def test_what_was_searched_over_costs_score(start):
     assert alone - among == pytest.approx(2.0 * np.log(len(waves)), rel=1e-6)
 
 
+def test_the_shape_that_takes_no_search_does_not_pay_for_it(start):
+    drifts = proposed(start.scene, "base_drift", "base")
+
+    alone = [screen(pooled(start.fit, [drift]).view()).score[0] for drift in drifts[:2]]
+    among = screen(pooled(start.fit, drifts).view()).score[:2]
+
+    assert [drift.variant > 0.0 for drift in drifts[:2]] == [False, True]
+    assert alone - among == pytest.approx([0.0, 2.0 * np.log(len(drifts))], rel=1e-6)
+
+
 def test_nothing_tried_is_nothing_screened(start):
     assert screen(pooled(start.fit, []).view()).p_value.size == 0
 

@@ -48,6 +48,19 @@ def test_a_planted_cause_is_picked_alone(effect, parameters, subject):
     assert named(select(start.fit, everything(start), silent).picks) == [(effect, subject)]
 
 
+@pytest.mark.parametrize(("shape", "rate"), [("linear", 0.06), ("exp300", 0.6)])
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 6])
+def test_a_drift_settles_only_where_it_is_seen_to(shape, rate, seed):
+    start = make_start({"base_drift": {f"drift_{shape}_x": rate, f"drift_{shape}_y": -rate}}, seed=seed)
+
+    def drifts(fit):
+        return tuple(one for one in everything(start)(fit) if one.effect == "base_drift")
+
+    (pick,) = select(start.fit, drifts, silent).picks
+
+    assert ("exp" in pick.names[0]) == ("exp" in shape)  # a time constant is told to a step of two
+
+
 def test_two_planted_causes_are_both_picked_and_fitted(selected):
     assert sorted(named(selected.picks)) == [("backlash", "joint 3"), ("joint_gain", "joint 4")]
     fit = selected.fit
