@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from service.diagnosis.angle_steps import AngleSteps, telling_steps
 from service.diagnosis.families import Family
 from service.diagnosis.normal import Products
 from service.diagnosis.remaining import Prepared, structured
@@ -25,6 +26,7 @@ _STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over e
 _NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
 _AS_REPEATED = 0.01  # lack of fit beside pure error
 _FEW_REVISITS = 5  # fewer say too little of the scatter to overrule what is stated
+_AS_CALIBRATED = 1.5  # validation errors over the noise of the calibration that are no more than it
 _MOST_TOLD = 4  # dependences; more are the same structure seen through variables that resemble each other
 
 
@@ -52,13 +54,20 @@ class Left:
     tails: Tails
     worse_unseen: float = 0.0  # validation errors over the stated noise where far beyond it, else 0
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
+    steps: AngleSteps | None = None  # of the joint angles, where they explain noise beyond what is stated
 
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
-        lacking = self.more_than_stated and not self.explained_by_repeats
-        worse = self.worse_unseen > 0.0 or self.worse_at is not None
+        lacking = self.more_than_stated and not self.explained_by_repeats and self.steps is None
+        worse = self.clearly_worse_unseen or self.worse_at is not None
         return bool(self.depends) or lacking or worse
+
+    @property
+    def clearly_worse_unseen(self) -> bool:
+        """Whether validation errors are far beyond the noise, that of steps of the angles included."""
+        expected = 0.0 if self.steps is None else _AS_CALIBRATED * self.noise_scale
+        return self.worse_unseen > expected
 
 
 def left_by(
@@ -89,12 +98,14 @@ def left_by(
     found.sort(key=lambda one: one.p_value)
     scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
+    repeated = _repeats_scatter_as_much(selected)
     return Left(
         depends=_distinct(found)[:_MOST_TOLD],
         noise_scale=scale,
         more_than_stated=beyond,
-        explained_by_repeats=_repeats_scatter_as_much(selected),
+        explained_by_repeats=repeated,
         tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
+        steps=telling_steps(selected) if beyond and not repeated else None,
     )
 
 

@@ -5,6 +5,7 @@ from service.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from service.domain.results import Statistics
 from service.effects.unnamed.cause import NAME as UNNAMED
 
+_AS_STATED = "What is left looks like the stated noise."
 _OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 
@@ -17,7 +18,8 @@ def first_line(
 ) -> str:
     """Return the one sentence that stands above everything."""
     if verdict is Verdict.CONSISTENT:
-        return "The present model explains the data: nothing else was found."
+        noise = "" if remaining.sentence.startswith(_AS_STATED) else f" {remaining.sentence}"
+        return f"The present model explains the data: nothing else was found.{noise}"
     if not findings:
         return f"Something is wrong that no known cause explains. {remaining.sentence}"
     if findings[0].effect in _OF_READINGS:
@@ -62,11 +64,18 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
             "point before: the readings do not hold the model there. Measure around it before the model is "
             f"used.{carried}"
         )
-    if left.worse_unseen > 0.0:
+    if left.clearly_worse_unseen:
         return (
             f"Errors on the validation points are {left.worse_unseen:.1f} times the stated noise although "
             "the calibration points fit: the calibration does not cover what the validation visits, or "
             f"something changed between the two.{carried}"
+        )
+    if left.steps is not None:
+        return (
+            f"What is left is {left.noise_scale:.2g} times the stated noise: the joint angles are given in "
+            f"steps of {left.steps.step_deg:g} deg, and that alone scatters "
+            f"{'the lengths' if left.steps.of_lengths else 'the tool'} by {left.steps.scatter_mm:.2g} mm. "
+            f"Give them with all their digits.{carried}"
         )
     if left.more_than_stated and not left.explained_by_repeats:
         return (
@@ -78,7 +87,7 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
             f"What is left is {left.noise_scale:.2g} times the stated noise, and so is the scatter of "
             f"revisited configurations: it is noise, larger than stated.{carried}"
         )
-    return f"What is left looks like the stated noise.{carried}"
+    return f"{_AS_STATED}{carried}"
 
 
 def noise_of(left: Left) -> Noise:

@@ -1,6 +1,7 @@
 """Cells without a name, hidden in a simulated arm by mechanics of their own: found, and described rightly."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,6 +132,25 @@ def test_a_joint_that_has_not_settled_is_told_by_its_last_move(joint, share, see
     assert (finding.where, finding.over, finding.shape) == (f"joint {joint}", "last move", "line")
     assert finding.confidence == "certain"
     assert finding.amplitude == pytest.approx(share, abs=4.0 * finding.amplitude_standard_uncertainty)
+
+
+def written_with(decimals, points):
+    """Readings beside joint angles that were written down in degrees with so many decimals."""
+    joints_rad = np.radians(np.round(np.degrees(points.stops.joints_rad), decimals))
+    return replace(points, stops=replace(points.stops, joints_rad=joints_rad))
+
+
+def test_angles_with_few_digits_are_told_to_be_the_noise(tmp_path):
+    exact = recorded(tmp_path, seed=12)
+    campaign = replace(
+        exact, calibration=written_with(1, exact.calibration), validation=written_with(1, exact.validation)
+    )
+
+    diagnosis = diagnose(campaign)
+
+    assert diagnosis.verdict is Verdict.CONSISTENT
+    assert "the joint angles are given in steps of 0.1 deg" in diagnosis.message
+    assert diagnosis.message.endswith("Give them with all their digits.")
 
 
 def test_an_arm_that_settles_has_nothing_of_it(tmp_path):
