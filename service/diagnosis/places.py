@@ -9,6 +9,7 @@ from service.diagnosis.start import Start
 from service.domain.arrays import FloatArray
 from service.domain.campaign import Stops
 from service.identification.evaluation import State, Targets, evaluate, rows_of
+from service.identification.rows import taken
 from service.kinematics.chain import Chain, forward, nominal_values
 from service.kinematics.gravity import moment_regressor
 
@@ -74,7 +75,7 @@ def joint_limits(start: Start) -> Ranges | None:
 def drawn(start: Start, selected: Selected, ranges: Ranges, count: int, rng: np.random.Generator) -> Places:
     """Draw configurations evenly within ranges."""
     joints_deg = ranges.rounded(ranges.drawn(count, rng))
-    return Places(joints_deg, _evaluated(selected, joints_deg, start.scene.stops))
+    return Places(joints_deg, _evaluated(selected, joints_deg, _in_time(start.scene.stops)))
 
 
 def _evaluated(selected: Selected, joints_deg: FloatArray, stops: Stops) -> State:
@@ -92,6 +93,13 @@ def _evaluated(selected: Selected, joints_deg: FloatArray, stops: Stops) -> Stat
         torque_n_mm=_torques(selected, joints_rad, stops),
     )
     return evaluate(fit.structure, fit.values, Targets(asked, nests[np.arange(count) % len(nests)]))
+
+
+def _in_time(stops: Stops) -> Stops:
+    """Return the stops as they were made, those without a time first; as they stand where no times are."""
+    if stops.time_s is None:
+        return stops
+    return taken(stops, np.argsort(np.nan_to_num(stops.time_s, nan=-np.inf), kind="stable"))
 
 
 def _last(column: FloatArray | None, count: int) -> FloatArray | None:

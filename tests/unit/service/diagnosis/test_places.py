@@ -14,6 +14,7 @@ from service.diagnosis.places import (
     one_period,
 )
 from service.domain.robot import JointRange
+from service.identification.rows import taken
 from service.kinematics.chain import forward, nominal_values
 from service.kinematics.gravity import gravity_torques
 from tests.robots import IRB_120
@@ -77,6 +78,21 @@ def test_the_same_seed_draws_the_same_places(start):
     first, second = (moved_alone(start, 3, 10, np.random.default_rng(4)) for _ in range(2))
 
     assert np.array_equal(first, second)
+
+
+def test_all_else_is_as_at_the_last_reading_in_whichever_order_they_are_listed():
+    campaign = telling_campaign(24)
+    listed = taken(campaign.calibration.stops, np.arange(24)[::-1])
+    start = make_start({})
+    start = replace(start, scene=replace(start.scene, stops=listed))
+
+    stops = drawn(
+        start, make_selected(start, []), measured_ranges(start), 3, np.random.default_rng(4)
+    ).state.targets.stops
+
+    assert set(stops.time_s) == {campaign.calibration.stops.time_s[-1]}
+    assert set(stops.temperature_c) == {campaign.calibration.stops.temperature_c[-1]}
+    assert set(stops.attachment) == {campaign.calibration.stops.attachment[-1]}
 
 
 def test_gaps_are_filled_the_largest_first():
