@@ -10,6 +10,7 @@ SHARED: Final = {"joint": "joints", "link": "links"}  # subjects when more than 
 
 # Details that say which of several ways a cause acts in, and the detail after it with that way's amplitude.
 _VARIANTS: Final = {"order": "amplitude", "source joint": "coupling"}
+_ALIKE: Final = 1  # decimals: an order between whole ones is not found alike to more
 _MEMBER: Final = re.compile(r".+ of ((?:joint|link) \d+)")
 
 
@@ -57,7 +58,7 @@ def _variants(finding: Finding) -> list[tuple[Key, Amplitude]]:
     for detail in finding.details:
         if detail.name in _VARIANTS:
             own = _VARIANTS[detail.name]
-            variant = Variant(detail.name, detail.value)
+            variant = Variant(detail.name, round(detail.value, _ALIKE))
             found.append((replace(_key(finding), variant=variant), _amplitude(finding)))
         elif found and detail.name == own:
             found[-1] = (found[-1][0], _amplitude_of(detail, finding))

@@ -11,6 +11,7 @@ from service.diagnosis.doubts import better_families, owed_to_the_rest
 from service.diagnosis.groups import grouped, names_of
 from service.diagnosis.held_out import Judged, Judging, gain_of
 from service.diagnosis.left import Left, left_by
+from service.diagnosis.line_orders import with_known_orders
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.open_shapes import with_open_shapes
 from service.diagnosis.readings_found import readings_found
@@ -282,7 +283,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         amplitude_standard_uncertainty=shown.standard_uncertainty,
         p_value=scale.p_value,
         confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
-        details=shown.details,
+        details=with_known_orders(answer.tested.selected, group, shown.details, answer.scene),
         sentence=_sentence(shown),
         confusable_with=scale.rivals,
         gain=gain,

@@ -27,6 +27,7 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Stops
 from service.domain.diagnosis import Curve
 from service.effects.causes import Candidate, Scene
+from service.effects.joint_harmonics import is_whole, order_of_wave
 from service.effects.ports import Rows, Term
 from service.effects.registry import effect_named
 from service.identification.evaluation import rows_of
@@ -126,12 +127,15 @@ def _common_order(effect: str, names: Sequence[str]) -> float:
     """Return how many periods per turn all waves have in common; 1 where there are none."""
     if effect != "joint_harmonics":
         return 1.0
-    return float(math.gcd(*(round(float(name.split("_")[2])) for name in names)))
+    found = {order_of_wave(name) for name in names}
+    if len(found) == 1:
+        return min(found)
+    return float(math.gcd(*map(int, found))) if all(map(is_whole, found)) else 1.0
 
 
 def _most_waves(effect: str, names: Sequence[str]) -> float:
     """Return how many periods per turn the fastest wave has that shares its axis with slower ones; else 0."""
-    orders = {float(name.split("_")[2]) for name in names} if effect == "joint_harmonics" else set()
+    orders = {order_of_wave(name) for name in names} if effect == "joint_harmonics" else set()
     return max(orders) if len(orders) > 1 else 0.0
 
 

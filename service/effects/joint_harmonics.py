@@ -1,7 +1,8 @@
 """Joint harmonics: a joint is off by waves of its own angle (gear, bearing, encoder).
 
 theta turns by s sin(order q) + c cos(order q), q the joint's own turn. Orders are searched from one wave per
-turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator.
+turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator. Those that
+are looked for are whole; one that was found may lie between them, as the stages of a gear do.
 """
 
 import numpy as np
@@ -72,10 +73,10 @@ class JointHarmonics:
         details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
         largest = max(waves, key=lambda wave: wave.amplitude_deg)
         joint = joint_of_subject(subject)
-        listed = ", ".join(f"{wave.order:g}" for wave in sorted(waves, key=lambda wave: wave.order))
+        listed = ", ".join(spoken_order(wave.order) for wave in sorted(waves, key=lambda wave: wave.order))
         what = "a wave" if len(waves) == 1 else f"waves of {listed} periods per turn, the largest"
         sentence = (
-            f"{subject.capitalize()} is off by {what} of {largest.order:g} "
+            f"{subject.capitalize()} is off by {what} of {spoken_order(largest.order)} "
             f"period{'s' if largest.order != 1 else ''} per turn, {largest.amplitude_deg:.3f} deg: "
             f"{_typical_of(largest.order, _gear_ratio(scene, joint))}."
         )
@@ -135,6 +136,16 @@ def orders(scene: Scene, joint: int) -> tuple[float, ...]:
     return tuple(float(order) for order in range(1, highest + 1))
 
 
+def is_whole(order: float) -> bool:
+    """Whether a wave repeats with the turns of its joint."""
+    return order == round(order)
+
+
+def spoken_order(order: float) -> str:
+    """Return an order as people read it: a whole number, else with two decimals."""
+    return f"{order:g}" if is_whole(order) else f"{order:.2f}"
+
+
 def wave_names(joint: int, order: float) -> tuple[str, str]:
     """Return the names of the two parameters of a wave."""
     return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
@@ -188,4 +199,6 @@ def _typical_of(order: float, ratio: float) -> str:
         return "a gear, bearing or encoder disc that runs out of true"
     if order <= 2.5:
         return "typical of a strain-wave gear or of an oval encoder disc"
+    if not is_whole(order):
+        return "a wheel or bearing inside its gear, which does not turn whole times per turn of the joint"
     return "an error of the gear or encoder that repeats with the joint's angle"

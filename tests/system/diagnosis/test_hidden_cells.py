@@ -24,6 +24,46 @@ class Creeping:
         return Deflection.of_joint(conditions, self._joint, -self._share * way)
 
 
+class Line:
+    """A wave of a joint's own angle, of any order."""
+
+    def __init__(self, joint, order, amplitude_deg):
+        self._joint, self._order, self._amplitude_deg = joint - 1, order, amplitude_deg
+
+    def deflect(self, conditions, _loads):
+        wave = np.sin(self._order * conditions.joints_rad[:, self._joint] + 0.5)
+        return Deflection.of_joint(conditions, self._joint, np.radians(self._amplitude_deg) * wave)
+
+
+@pytest.mark.parametrize(
+    ("joint", "order", "readings", "seed"),
+    [(2, 7.4, 150, 1), (2, 7.4, 150, 21), (4, 12.34, 100, 3), (6, 16.67, 100, 6), (1, 21.5, 150, 5)],
+)
+def test_a_line_between_whole_orders_is_told_with_its_order(joint, order, readings, seed, tmp_path):
+    """Joint 6 leaves so many waves beside it that they are first a curve."""
+    campaign = recorded(tmp_path, Line(joint, order, 0.02), seed=seed, configurations=readings)
+
+    diagnosis = diagnose(campaign)
+
+    (finding,) = diagnosis.findings
+    told = finding.details[0]
+    assert (finding.effect, finding.subject) == ("joint_harmonics", f"joint {joint}")
+    assert (told.name, finding.confidence) == ("order", "certain")
+    assert 0.0 < told.standard_uncertainty < 0.06
+    assert told.value == pytest.approx(order, abs=3.0 * told.standard_uncertainty)
+    assert f"a wave of {told.value:.2f} periods per turn" in finding.sentence
+    assert finding.amplitude == pytest.approx(0.02, abs=4.0 * finding.amplitude_standard_uncertainty)
+
+
+@pytest.mark.parametrize(("joint", "order", "readings", "seed"), [(2, 7, 150, 2), (3, 11, 100, 7)])
+def test_a_wave_of_a_whole_order_stays_one(joint, order, readings, seed, tmp_path):
+    campaign = recorded(tmp_path, Line(joint, order, 0.02), seed=seed, configurations=readings)
+
+    (finding,) = diagnose(campaign).findings
+
+    assert (finding.details[0].value, finding.details[0].standard_uncertainty) == (order, 0.0)
+
+
 class SoftFlange:
     """The tool tilts about axes of the last frame by the moment of its weight about the flange."""
 
