@@ -17,7 +17,7 @@ _SLIP_MM, _SLIP_RAD = 0.5, 5e-3  # belief: five times what a loose seat lets a t
 _KICK_MM, _KICK_RAD = 0.5, 5e-4  # belief: a tripod that was pushed, at a few metres
 _NEEDS: frozenset[Need] = frozenset({"time"})
 _LEAST_POSITIONS, _LEAST_LENGTHS = 4, 12  # on either side of a jump
-_MOST_MOMENTS = 60  # that are tried, evenly chosen: every place tries them all
+_MOST_MOMENTS = 60  # that are tried, evenly chosen: every place of the arm tries them all
 
 
 def _six(shift_mm: float, turn_rad: float) -> tuple[Part, ...]:
@@ -27,16 +27,29 @@ def _six(shift_mm: float, turn_rad: float) -> tuple[Part, ...]:
 
 def _gaps(scene: Scene) -> tuple[Gap, ...]:
     least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
-    return thinned(gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least), _MOST_MOMENTS)
+    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)
 
 
 def _moments(scene: Scene) -> Variants:
-    return [(gap.label, gap.middle_s) for gap in _gaps(scene)]
+    return [(gap.label, gap.middle_s) for gap in thinned(_gaps(scene), _MOST_MOMENTS)]
+
+
+def _kicks(scene: Scene) -> Variants:
+    """Try every moment at which the base may have jumped: at fewer, a kick would lose by that alone."""
+    return [(gap.label, gap.middle_s) for gap in thinned(_gaps(scene))]
 
 
 def _moment_known_to(time_s: float, scene: Scene) -> float:
+    return _known_to(time_s, _moments(scene))
+
+
+def _kick_known_to(time_s: float, scene: Scene) -> float:
+    return _known_to(time_s, _kicks(scene))
+
+
+def _known_to(time_s: float, variants: Variants) -> float:
     """Return the standard uncertainty of a moment: it may lie anywhere between the two tried beside it."""
-    tried = [gap.middle_s for gap in _gaps(scene)]
+    tried = [moment_s for _, moment_s in variants]
     before = max((other for other in tried if other < time_s), default=time_s)
     after = min((other for other in tried if other > time_s), default=time_s)
     return (after - before) / 2.0 / float(np.sqrt(12.0))
@@ -129,6 +142,6 @@ KINDS = (
     ),
     Kind(
         "kick", "jump", _six(_KICK_MM, _KICK_RAD), once("tracker"), once("time"),
-        _tracker, _moments, _tracker_jumps, _of_kick, ("time", "s"), _moment_known_to, needs=_NEEDS,
+        _tracker, _kicks, _tracker_jumps, _of_kick, ("time", "s"), _kick_known_to, needs=_NEEDS,
     ),
 )  # fmt: skip

@@ -255,6 +255,20 @@ def test_of_many_readings_not_every_gap_is_tried_and_the_moment_is_known_less_we
     assert moment.standard_uncertainty == pytest.approx(4 * 30.0 / np.sqrt(12.0))  # every fourth gap
 
 
+@pytest.mark.parametrize("readings", [24, 100, 200])
+def test_a_kick_is_tried_whenever_the_base_may_have_jumped(readings):
+    scene = telling_scene(campaign=telling_campaign(readings))
+
+    kicks = [c for c in UNNAMED.candidates(scene) if c.subject == "tracker, time, jump"]
+
+    assert [c.variant for c in kicks] == [c.variant for c in CAUSES["base_shift"].candidates(scene)]
+    (moment, _) = UNNAMED.shown(
+        kicks[8].subject, Fitted(kicks[8].names, np.full(6, 1e-4), 1e-12 * np.eye(6)), scene
+    ).details
+    apart_s = kicks[9].variant - kicks[8].variant
+    assert moment.standard_uncertainty == pytest.approx(apart_s / np.sqrt(12.0))
+
+
 def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
     names = [f"cell_jump_3_{ORIGIN_S + after:.0f}_turn" for after in (345.0, 405.0)]
 
