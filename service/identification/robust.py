@@ -14,6 +14,8 @@ their median its expectation where that is less: heavy tails are no reason to do
 noise would exceed in one campaign of a hundred (Bonferroni over all readings) gets no weight. The
 first rounds weigh softly (Cauchy), so that a start spoilt by gross readings does not decide.
 
+Readings of fixed nests are judged by one another (`looks`): a model that they contradict does not judge them.
+
 References
 ----------
 D. J. C. MacKay, Neural Computation 4(3), 1992, 415-447 (evidence for the width of a prior).
@@ -29,7 +31,9 @@ from scipy.optimize import brentq
 from service.domain.arrays import BoolArray, FloatArray
 from service.effects.geometry import GEOMETRY_EFFECTS
 from service.identification.distributions import chi2_limit, chi2_median
+from service.identification.looks import gross_looks, own_discrepancy_mm
 from service.identification.observations import Block, BlockResult, Joint, linearise_blocks
+from service.identification.reference import ReferenceBlock
 from service.identification.solver import Solution, solve
 from service.identification.structure import Structure
 
@@ -204,6 +208,9 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     lacking = block.discrepancy**2 / float(np.mean(spread))
     limit = (1.0 + lacking) * scale * chi2_limit(_FALSE_ALARM / n, d)
     gross = squared > limit
+    if isinstance(block, ReferenceBlock):
+        gross = gross_looks(block, gross)
+        return gross, np.where(gross, 0.0, 1.0)
     if lacking < _MOSTLY_LACKING:
         return gross, np.where(gross, 0.0, 1.0)
     return gross, np.clip(_TAPER * (1.0 - squared / limit), 0.0, 1.0)
@@ -219,6 +226,8 @@ def _with_discrepancy(
 
 
 def _discrepancy(structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
+    if isinstance(block, ReferenceBlock):
+        return own_discrepancy_mm(block)
     dof = _degrees_of_freedom(block, result, solution.covariance)
 
     def excess(extra: float) -> float:
