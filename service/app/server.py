@@ -21,11 +21,13 @@ from service.app.connections.log_lines import FewRepeats
 from service.app.connections.protocol import WatchedProtocol
 from service.app.errors import PortInUseError, ScenarioRefusedError
 from service.domain.errors import TrueposeError
+from service.effects.registry import unusable_causes
 from service.exchange.errors import ExchangeError
 from service.settings import Settings
 from service.web.application import create_application
 from service.web.door.errors import UnusableHostError
 
+_LOG: Final = logging.getLogger(__name__)
 _UNUSABLE_INPUT: Final = 2
 _SERVICE_FAILED: Final = 3
 _GRACE_S: Final = 5  # for requests under way when the service ends
@@ -44,6 +46,8 @@ def serve(settings: Settings) -> int:
     for handler in logging.getLogger().handlers:
         handler.addFilter(FewRepeats())
     logging.getLogger("alembic").setLevel(logging.WARNING)
+    for sentence in unusable_causes():
+        _LOG.warning("%s", sentence)
     try:
         asyncio.run(_serve(settings))
     except KeyboardInterrupt:  # before the service was ready and took care of signals itself

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.output import remark
 from service.domain.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -49,11 +50,16 @@ def writing(file: Path) -> Iterator[None]:
 
 
 def read_measured(path: Path) -> "Campaign":
-    """Read a campaign folder or the zip of one; heavy imports wait until then."""
+    """Read a campaign folder or the zip of one, and say which installed causes will not look at it.
+
+    Heavy imports wait until then.
+    """
+    from service.effects.registry import unusable_causes
     from service.exchange.campaign_folder import read_campaign
     from service.exchange.campaign_zip import read_campaign_zip
     from service.exchange.input_file import read_bytes
 
+    remark(unusable_causes())
     if path.suffix.lower() == ".zip" and not path.is_dir():
         return read_campaign_zip(read_bytes(path), path.name)
     return read_campaign(path)

@@ -4,6 +4,7 @@ TrueposeError
 ├── ConfigurationError        an argument does not fit the robot or the campaign
 ├── UnderdeterminedError      fewer observations than parameters
 ├── UnknownEffectError        no effect of that name is registered
+├── InstalledCauseError       what another package brought failed while it worked
 └── RecordRefusedError        what was to be kept could not be; nothing of it was
 """
 
@@ -22,6 +23,10 @@ class UnderdeterminedError(TrueposeError):
 
 class UnknownEffectError(TrueposeError):
     """No effect of that name is registered."""
+
+
+class InstalledCauseError(TrueposeError):
+    """A cause that another package brought failed while it worked."""
 
 
 class RecordRefusedError(TrueposeError):

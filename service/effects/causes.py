@@ -12,7 +12,7 @@ import numpy as np
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Stops
-from service.domain.diagnosis import Detail
+from service.domain.diagnosis import Detail, Shape
 from service.effects.ports import Effect, ParameterSpec, Setting
 from service.kinematics.chain import Chain
 
@@ -127,6 +127,24 @@ class Cause(Effect, Protocol):
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Put fitted parameters into words."""
         ...
+
+
+class CellRow(NamedTuple):
+    """Where a cause acts, over what, in which shape; `{subject}` and `{variant}` are the candidate's."""
+
+    where: str
+    over: str
+    shape: Shape
+    searched: Shape | None = None  # of candidates that were searched over
+    function: Shape | None = None  # of random functions
+
+
+@dataclass(frozen=True, slots=True)
+class NamedCause:
+    """A cause with the cell in which it acts: what another package brings for a diagnosis to look for."""
+
+    cause: Cause
+    cell: CellRow
 
 
 def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[float, float]:

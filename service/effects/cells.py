@@ -6,7 +6,8 @@ What has no trade name says it itself: its subject is its cell.
 from typing import NamedTuple, get_args
 
 from service.domain.diagnosis import Shape
-from service.effects.causes import Candidate
+from service.effects.causes import Candidate, CellRow
+from service.effects.installed import INSTALLED
 from service.effects.unnamed.cause import NAME as UNNAMED
 
 
@@ -18,40 +19,31 @@ class Cell(NamedTuple):
     shape: Shape
 
 
-class _Row(NamedTuple):
-    """`{subject}` and `{variant}` are those of the candidate."""
-
-    where: str
-    over: str
-    shape: Shape
-    searched: Shape | None = None  # of candidates that were searched over
-    function: Shape | None = None  # of random functions
-
-
 _OF_SUBJECT = "{subject}"
 _CELLS = {
-    "axis_parallelism": _Row(_OF_SUBJECT, "constant", "group"),
-    "joint_gain": _Row(_OF_SUBJECT, "angle of {subject}", "line"),
-    "joint_harmonics": _Row(_OF_SUBJECT, "angle of {subject}", "wave", function="curve"),
-    "joint_coupling": _Row(_OF_SUBJECT, "angle of joint {variant:g}", "line"),
-    "backlash": _Row(_OF_SUBJECT, "direction", "sign"),
-    "compliance": _Row(_OF_SUBJECT, "torque of {subject}", "line"),
-    "compliance_nonlinear": _Row(_OF_SUBJECT, "torque of {subject}", "curve"),
-    "link_bending": _Row(_OF_SUBJECT, "load", "line"),
-    "payload": _Row("tool", "load", "line"),
-    "link_mass": _Row(_OF_SUBJECT, "load", "line"),
-    "base_compliance": _Row("base", "load", "line"),
-    "thermal_growth": _Row("links", "temperature", "line"),
-    "base_drift": _Row("base", "time", "drift", searched="settling"),
-    "base_shift": _Row("base", "time", "jump"),
-    "instrument_drift": _Row("tracker", "time", "drift", searched="settling"),
-    "instrument_scale": _Row(_OF_SUBJECT, "range", "line"),
-    "nest_offset": _Row(_OF_SUBJECT, "constant", "group"),
-    "tool_reseating": _Row("tool", "mounting", "group"),
-    "ballbar_zero": _Row("ballbar", "constant", "group"),
-    "fixture_shift": _Row(_OF_SUBJECT, "time", "jump"),
-    "label_swap": _Row("readings", "constant", "group"),
-    "outliers": _Row("readings", "constant", "group"),
+    **{name: brought.cell for name, brought in INSTALLED.causes.items()},
+    "axis_parallelism": CellRow(_OF_SUBJECT, "constant", "group"),
+    "joint_gain": CellRow(_OF_SUBJECT, "angle of {subject}", "line"),
+    "joint_harmonics": CellRow(_OF_SUBJECT, "angle of {subject}", "wave", function="curve"),
+    "joint_coupling": CellRow(_OF_SUBJECT, "angle of joint {variant:g}", "line"),
+    "backlash": CellRow(_OF_SUBJECT, "direction", "sign"),
+    "compliance": CellRow(_OF_SUBJECT, "torque of {subject}", "line"),
+    "compliance_nonlinear": CellRow(_OF_SUBJECT, "torque of {subject}", "curve"),
+    "link_bending": CellRow(_OF_SUBJECT, "load", "line"),
+    "payload": CellRow("tool", "load", "line"),
+    "link_mass": CellRow(_OF_SUBJECT, "load", "line"),
+    "base_compliance": CellRow("base", "load", "line"),
+    "thermal_growth": CellRow("links", "temperature", "line"),
+    "base_drift": CellRow("base", "time", "drift", searched="settling"),
+    "base_shift": CellRow("base", "time", "jump"),
+    "instrument_drift": CellRow("tracker", "time", "drift", searched="settling"),
+    "instrument_scale": CellRow(_OF_SUBJECT, "range", "line"),
+    "nest_offset": CellRow(_OF_SUBJECT, "constant", "group"),
+    "tool_reseating": CellRow("tool", "mounting", "group"),
+    "ballbar_zero": CellRow("ballbar", "constant", "group"),
+    "fixture_shift": CellRow(_OF_SUBJECT, "time", "jump"),
+    "label_swap": CellRow("readings", "constant", "group"),
+    "outliers": CellRow("readings", "constant", "group"),
 }
 
 
@@ -67,7 +59,7 @@ def cell_of(candidate: Candidate) -> Cell:
     return Cell(row.where.format(**told), row.over.format(**told), _shape_of(row, candidate))
 
 
-def _shape_of(row: _Row, candidate: Candidate) -> Shape:
+def _shape_of(row: CellRow, candidate: Candidate) -> Shape:
     if candidate.function:
         return row.function or row.shape
     return row.searched or row.shape if candidate.variant != 0.0 else row.shape

@@ -16,6 +16,7 @@ from service.effects.compliance import Compliance
 from service.effects.compliance_nonlinear import ComplianceNonlinear
 from service.effects.fixture_shift import FixtureShift
 from service.effects.geometry import Geometry, JointOffset
+from service.effects.installed import INSTALLED
 from service.effects.instrument_drift import InstrumentDrift
 from service.effects.instrument_scale import InstrumentScale
 from service.effects.joint_coupling import JointCoupling
@@ -34,6 +35,7 @@ from service.effects.tool import Tool
 from service.effects.tool_certificate import ToolCertificate
 from service.effects.tool_reseating import ToolReseating
 from service.effects.unnamed.cause import Unnamed
+from service.effects.unnamed.table import OWN
 
 _CAUSES: tuple[Cause, ...] = (
     AxisParallelism(),
@@ -70,8 +72,22 @@ _EFFECTS: tuple[Effect, ...] = (
     ToolCertificate(),
     *_CAUSES,
 )
-EFFECTS = {effect.name: effect for effect in _EFFECTS}
-CAUSES = {cause.name: cause for cause in _CAUSES}
+_OWN = frozenset(effect.name for effect in _EFFECTS)
+EFFECTS = {effect.name: effect for effect in _EFFECTS} | {
+    name: effect for name, effect in INSTALLED.effects.items() if name not in _OWN
+}
+CAUSES = {cause.name: cause for cause in _CAUSES} | {
+    name: brought.cause for name, brought in INSTALLED.causes.items() if name not in _OWN
+}
+_SHADOWED = (INSTALLED.effects.keys() & _OWN) | (INSTALLED.kinds.keys() & OWN.keys())
+_UNUSABLE = {**INSTALLED.broken, **dict.fromkeys(_SHADOWED, "truepose has one of that name itself")}
+
+
+def unusable_causes() -> tuple[str, ...]:
+    """Return one sentence for every cause or cell of another package that cannot be used."""
+    return tuple(
+        f"The installed cause {name!r} is not used: {why}." for name, why in sorted(_UNUSABLE.items())
+    )
 
 
 def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
@@ -99,7 +115,9 @@ def goes_on(effect: str, names: tuple[str, ...]) -> bool:
 
 
 def effect_named(name: str) -> Effect:
-    """Return the effect of that name; raises UnknownEffectError, which lists the known ones."""
+    """Return the effect of that name; raises UnknownEffectError, which lists the known ones or says why."""
+    if name in _UNUSABLE and name not in EFFECTS:
+        raise UnknownEffectError(f"Effect {name!r} is installed but cannot be used: {_UNUSABLE[name]}.")
     if name not in EFFECTS:
         raise UnknownEffectError(f"There is no effect {name!r}; known are {', '.join(EFFECTS)}.")
     return EFFECTS[name]

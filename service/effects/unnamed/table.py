@@ -1,5 +1,6 @@
 """The table of cells that have no trade name: a further kind is one more row in one of its parts."""
 
+from service.effects.installed import INSTALLED
 from service.effects.unnamed import (
     over_angles,
     over_load,
@@ -10,8 +11,9 @@ from service.effects.unnamed import (
 )
 from service.effects.unnamed.kinds import Kind
 
-KINDS: dict[str, Kind] = {
+OWN: dict[str, Kind] = {
     kind.name: kind
     for part in (over_time, over_temperature, over_angles, over_load, over_moves, over_sight)
     for kind in part.KINDS
 }
+KINDS: dict[str, Kind] = OWN | {name: kind for name, kind in INSTALLED.kinds.items() if name not in OWN}

@@ -165,7 +165,7 @@ def test_the_example_robot_stands_where_its_drawing_says():
 @pytest.fixture
 def with_friction(monkeypatch):
     """The example effect registered, as its line in the registry would do it."""
-    monkeypatch.syspath_prepend(str(_EXAMPLES))
+    monkeypatch.syspath_prepend(str(_EXAMPLES / "acme_causes"))
     from friction_windup import FrictionWindup
 
     monkeypatch.setitem(EFFECTS, "friction_windup", FrictionWindup())

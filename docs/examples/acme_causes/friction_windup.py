@@ -1,13 +1,13 @@
 """Friction windup: a gear rubs the more, the more it carries, so that its joint stops short of its target.
 
 The angle is off by -friction x |torque| against the direction of the joint's last motion: backlash that grows
-with the load. In the service this is one file of `service/effects` and one line in its `registry`.
+with the load. A package brings it as `BROUGHT`; inside the service it would be a line of the registry.
 """
 
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import Candidate, CellRow, Fitted, NamedCause, Scene, Shown
 from service.effects.names import joint_name, joint_of, joint_subject
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -73,3 +73,6 @@ def _short_of(rows: Rows, joint: int) -> FloatArray:
     # The direction is that of the angle as the controller counts it, the port that of the axis.
     against: FloatArray = -rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint]) * load
     return against
+
+
+BROUGHT = NamedCause(FrictionWindup(), CellRow("{subject}", "torque of {subject}", "sign"))
