@@ -45,7 +45,7 @@ ROLES = (
 )
 _READING_ROLES = ("calibration", "validation", "legs", "validation_legs")
 _KINDS = ("tracker", "ballbar")
-_KEYS = frozenset({
+KEYS = frozenset({
     "format", "kind", "robot", "dhm_nominal", "base_in_world_nominal", "tool_nests_mm", "tool_nest_u_mm",
     "masses", "gravity_m_s2_world", "gear_ratio", "typical_compliance_rad_per_Nmm", "robot_repeatability_mm",
     "u_includes_repeatability", "tool_nest_axis", "tracker_position_world_mm", "fixed_nests_certified_mm",
@@ -220,7 +220,7 @@ def _plain_name(node: Node) -> str:
 
 def _ignored(root: Node) -> Iterator[str]:
     """Say which keys are kept but not understood; a key of many rows once."""
-    for node in root.unlisted(_KEYS):
+    for node in root.unlisted(KEYS):
         yield f"campaign.json: key {node.name} is not part of the format and is ignored."
     in_rows = {key: None for row in root.key("dhm_nominal").items() for key in row.entries()}
     for key in in_rows:
