@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from service.diagnosis.left import left_by
+from service.diagnosis.pool import pooled
 from service.diagnosis.remaining import prepared_families
 from service.diagnosis.scene import scene_of
-from service.diagnosis.screening import pooled
-from service.diagnosis.selection import Selected, refitted
+from service.diagnosis.selection import Selected, refitted, select
 from service.diagnosis.start import started
 from service.effects.ports import ParameterSpec
 from service.effects.registry import CAUSES
@@ -49,6 +49,11 @@ def make_selected(start, picked, rivals=()):
     scene = scene_of(start.problem, fit)
     tried = tuple(candidate for one in rivals for candidate in proposed(scene, *one))
     return Selected(fit, picks, pooled(fit, (*picks, *tried)), full=False)
+
+
+def select_from(start, propose):
+    """What a diagnosis would pick of what is proposed."""
+    return select(pooled(start.fit, propose(start.fit)), propose, lambda _share: None)
 
 
 def left_of(start, selected, without=()):

@@ -7,21 +7,23 @@ import numpy as np
 
 from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
-from service.diagnosis.doubts import better_families, owed_to_the_rest
-from service.diagnosis.groups import grouped, names_of
-from service.diagnosis.held_out import Judged, Judging, gain_of
-from service.diagnosis.left import Left, left_by
+from service.diagnosis.doubts import better_families
+from service.diagnosis.evidence import described
+from service.diagnosis.groups import names_of
+from service.diagnosis.held_out import CrossValidation, Judged, on_validation
+from service.diagnosis.left import Left
 from service.diagnosis.line_orders import with_known_orders
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.open_shapes import with_open_shapes
+from service.diagnosis.pool import Pool
 from service.diagnosis.readings_found import readings_found
-from service.diagnosis.remaining import Prepared, prepared_families
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import Propose, Selected, reselected, select
+from service.diagnosis.selection import Propose, Selected, refitted
+from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
-from service.diagnosis.ways import worth_of
+from service.diagnosis.ways import shown_of, worth_of
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import (
@@ -30,19 +32,15 @@ from service.domain.diagnosis import (
     Dependence,
     Diagnosis,
     Finding,
-    Gain,
     Remaining,
     Verdict,
     WorstPoint,
 )
 from service.domain.results import Model
-from service.effects.causes import Candidate, Fitted, Scene, Shown
+from service.effects.causes import Candidate, Scene, Shown
 from service.effects.cells import cell_of
-from service.effects.registry import CAUSES
 from service.effects.tool_certificate import NAME as CERTIFICATE
-from service.effects.unnamed.cause import NAME as UNNAMED
 from service.identification.considered import considered
-from service.identification.distributions import chi2_median
 from service.identification.identify import nominal_fit
 from service.identification.models import Fits, model_of
 from service.identification.reference import ReferenceBlock
@@ -50,24 +48,18 @@ from service.identification.robust import RobustFit
 from service.identification.robust import fit as refit
 from service.identification.statistics import statistics
 
-_FAR_BEYOND = 3.0  # times the stated noise: more than parameters leave that the data determine at all
+_BEYOND = 1.5  # typical validation error over what explains it: more than a common error of the parameters
 _FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does
-# Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
-_SMALL_PART = 0.2
 
-Group = tuple[str, tuple[Candidate, ...]]
 Tell = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True)
-class _Tested:
-    """A selection, with what unseen points and its own residuals say of it."""
+class Whole:
+    """The model with every cell that the data ask for: what is left, described without a name."""
 
-    selected: Selected
-    groups: tuple[Group, ...]
-    judged: Judged
-    families: tuple[Prepared, ...]
-    left: Left
+    fit: RobustFit
+    cells: tuple[Candidate, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,66 +67,59 @@ class _Answer:
     """What the parts of an answer are made from."""
 
     start: Start
-    tested: _Tested  # doubts included in what is left
+    tested: Tested  # doubts included in what is left
+    whole: Whole | None  # None: the findings are all that the model is extended by
+    judged: Judged  # on validation readings, where there are any
     scene: Scene  # of the extended model
+
+    @property
+    def found(self) -> RobustFit:
+        """The fit with the findings, none that validation readings contradict."""
+        return self.start.fit if self.tested.left.contradicted else self.tested.selected.fit
+
+    @property
+    def end(self) -> RobustFit:
+        """The fit of the model that may be used."""
+        return self.found if self.whole is None or self.tested.left.contradicted else self.whole.fit
 
 
 def answered(
-    start: Start, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
+    start: Start, first: Pool, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
-    judging = Judging(start.campaign, start.fit, propose)
-    withdrawn: tuple[str, ...] = ()
-    refuted: frozenset[Cause] = frozenset()
-    tested = _tested(start, selected, judging, without, refuted)
-    while useless := _to_withdraw(start, tested):
-        groups = tested.groups
-        withdrawn += tuple(_withdrawal(start, tested, index) for index in useless)
-        refuted |= {Cause(pick.effect, pick.subject) for index in useless for pick in groups[index][1]}
-        kept = tuple(pick for k, (_, group) in enumerate(groups) if k not in useless for pick in group)
-        if not kept and any(groups[index][1][0].effect == UNNAMED for index in useless):
-            kept = _names_alone(start, propose)
-        selected = reselected(start.fit, tested.selected, kept, propose)
-        tested = _tested(start, selected, judging, without, refuted)
-    tell(0.85, "putting it into words")
+    judging = CrossValidation(first)
+    tested, withdrawn = standing(start, selected, judging, propose, without)
+    tell(0.85, "judging on readings that were not seen, and putting it into words")
+    tested = replace(tested, left=_with_doubts(tested))
+    whole = _whole(start, tested, judging)
+    judged = _judged(start, tested, judging, whole)
     left = replace(
-        _with_doubts(tested),
-        worse_unseen=_worse_unseen(tested.judged, start),
-        worse_at=_worse_at(tested.judged),
+        tested.left,
+        worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
+        worse_at=_worse_at(judged),
+        contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
     )
     scene = scene_of(start.problem, tested.selected.fit)
-    return _told(_Answer(start, replace(tested, left=left), scene), withdrawn, without)
+    return _told(_Answer(start, replace(tested, left=left), whole, judged, scene), withdrawn, without)
 
 
-def _names_alone(start: Start, propose: Propose) -> tuple[Candidate, ...]:
-    """Return what is found among causes with a name: a cell that does not help had stood in its place."""
+def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | None:
+    """Return the model with what is left described too, where configurations left out ask for it.
 
-    def named(fit: RobustFit) -> tuple[Candidate, ...]:
-        return tuple(candidate for candidate in propose(fit) if candidate.effect != UNNAMED)
-
-    return select(start.fit, named, lambda _share: None).picks
-
-
-def _tested(
-    start: Start, selected: Selected, judging: Judging, without: tuple[str, ...], refuted: frozenset[Cause]
-) -> _Tested:
-    groups = grouped(selected.picks)
-    judged = judging.of(selected, tuple(group for _, group in groups))
-    families = prepared_families(selected.fit, start.scene)
-    return _Tested(selected, groups, judged, families, left_by(start, selected, families, without, refuted))
-
-
-def _worse_unseen(judged: Judged, start: Start) -> float:
-    """Return typical validation errors over the stated noise, where they are far beyond it; else 0.
-
-    What the calibration points cannot show may be wrong all the same.
+    What is left over time is not foretold by a description of where the arm was when.
     """
-    stated = start.problem.blocks[0].stated_sigma()
-    if judged.source != "validation" or stated == 0.0:
-        return 0.0
-    squared = (judged.errors.after_mm**2).sum(axis=1) / stated**2
-    ratio = float(np.sqrt(np.median(squared) / chi2_median(judged.errors.after_mm.shape[1])))
-    return ratio if ratio > _FAR_BEYOND else 0.0
+    in_time = any(one.kind == "time" for one in tested.left.depends)
+    if in_time or not (tested.left.structure and judging.asks_for_description):
+        return None
+    found = described(tested.selected.pool, tested.selected.picks)
+    return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
+
+
+def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole | None) -> Judged:
+    groups = tuple(group for _, group in tested.groups)
+    end = whole.fit if whole else tested.selected.fit
+    seen = on_validation(start.campaign, (start.fit, end), tested.selected, groups)
+    return seen or judging.of(tested.selected, groups, described=whole is not None)
 
 
 def _worse_at(judged: Judged) -> WorstPoint | None:
@@ -148,7 +133,7 @@ def _worse_at(judged: Judged) -> WorstPoint | None:
     return worst if worst.after_mm > limit_mm else None
 
 
-def _with_doubts(tested: _Tested) -> Left:
+def _with_doubts(tested: Tested) -> Left:
     """Add the families that tell the story of a finding better than its name."""
     selected, left = tested.selected, tested.left
     together: dict[Cause, tuple[Candidate, ...]] = {}
@@ -163,60 +148,9 @@ def _with_doubts(tested: _Tested) -> Left:
     return replace(left, depends=(*left.depends, *new.values()))
 
 
-def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
-    """Return the findings to withdraw: all where they do not help unseen points together, else single ones.
-
-    While something is left that nothing explains, a finding may owe its place to it: then it is tested again
-    beside that, and all of them together must explain a fair part of what is wrong.
-    """
-    if not groups:
-        return ()
-    gains = [judged.gain(index) for index in range(len(groups))]
-    together = gain_of(judged.errors.before_mm, judged.errors.after_mm, judged.site)
-    if together.interval_95_mm[0] <= 0.0 or (left.structure and _explains_little(together, judged)):
-        return tuple(range(len(groups)))
-    owed = owed_to_the_rest(selected, [group for _, group in groups], left)
-    return tuple(
-        index
-        for index, gain in enumerate(gains)
-        if gain.rms_before_mm <= gain.rms_after_mm or (owed[index] and _explains_little(gain, judged))
-    )
-
-
-def _to_withdraw(start: Start, tested: _Tested) -> tuple[int, ...]:
-    """Return the findings that are not kept: those that do not help, and those that physics forbids."""
-    useless = _useless(tested.selected, tested.groups, tested.judged, tested.left)
-    forbidden = tuple(index for index in range(len(tested.groups)) if _forbidden(start, tested, index))
-    return useless or forbidden
-
-
-def _forbidden(start: Start, tested: _Tested, index: int) -> str:
-    """Return why physics does not let a finding be kept, "" where it does."""
-    shown = _shown(tested.selected, scene_of(start.problem, tested.selected.fit), *tested.groups[index])
-    return shown.limits.why if shown.limits and shown.limits.withdrawn and shown.impossible else ""
-
-
-def _explains_little(gain: Gain, judged: Judged) -> bool:
-    """Whether it is a small part of what is wrong on unseen points that a gain takes away."""
-    wrong = gain.rms_before_mm**2 - judged.noise_mm**2
-    return gain.rms_before_mm**2 - gain.rms_after_mm**2 < _SMALL_PART * wrong
-
-
-def _withdrawal(start: Start, tested: _Tested, index: int) -> str:
-    (subject, picks), gain = tested.groups[index], tested.judged.gain(index)
-    why = _forbidden(start, tested, index)
-    if why:
-        return f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: {why}."
-    return (
-        f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on unseen points, or beside "
-        "what nothing explains, it does not help beyond chance "
-        f"(RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
-    )
-
-
 def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
     start, tested = answer.start, answer.tested
-    selected, judged, left = tested.selected, tested.judged, tested.left
+    selected, judged, left = tested.selected, answer.judged, tested.left
     readings = readings_found(start, selected, left, judged)
     findings = (*_findings(answer), *(one for one in readings if one.effect not in without))
     remaining = Remaining(
@@ -270,8 +204,8 @@ def _findings(answer: _Answer) -> tuple[Finding, ...]:
 
 def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
     subject, group = answer.tested.groups[index]
-    gain = answer.tested.judged.gain(index)
-    shown = _shown(answer.tested.selected, answer.scene, subject, group)
+    gain = answer.judged.gains[index]
+    shown = shown_of(answer.tested.selected, answer.scene, subject, group)
     cell = cell_of(group[0]._replace(subject=subject))
     helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
     sure = helps and not scale.rivals and not shown.impossible
@@ -304,17 +238,9 @@ def _sentence(shown: Shown) -> str:
     return f"{shown.sentence.removesuffix('.')}; {shown.limits.why}: something else acts here."
 
 
-def _shown(selected: Selected, scene: Scene, subject: str, group: tuple[Candidate, ...]) -> Shown:
-    fit = selected.fit
-    names = names_of(group)
-    rows = [fit.structure.index_of(name) for name in names]
-    fitted = Fitted(names, fit.values[rows], fit.solution.covariance[np.ix_(rows, rows)])
-    return CAUSES[group[0].effect].shown(subject, fitted, scene)
-
-
 def _model(answer: _Answer) -> Model:
     """Return the extended model, fitted without what only the diagnosis needed."""
-    start, full = answer.start, answer.tested.selected.fit
+    start, full = answer.start, answer.end
     structure = full.structure.without(NUISANCE)
     blocks = tuple(block for block in full.blocks if not isinstance(block, ReferenceBlock))
     if _acts_on_instrument(structure.effects):
@@ -323,7 +249,7 @@ def _model(answer: _Answer) -> Model:
     solution = refit(structure, blocks, values)
     plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
     nominal = nominal_fit(start.problem, start.fit)
-    honest = with_open_shapes(plain)
+    honest = with_open_shapes(plain, answer.found)
     fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
     return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
 

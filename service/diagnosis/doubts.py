@@ -37,7 +37,7 @@ def owed_to_the_rest(
         return (False,) * len(groups)
     effects = products_of(selected.fit, np.concatenate([products.columns for products, _ in seen]))
     sizes = np.concatenate([np.full(len(products.columns), width) for products, width in seen])
-    beside = normal.beside(effects, sizes)
+    beside = normal.beside(effects, sizes, tuple(f"effect {k}" for k in range(len(sizes))))
     return tuple(_is_chance(selected, group, effects.columns, beside) for group in groups)
 
 
@@ -51,7 +51,7 @@ def _is_chance(selected: Selected, group: tuple[Candidate, ...], effects: FloatA
 
 def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
     pool = selected.pool
-    parts = [pool.products.rows(pool.own(pool.all.index(pick))) for pick in group]
+    parts = [pool.products.rows(pool.own(pool.index_of(pick))) for pick in group]
     return Products(
         np.concatenate([part.columns for part in parts]),
         np.concatenate([part.with_jacobian for part in parts]),

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 
 from service.effects.causes import Candidate
 
+Group = tuple[str, tuple[Candidate, ...]]  # subject and picks
+
 _PLURAL = {
     "backlash": "joints",
     "compliance_nonlinear": "joints",
@@ -14,7 +16,7 @@ _MANY = 3  # joints that share a cause from this number on
 _ORDERS_APART = 2  # waves of one joint that are told one by one; more are told together
 
 
-def grouped(picks: Sequence[Candidate]) -> tuple[tuple[str, tuple[Candidate, ...]], ...]:
+def grouped(picks: Sequence[Candidate]) -> tuple[Group, ...]:
     """Return subjects and their picks, in the order in which they were found."""
     groups: dict[tuple[str, str, float], list[Candidate]] = {}
     for pick in picks:

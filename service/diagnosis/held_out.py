@@ -1,76 +1,128 @@
-"""The gain: errors on points that neither the choice of the model nor its parameters saw."""
+"""Errors on points that neither the choice of a model nor its parameters saw.
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+Decisions rest on nested cross-validation within the calibration. The validation readings are asked once, when
+everything is decided.
+"""
+
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from service.diagnosis.folds import Errors, Nested, as_found, nested, partition
+from service.diagnosis.gains import gain_of
 from service.diagnosis.groups import names_of
-from service.diagnosis.selection import Propose, Selected, select
+from service.diagnosis.pool import Pool
+from service.diagnosis.selection import Selected
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Gain, HeldOutErrors
 from service.effects.causes import Candidate
+from service.effects.cells import cell_of
+from service.identification.distributions import chi2_median
 from service.identification.leg_problem import leg_block
-from service.identification.observations import Block
+from service.identification.observations import Block, BlockResult
 from service.identification.problem import position_block
-from service.identification.robust import RobustFit, fit
+from service.identification.robust import RobustFit
 from service.identification.rows import sites
 from service.identification.statistics import expected_noise_mm
 from service.identification.structure import Structure
 
-_RESAMPLED = 1000  # 25 of them lie beyond either end of the interval
-_FOLDS = 5  # four fifths of the configurations choose: nearly as well as all
+Groups = tuple[tuple[Candidate, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """Held-out errors of the start model, of the extended one, and of that without each cause in turn."""
+    """Held-out errors of the start model and of the extended one, and what each of its causes gains."""
 
     errors: HeldOutErrors
-    without: tuple[FloatArray, ...]  # (n, d) per group of picks
+    gains: tuple[Gain, ...]  # per group of picks
     site: IntArray  # (n,)
     noise_mm: float
     source: str  # "validation" or "cross_validation"
+    beyond: float = 1.0  # typical validation error over what noise and parameters explain
 
-    def gain(self, group: int) -> Gain:
-        """Return what one cause gains."""
-        return gain_of(self.without[group], self.errors.after_mm, self.site)
-
-
-@dataclass(frozen=True, slots=True)
-class _Fold:
-    """The configurations of one fold, and what was fitted and chosen without them."""
-
-    out: IntArray  # readings of the first block
-    start: RobustFit
-    extended: RobustFit
-    picks: tuple[Candidate, ...]
+    @property
+    def together(self) -> Gain:
+        """What all causes gain."""
+        return gain_of(self.errors.before_mm, self.errors.after_mm, self.site)
 
 
-class Judging:
-    """Judges extended models of one start: on the validation points, else by nested cross-validation."""
+class CrossValidation:
+    """Judges extended models of one start on configurations left out of the calibration."""
 
-    def __init__(self, campaign: Campaign, start: RobustFit, propose: Propose) -> None:
-        self._start = start
-        self._propose = propose
-        self._validation = _validation_block(campaign)
+    def __init__(self, first: Pool) -> None:
+        self._first = first
 
-    def of(self, selected: Selected, groups: tuple[tuple[Candidate, ...], ...]) -> Judged:
-        """Judge an extended model, and it without each of its groups."""
-        if self._validation is not None:
-            return _on_validation(self._validation, self._start, selected, groups)
-        return _crossed(self._start, self._chosen if groups else self._plain, groups)
+    def of(self, selected: Selected, groups: Groups, *, described: bool = False) -> Judged:
+        """Judge the choice, or all that is described; of single causes, the model found with and without."""
+        block, result = self._first.fit.blocks[0], self._first.fit.results[0]
+        config, site = block.targets.stops.config, sites(block.targets.stops)
+        nested = self._in_time if _run_in_time(groups) else self._at_random
+        after = nested.described if described else nested.chosen if groups else nested.start
+        errors = HeldOutErrors(config, result.state.position_mm, nested.start, after)
+        gains = tuple(gain_of(*_of_group(selected, group), site) for group in groups)
+        noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
+        return Judged(errors, gains, site, noise_mm, "cross_validation")
 
-    @cached_property
-    def _plain(self) -> tuple[_Fold, ...]:
-        return tuple(_folds(self._start))
+    @property
+    def asks_for_description(self) -> bool:
+        """Whether describing every cell foretells what is left out better than the choice."""
+        nested = self._at_random
+        return float((nested.described**2).sum()) < float((nested.chosen**2).sum())
 
     @cached_property
-    def _chosen(self) -> tuple[_Fold, ...]:
-        """The folds with the choice made anew in each: once, since it hangs on no group."""
-        return tuple(_chosen_in(fold, self._propose) for fold in self._plain)
+    def _at_random(self) -> Nested:
+        return nested(self._first, partition(self._first.fit, in_time=False))
+
+    @cached_property
+    def _in_time(self) -> Nested:
+        return nested(self._first, partition(self._first.fit, in_time=True))
+
+
+def _of_group(selected: Selected, group: tuple[Candidate, ...]) -> Errors:
+    parts = partition(selected.fit, in_time=_run_in_time((group,)))
+    return as_found(selected.fit, parts, names_of(group))
+
+
+def _run_in_time(groups: Groups) -> bool:
+    """Whether something runs in time that configurations between others would fill in.
+
+    What is drawn anew at each mounting is never foretold, and of legs a block in time is a placement.
+    """
+    cells = [cell_of(pick) for group in groups for pick in group]
+    over = {cell.over for cell in cells}
+    return "time" in over and "mounting" not in over and not any(_of_legs(cell.where) for cell in cells)
+
+
+def _of_legs(where: str) -> bool:
+    return where == "ballbar" or where.startswith("placement")
+
+
+def on_validation(
+    campaign: Campaign, fits: tuple[RobustFit, RobustFit], selected: Selected, groups: Groups
+) -> Judged | None:
+    """Judge the start and the model in the end, and single causes; None without validation readings."""
+    block = _validation_block(campaign)
+    if block is None:
+        return None
+    start, end = (block.result(fit.structure, fit.values, None) for fit in fits)
+    site, found = sites(block.targets.stops), _residual(block, selected.fit.structure, selected.fit.values)
+    gains = tuple(gain_of(_without(block, selected.fit, group), found, site) for group in groups)
+    errors = HeldOutErrors(block.targets.stops.config, end.state.position_mm, start.residual, end.residual)
+    beyond = _beyond(block, end, fits[1].solution.covariance)
+    return Judged(errors, gains, site, expected_noise_mm(block), "validation", beyond)
+
+
+def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:
+    """Return the typical error over what noise and parameters explain; 1 where no noise is stated."""
+    if block.stated_sigma() == 0.0:
+        return 1.0
+    components = result.residual.shape[1]
+    spread = np.einsum("pni,pq,qni->n", result.jacobian, covariance, result.jacobian, optimize=True)
+    variance = block.component_variance() + block.scatter_mm**2 + spread / components
+    squared = (result.residual**2).sum(axis=1) / variance
+    return float(np.sqrt(np.median(squared) / chi2_median(components)))
 
 
 def _validation_block(campaign: Campaign) -> Block | None:
@@ -82,16 +134,6 @@ def _validation_block(campaign: Campaign) -> Block | None:
         return None
     anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
     return leg_block(legs, campaign, anchors)
-
-
-def _on_validation(
-    block: Block, start: RobustFit, selected: Selected, groups: tuple[tuple[Candidate, ...], ...]
-) -> Judged:
-    before = _residual(block, start.structure, start.values)
-    after = _residual(block, selected.fit.structure, selected.fit.values)
-    without = tuple(_without(block, selected.fit, group) for group in groups)
-    errors = _errors(block, selected.fit, before, after)
-    return Judged(errors, without, sites(block.targets.stops), expected_noise_mm(block), "validation")
 
 
 def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatArray:
@@ -111,94 +153,3 @@ def _without(block: Block, full: RobustFit, group: tuple[Candidate, ...]) -> Flo
     )
     values[out] = 0.0
     return _residual(block, full.structure, values)
-
-
-def _folds(start: RobustFit) -> Iterator[_Fold]:
-    """Fit the start model without each fold of configurations in turn."""
-    site = sites(start.blocks[0].targets.stops)
-    for held in np.array_split(np.random.default_rng(0).permutation(np.unique(site)), _FOLDS):
-        out = np.flatnonzero(np.isin(site, held))
-        if out.size:
-            part = _part(start, held)
-            yield _Fold(out, part, part, ())
-
-
-def _chosen_in(fold: _Fold, propose: Propose) -> _Fold:
-    chosen = select(fold.start, propose, lambda _share: None)
-    return replace(fold, extended=chosen.fit, picks=chosen.picks)
-
-
-def _crossed(start: RobustFit, folds: tuple[_Fold, ...], groups: tuple[tuple[Candidate, ...], ...]) -> Judged:
-    first = start.blocks[0]
-    shape = start.results[0].residual.shape
-    before, after = np.zeros(shape), np.zeros(shape)
-    without = tuple(np.zeros(shape) for _ in groups)
-    for fold in folds:
-        block = first.subset(fold.out)
-        before[fold.out] = _residual(block, fold.start.structure, fold.start.values)
-        after[fold.out] = _residual(block, fold.extended.structure, fold.extended.values)
-        for left, group in zip(without, groups, strict=True):
-            same = _same(fold.picks, group[0])
-            left[fold.out] = _without(block, fold.extended, same) if same else after[fold.out]
-    errors = _errors(first, start, before, after)
-    stated = first.weighted(first.weights, 0.0)
-    site = sites(first.targets.stops)
-    return Judged(errors, without, site, expected_noise_mm(stated), "cross_validation")
-
-
-def _same(picks: tuple[Candidate, ...], one: Candidate) -> tuple[Candidate, ...]:
-    return tuple(pick for pick in picks if (pick.effect, pick.subject) == (one.effect, one.subject))
-
-
-def _part(start: RobustFit, held: IntArray) -> RobustFit:
-    """Fit the start model without some configurations."""
-    blocks = tuple(
-        block.subset(np.flatnonzero(~np.isin(sites(block.targets.stops), held))) for block in start.blocks
-    )
-    solution = fit(start.structure, blocks, start.values)
-    gross = tuple(
-        flags[~np.isin(sites(block.targets.stops), held)]
-        for block, flags in zip(start.blocks, start.gross, strict=True)
-    )
-    return RobustFit(start.structure, blocks, solution, gross, start.chi2_per_dof)
-
-
-def _errors(block: Block, shown: RobustFit, before: FloatArray, after: FloatArray) -> HeldOutErrors:
-    state = block.result(shown.structure, shown.values, None).state
-    return HeldOutErrors(block.targets.stops.config, state.position_mm, before, after)
-
-
-def gain_of(before: FloatArray, after: FloatArray, site: IntArray) -> Gain:
-    """RMS before and after with the 95 % interval of their difference, resampled by configuration.
-
-    Parameters
-    ----------
-    before, after : ndarray, shape (n, d)
-    site : ndarray, shape (n,)
-    """
-    squares = _by_site(before, after, site)
-    differences = _resampled(squares)
-    low, high = np.quantile(differences, [0.025, 0.975])
-    total = squares.sum(axis=1)
-    return Gain(
-        float(np.sqrt(total[0] / total[2])),
-        float(np.sqrt(total[1] / total[2])),
-        (float(low), float(high)),
-    )
-
-
-def _by_site(before: FloatArray, after: FloatArray, site: IntArray) -> FloatArray:
-    """Return sums of squares before, after, and counts, of every configuration, shape (3, S)."""
-    _, which = np.unique(site, return_inverse=True)
-    return np.stack([
-        np.bincount(which, (before**2).sum(axis=1)),
-        np.bincount(which, (after**2).sum(axis=1)),
-        np.bincount(which),
-    ])
-
-
-def _resampled(squares: FloatArray) -> FloatArray:
-    """Differences of the two RMS with configurations drawn with replacement."""
-    drawn = np.random.default_rng(0).integers(0, squares.shape[1], (_RESAMPLED, squares.shape[1]))
-    sums = squares[:, drawn].sum(axis=2)
-    return np.asarray(np.sqrt(sums[0] / sums[2]) - np.sqrt(sums[1] / sums[2]))

@@ -7,8 +7,9 @@ import numpy as np
 from service.diagnosis.angle_steps import AngleSteps, telling_steps
 from service.diagnosis.families import Family
 from service.diagnosis.normal import Products
+from service.diagnosis.pool import pooled
 from service.diagnosis.remaining import Prepared, structured
-from service.diagnosis.screening import pooled, screen
+from service.diagnosis.screening import screen
 from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
@@ -52,15 +53,16 @@ class Left:
     more_than_stated: bool
     explained_by_repeats: bool  # revisits scatter as much
     tails: Tails
-    worse_unseen: float = 0.0  # validation errors over the stated noise where far beyond it, else 0
+    worse_unseen: float = 0.0  # validation errors over what explains them where far beyond it, else 0
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
     steps: AngleSteps | None = None  # of the joint angles, where they explain noise beyond what is stated
+    contradicted: bool = False  # validation readings are foretold no better than by the start model
 
     @property
     def structure(self) -> bool:
         """Whether something is left that is not noise."""
         lacking = self.more_than_stated and not self.explained_by_repeats and self.steps is None
-        worse = self.clearly_worse_unseen or self.worse_at is not None
+        worse = self.clearly_worse_unseen or self.worse_at is not None or self.contradicted
         return bool(self.depends) or lacking or worse
 
     @property

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from service.diagnosis.groups import names_of
-from service.diagnosis.screening import View, pooled, screen
+from service.diagnosis.pool import View, pooled
+from service.diagnosis.screening import screen
 from service.diagnosis.selection import Propose, Selected, reselected
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail

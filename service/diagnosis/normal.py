@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from service.diagnosis.footing import design_effect, observations_of
+from service.diagnosis.counted import counted_rows, design_effect
 from service.domain.arrays import BoolArray, FloatArray
 from service.identification.robust import RobustFit
 
@@ -71,6 +71,10 @@ class Projection:
         scaled = products.with_jacobian[:, self.kept] * self.scale
         return np.asarray(solve_triangular(self.root, scaled.T, trans="T").T)
 
+    def step(self) -> FloatArray:
+        """Return what the parameters kept change by to the least sum of squares, shape (q,)."""
+        return np.asarray(self.scale * solve_triangular(self.root, self.of_residual))
+
     def towards(self, products: Products, absorbed: FloatArray) -> FloatArray:
         """Products of columns with the residual that is left, shape (K,)."""
         raw = products.with_residual + products.with_jacobian[:, ~self.kept] @ self.removed
@@ -112,13 +116,13 @@ class Normal:
         sums = Sums(max(square, 1e-300), max(self.observations, 1.0), self.observations, self.alike)
         return Projection(kept, root, scale, removed, of_residual, sums)
 
-    def beside(self, effects: Products, widths: FloatArray) -> "Normal":
-        """Return the normal equations with random effects of these widths, at zero."""
+    def beside(self, effects: Products, widths: FloatArray, names: tuple[str, ...]) -> "Normal":
+        """Return the normal equations with further parameters, at zero, whose priors have these widths."""
         across = effects.with_jacobian
         zeros = np.zeros(len(widths))
         return replace(
             self,
-            names=(*self.names, *(f"effect {k}" for k in range(len(widths)))),
+            names=(*self.names, *names),
             values=np.concatenate([self.values, zeros]),
             deviation=np.concatenate([self.deviation, zeros]),
             widths=np.concatenate([self.widths, widths]),
@@ -127,17 +131,20 @@ class Normal:
         )
 
 
-def normal_of(fit: RobustFit) -> Normal:
-    """Return the normal equations of a fit."""
+def normal_of(fit: RobustFit, rows: BoolArray | None = None) -> Normal:
+    """Return the normal equations of a fit, of some of its stacked observations (m,) alone where asked."""
     final, structure = fit.solution.final, fit.structure
+    jacobian, residual, counted = final.jacobian, final.residual, counted_rows(fit)
+    if rows is not None:
+        jacobian, residual, counted = jacobian[:, rows], residual[rows], counted[rows]
     return Normal(
         names=structure.names,
         values=fit.values,
         deviation=structure.prior_means - fit.values,
         widths=structure.prior_widths,
-        squares=final.jacobian @ final.jacobian.T,
-        towards=final.jacobian @ final.residual,
-        residual_square=float(final.residual @ final.residual),
-        observations=observations_of(fit),
+        squares=jacobian @ jacobian.T,
+        towards=jacobian @ residual,
+        residual_square=float(residual @ residual),
+        observations=float(counted.sum()),
         alike=design_effect(fit.blocks[0], fit.results[0]),
     )

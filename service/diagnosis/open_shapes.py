@@ -27,19 +27,21 @@ from service.identification.structure import Structure
 _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves leaves nothing open
 
 
-def with_open_shapes(fit: RobustFit) -> RobustFit:
+def with_open_shapes(fit: RobustFit, found: RobustFit) -> RobustFit:
     """Return a fit whose covariance holds what the readings leave open of the shapes found.
 
     Parameters
     ----------
     fit : RobustFit
         Of a model with waves of some joints; without them it comes back as it is.
+    found : RobustFit
+        Of the findings alone, as free as their readings are: how large waves are is told by both.
     """
-    widths_rad = _widths_rad(fit)
+    widths_rad = np.maximum(_widths_rad(fit), _widths_rad(found))
     if not widths_rad.any():
         return fit
     specs = _open_specs(fit, widths_rad)
-    structure = _widened(fit.structure, widths_rad).extended(HARMONICS, specs)
+    structure = _widened(fit.structure, found.structure, widths_rad).extended(HARMONICS, specs)
     values = np.concatenate([fit.values, np.zeros(len(specs))])
     point = linearise_blocks(structure, fit.blocks, values, None)
     covariance = posterior_covariance(point.jacobian, 1.0 / structure.prior_widths**2)
@@ -47,16 +49,18 @@ def with_open_shapes(fit: RobustFit) -> RobustFit:
     return replace(fit, structure=structure, solution=solution)
 
 
-def _widened(structure: Structure, widths_rad: FloatArray) -> Structure:
-    """Return the structure with its own slow waves as open as others of their joint.
+def _widened(structure: Structure, found: Structure, widths_rad: FloatArray) -> Structure:
+    """Return the structure with its own slow waves as open as others of their joint, fast ones as when found.
 
     The waves of a curve share one width, which is that of all orders: a slow one may be larger.
     """
+    free = {spec.name: spec.prior_width for spec in found.specs}
 
     def opened(spec: ParameterSpec, owner: str) -> ParameterSpec:
-        if owner != HARMONICS or order_of_wave(spec.name) not in _ORDERS:
+        if owner != HARMONICS:
             return spec
-        width = float(widths_rad[joint_of_wave(spec.name)])
+        slow = order_of_wave(spec.name) in _ORDERS
+        width = float(widths_rad[joint_of_wave(spec.name)]) if slow else free.get(spec.name, 0.0)
         return spec._replace(prior_width=max(spec.prior_width, width))
 
     specs = tuple(opened(spec, owner) for spec, owner in zip(structure.specs, structure.owners, strict=True))
@@ -76,10 +80,14 @@ def _open_specs(fit: RobustFit, widths_rad: FloatArray) -> tuple[ParameterSpec, 
 
 
 def _widths_rad(fit: RobustFit) -> FloatArray:
-    """Return the standard deviation of a further wave's sine and cosine on each joint: the largest found."""
+    """Return the standard deviation of a further wave's sine and cosine on each joint.
+
+    That of the largest one found, with what is not known of it.
+    """
     largest = np.zeros(fit.structure.robot.n_joints)
-    for name, owner, value in zip(fit.structure.names, fit.structure.owners, fit.values, strict=True):
+    sizes = np.hypot(fit.values, np.sqrt(np.diag(fit.solution.covariance)))
+    for name, owner, size in zip(fit.structure.names, fit.structure.owners, sizes.tolist(), strict=True):
         if owner == HARMONICS:
             joint = joint_of_wave(name)
-            largest[joint] = max(largest[joint], abs(float(value)))
+            largest[joint] = max(largest[joint], size)
     return largest

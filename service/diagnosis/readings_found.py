@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.diagnosis.held_out import Judged, gain_of
+from service.diagnosis.gains import gain_of
+from service.diagnosis.held_out import Judged
 from service.diagnosis.left import Left
 from service.diagnosis.selection import Selected
 from service.diagnosis.start import Start

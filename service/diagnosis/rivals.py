@@ -42,7 +42,7 @@ def weighed(selected: Selected, group: tuple[Candidate, ...], *, structure_left:
     """Weigh the picks of one cause and subject against everything else that was tried."""
     names = names_of(group)
     screened = screen(selected.pool.view(without=names))
-    indices = [selected.pool.all.index(pick) for pick in group]
+    indices = [selected.pool.index_of(pick) for pick in group]
     lead = max(indices, key=lambda index: screened.score[index])
     found: dict[Cause, float] = {}
     best = float(screened.score[lead])

@@ -1,16 +1,16 @@
 """Selection: causes are added one at a time, best first, until nothing more is there than noise would give.
 
-Within one linearisation the picks are fitted together; then everything is fitted again, gross readings
-included, and screened anew. At the end each pick must still be worth its parameters beside the others.
+Within one linearisation the picks are fitted together, and each must be worth its parameters beside the
+others (`chosen`). Then everything is fitted again, gross readings included, and screened anew.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from service.diagnosis.footing import Footing, footing_of
-from service.diagnosis.screening import Pool, Screened, View, pooled, screen
+from service.diagnosis.pool import Pool, View, pooled
+from service.diagnosis.screening import Screened, screen
 from service.effects.causes import Candidate
 from service.identification.robust import RobustFit, settled
 
@@ -34,12 +34,22 @@ class Selected:
     full: bool  # more was there, but the readings do not carry more parameters
 
 
-def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) -> Selected:
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What one linearisation shows."""
+
+    picks: tuple[Candidate, ...]
+    pool: Pool  # with the picks fitted, to first order
+    full: bool  # more was there, but the readings do not carry more parameters
+
+
+def select(first: Pool, propose: Propose, tell: Callable[[float], None]) -> Selected:
     """Extend a fitted model by what the data show.
 
     Parameters
     ----------
-    start : RobustFit
+    first : Pool
+        Everything that is proposed at the fitted model.
     propose : callable
         Every way in which a fitted model may still be wrong.
     tell : callable
@@ -49,14 +59,15 @@ def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) ->
     -------
     Selected
     """
-    fit, picks, full = start, list[Candidate](), False
-    pool = pooled(fit, propose(fit))
+    start = fit = first.fit
+    picks, full, pool = list[Candidate](), False, first
     for round_number in range(_MOST_REFITS):
         tell(round_number / _MOST_REFITS)
-        new, full = _picked(pool)
-        if not new:
+        choice = chosen(pool)
+        full = choice.full
+        if not choice.picks:
             break
-        picks += new
+        picks += choice.picks
         fit = refitted(start, fit, picks)
         pool = pooled(fit, (*picks, *propose(fit)))
         kept = _worth(picks, pool)
@@ -64,7 +75,7 @@ def select(start: RobustFit, propose: Propose, tell: Callable[[float], None]) ->
             picks = kept
             fit = refitted(start, fit, picks)
             pool = pooled(fit, (*picks, *propose(fit)))
-            if not any(_same_as(candidate, other) for candidate in new for other in kept):
+            if not any(_same_as(candidate, other) for candidate in choice.picks for other in kept):
                 break
     return Selected(fit, tuple(picks), pool, full)
 
@@ -81,39 +92,61 @@ def _same_as(one: Candidate, other: Candidate) -> bool:
     return (one.effect, one.subject, one.names) == (other.effect, other.subject, other.names)
 
 
-def _picked(pool: Pool) -> tuple[list[Candidate], bool]:
-    view, footing = pool.view(), footing_of(pool.fit)
-    picks: list[Candidate] = []
+def chosen(pool: Pool) -> Choice:
+    """Choose what is there beyond chance, each pick still worth its parameters beside the others."""
+    refuted = set[int]()
+    picks = dict[int, Candidate]()
     while True:
+        grown, full = _grown(pool, picks, refuted)
+        kept = dict(zip(picks, _each_worth(tuple(picks.items()), grown), strict=True))
+        refuted |= {index for index, pick in kept.items() if pick is None}
+        held = {index: pick for index, pick in kept.items() if pick is not None}
+        if len(held) == len(picks):
+            return Choice(tuple(picks.values()), grown, full)
+        picks = held
+
+
+def _grown(pool: Pool, picks: dict[int, Candidate], refuted: set[int]) -> tuple[Pool, bool]:
+    """Add to the picks, best first, what is beyond chance; return the pool with them, and if it is full."""
+    for index, pick in picks.items():
+        pool = pool.beside(index, pick)
+    while True:
+        view = pool.view()
         screened = screen(view)
+        screened.score[[*refuted, *_fitted(view)]] = -np.inf  # rounding leaves a little of what is fitted
         best = best_of(screened)
-        if best is None or pool.all[best] in picks:  # rounding may leave a little of what is fitted
-            return picks, False
-        if not _carried(footing, float(screened.size[best])):
-            return picks, True
-        if pool.all[best].function:  # what it leaves to others is told once it is fitted
-            return [*picks, *_parts_or_whole(view, footing, screened, best)], False
-        picks.append(pool.all[best])
-        view, footing = view.with_pick(best, footing)
+        if best is None:
+            return pool, False
+        if not _carried(view, float(screened.size[best])):
+            return pool, True
+        for index, pick in _parts_or_whole(view, screened, best).items():
+            picks[index] = pick
+            pool = pool.beside(index, pick)
 
 
-def _parts_or_whole(view: View, footing: Footing, screened: Screened, whole: int) -> list[Candidate]:
-    """Return a few single parts of a function where they are the better story, else the function."""
-    function = view.pool.all[whole]
-    parts, score = list[Candidate](), 0.0
+def _fitted(view: View) -> list[int]:
+    return [k for k, candidate in enumerate(view.pool.all) if not view.fitted.isdisjoint(candidate.names)]
+
+
+def _parts_or_whole(view: View, screened: Screened, best: int) -> dict[int, Candidate]:
+    """Return a few single parts of a function where they are the better story, else what was best."""
+    whole = view.pool.all[best]
+    if not whole.function:
+        return {best: whole}
+    parts, score = dict[int, Candidate](), 0.0
     while True:
         now = screen(view)
-        now.score[[not _is_part(candidate, function, parts) for candidate in view.pool.all]] = -np.inf
-        best = best_of(now)
-        if best is None or not _carried(footing, float(now.size[best])):
+        now.score[[not _is_part(candidate, whole, parts.values()) for candidate in view.pool.all]] = -np.inf
+        part = best_of(now)
+        if part is None or not _carried(view, float(now.size[part])):
             break
-        parts.append(view.pool.all[best])
-        score += float(now.score[best])
-        view, footing = view.with_pick(best, footing)
-    return parts if score >= screened.score[whole] else [_sized(function, screened, whole)]
+        parts[part] = view.pool.all[part]
+        score += float(now.score[part])
+        view = view.pool.beside(part, parts[part]).view()
+    return parts if score >= screened.score[best] else {best: _sized(whole, screened, best)}
 
 
-def _is_part(candidate: Candidate, function: Candidate, taken: Sequence[Candidate]) -> bool:
+def _is_part(candidate: Candidate, function: Candidate, taken: Collection[Candidate]) -> bool:
     same = (candidate.effect, candidate.subject) == (function.effect, function.subject)
     return same and not candidate.function and candidate not in taken
 
@@ -131,9 +164,9 @@ def best_of(screened: Screened) -> int | None:
     return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
 
 
-def _carried(footing: Footing, parameters: float) -> bool:
-    used = footing.basis.shape[1] + parameters
-    return bool(footing.observations / footing.alike >= _READINGS_PER_PARAMETER * used)
+def _carried(view: View, parameters: float) -> bool:
+    used = view.parameters + parameters
+    return bool(view.sums.observations / view.sums.alike >= _READINGS_PER_PARAMETER * used)
 
 
 def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
@@ -148,13 +181,18 @@ def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) 
 
 def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
     """Return the picks that still explain more than their parameters cost, beside all others."""
-    kept = []
-    for pick in picks:
-        screened = screen(pool.view(without=pick.names))
-        index = pool.all.index(pick)
-        if screened.p_value[index] <= LEVEL and screened.score[index] > 0.0:
-            kept.append(_sized(pick, screened, index))
-    return kept
+    placed = [(pool.index_of(pick), pick) for pick in picks]
+    return [pick for pick in _each_worth(placed, pool) if pick is not None]
+
+
+def _each_worth(picks: Sequence[tuple[int, Candidate]], pool: Pool) -> list[Candidate | None]:
+    """Return each fitted pick, as large as it should be; None where it is not worth its parameters."""
+    found = list[Candidate | None]()
+    for index, pick in picks:
+        screened = screen(pool.alone(index).view(without=pick.names))
+        worth = screened.p_value[0] <= LEVEL and screened.score[0] > 0.0
+        found.append(_sized(pool.all[index], screened, 0) if worth else None)
+    return found
 
 
 def reselected(

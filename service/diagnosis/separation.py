@@ -24,7 +24,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from service.diagnosis.groups import names_of
 from service.diagnosis.places import Places
-from service.diagnosis.screening import Pool
+from service.diagnosis.pool import Pool
 from service.diagnosis.selection import Selected
 from service.domain.arrays import BoolArray, FloatArray
 from service.domain.diagnosis import Cause
@@ -118,7 +118,7 @@ def _closest(pool: Pool, fit: RobustFit, own: BoolArray, rival: Cause) -> int:
         products = pool.products.rows(pool.own(index))
         beside = products.with_jacobian[:, ~own] * scale
         towards = products.with_jacobian[:, own] @ values - beside @ absorbed
-        gram = products.columns @ products.columns.T - beside @ cho_solve(factor, beside.T)
+        gram = pool.grams[index] - beside @ cho_solve(factor, beside.T)
         gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
         explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
         if explained > most:

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from service.diagnosis.columns import candidate_motions
-from service.diagnosis.screening import View
+from service.diagnosis.pool import View
 from service.domain.arrays import FloatArray
 from service.identification.distributions import chi2_limit
 
@@ -55,11 +55,10 @@ def _limit(view: View, index: int, motion_mm: FloatArray) -> float:
 def _posterior(view: View, index: int) -> tuple[FloatArray, FloatArray]:
     """Mean (k,) and covariance (k, k) of a candidate's parameters past what is fitted."""
     own = view.pool.own(index)
-    columns, absorbed = view.pool.products.columns[own], view.absorbed[own]
     noise = view.sums.variance * view.sums.alike
     widths = np.array([spec.prior_width for spec in view.pool.all[index].specs])
     # In units of the prior widths, so that shifts and turns are alike.
-    information = (columns @ columns.T - absorbed @ absorbed.T) * np.outer(widths, widths) / noise
+    information = view.gram(index) * np.outer(widths, widths) / noise
     covariance = np.linalg.inv(information + np.eye(len(widths)))
     mean = covariance @ (view.towards[own] * widths) / noise
     return np.asarray(mean * widths), np.asarray(covariance * np.outer(widths, widths))

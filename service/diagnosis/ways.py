@@ -10,10 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from service.diagnosis.groups import names_of
 from service.diagnosis.selection import Selected
 from service.domain.arrays import BoolArray, FloatArray
 from service.domain.diagnosis import Worth
+from service.effects.causes import Candidate, Fitted, Scene, Shown
 from service.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
+from service.effects.registry import CAUSES
 from service.identification.evaluation import State
 from service.identification.trial import trial_derivatives, tried
 
@@ -100,3 +103,9 @@ def of_joint(selected: Selected, joint: int) -> FloatArray:
 def of_body(selected: Selected, body: int) -> FloatArray:
     """Return how each reading moves per shift of a body along its three axes [1], shape (3, n, d)."""
     return moved_by(selected, [Term(axis, motion_port(body, axis), 1.0) for axis in range(3)], 3)
+
+
+def shown_of(selected: Selected, scene: Scene, subject: str, picks: Sequence[Candidate]) -> Shown:
+    """Return what picks of one cause are in its own words."""
+    names = names_of(picks)
+    return CAUSES[picks[0].effect].shown(subject, Fitted(names, *values_of(selected, names)), scene)

@@ -6,6 +6,7 @@ from service.domain.results import Statistics
 from service.effects.unnamed.cause import NAME as UNNAMED
 
 _AS_STATED = "What is left looks like the stated noise."
+_CONTRADICTED = "The validation readings contradict what was found"
 _OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 
@@ -38,7 +39,8 @@ def first_line(
 
 def _beside(remaining: Remaining) -> str:
     """Return what is said of the rest beside a named cause: in full where a point is far worse now."""
-    return remaining.sentence if remaining.worse_at else "Something is left that they do not explain."
+    told = remaining.worse_at is not None or remaining.sentence.startswith(_CONTRADICTED)
+    return remaining.sentence if told else "Something is left that they do not explain."
 
 
 def spoken(cause: Cause) -> str:
@@ -54,6 +56,12 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
         if full
         else ""
     )
+    if left.contradicted:
+        return (
+            f"{_CONTRADICTED}: they are foretold no better with it than without it, and the model stays what "
+            "it was. What was found fits the calibration alone: look what differs between the two, or "
+            f"measure where the validation was measured.{carried}"
+        )
     if left.depends and left.worse_at is None:
         listed = " and ".join(one.variable for one in left.depends[:2])
         return f"What is left depends on the {listed}.{carried}"
@@ -66,9 +74,9 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
         )
     if left.clearly_worse_unseen:
         return (
-            f"Errors on the validation points are {left.worse_unseen:.1f} times the stated noise although "
-            "the calibration points fit: the calibration does not cover what the validation visits, or "
-            f"something changed between the two.{carried}"
+            f"Errors on the validation points are {left.worse_unseen:.1f} times what the noise and the "
+            f"parameters explain, {_of_calibration(left)}: the calibration does not cover what the "
+            f"validation visits, or something changed between the two.{carried}"
         )
     if left.steps is not None:
         return (
@@ -90,14 +98,26 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
     return f"{_AS_STATED}{carried}"
 
 
+def _of_calibration(left: Left) -> str:
+    """Return how the calibration points fit."""
+    if left.more_than_stated and not left.explained_by_repeats:
+        return f"and those on the calibration points {left.noise_scale:.2g} times their noise"
+    return "although the calibration points fit"
+
+
 def noise_of(left: Left) -> Noise:
     """Return what the readings say of their own noise."""
     degrees = left.tails.degrees_of_freedom
     size = f"The typical residual is {left.noise_scale:.2f} times what is stated"
     tail = (
         f"; large residuals are more frequent than normal noise has them (Student's t with {degrees:.1f} "
-        "degrees of freedom): heavy-tailed noise, no cause."
+        f"degrees of freedom){_without_cause(left)}."
         if degrees is not None
         else "."
     )
     return Noise(left.noise_scale, degrees, size + tail)
+
+
+def _without_cause(left: Left) -> str:
+    """Return what heavy tails are, where nothing else is wrong that could make them."""
+    return "" if left.structure else ": heavy-tailed noise, no cause"

@@ -10,7 +10,7 @@ from service.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place,
 
 _ZERO_RAD_PER_K = np.deg2rad(0.01)  # belief: five times a joint that visibly warms up
 _NEEDS: frozenset[Need] = frozenset({"temperature"})
-_GROWTH_PER_K = 1e-4  # belief: four times what aluminium grows by
+_GROWTH_PER_K = 2.5e-5  # belief: what aluminium grows by, twice what steel does
 
 
 def _warmed(scene: Scene) -> bool:

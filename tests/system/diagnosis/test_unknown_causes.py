@@ -23,7 +23,9 @@ def test_a_cause_left_out_of_the_library_gets_no_undoubted_name(hidden, diagnose
 
     assert outcome.detected
     assert not outcome.wrong or outcome.doubted, diagnosis.message
-    assert diagnosis.after.rms_mm <= 1.05 * diagnosis.before.rms_mm  # 300 points: RMS known to 4 %
+    # 300 points: RMS known to 4 %. Measured last, they expose a drift that stands for a jump.
+    helps = diagnosis.after.rms_mm <= 1.05 * diagnosis.before.rms_mm
+    assert helps or "validation readings contradict" in diagnosis.message
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.answer import _useless, _verdict, unanswerable
+from service.diagnosis.answer import _verdict, unanswerable
 from service.diagnosis.diagnose import diagnose
+from service.diagnosis.gains import gain_of
 from service.diagnosis.held_out import Judged
+from service.diagnosis.standing import _useless
 from service.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from service.identification.prediction import predict
 from tests.scenes import START, telling_campaign
@@ -194,7 +196,9 @@ def judged(before_mm, after_mm, *without_mm, n=60):
     """Held-out errors of these sizes, the same noise in all of them."""
     noise = np.random.default_rng(1).standard_normal((n, 3))
     errors = HeldOutErrors(np.arange(n), np.zeros((n, 3)), before_mm * noise, after_mm * noise)
-    return Judged(errors, tuple(size * noise for size in without_mm), np.arange(n), 0.01, "validation")
+    site = np.arange(n)
+    gains = tuple(gain_of(size * noise, after_mm * noise, site) for size in without_mm)
+    return Judged(errors, gains, site, 0.01, "cross_validation")
 
 
 def test_findings_that_help_stay(picked):
@@ -205,8 +209,13 @@ def test_a_finding_that_makes_unseen_points_worse_is_withdrawn_alone(picked):
     assert _useless(*picked[:2], judged(0.10, 0.02, 0.06, 0.019), picked[2]) == (1,)
 
 
-def test_findings_that_do_not_help_together_are_all_withdrawn(picked):
+def test_findings_that_spoil_what_is_left_out_together_are_all_withdrawn(picked):
     assert _useless(*picked[:2], judged(0.02, 0.021, 0.06, 0.07), picked[2]) == (0, 1)
+
+
+def test_what_fewer_readings_do_not_show_is_not_refuted(picked):
+    """The folds chose nothing, or as much that helps as that does not."""
+    assert _useless(*picked[:2], judged(0.02, 0.02, 0.06, 0.07), picked[2]) == ()
 
 
 def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claimed(picked):
@@ -217,18 +226,31 @@ def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claime
     assert _useless(selected, groups, small, replace(left, more_than_stated=True)) == (0, 1)
 
 
-def test_what_is_withdrawn_is_said_and_leaves_the_model(campaign):
+def test_what_validation_readings_contradict_is_said_and_certain_no_more(campaign):
     # the validation readings come from a robot without the gain: it cannot help there
     elsewhere = replace(campaign, validation=with_unseen({}).validation)
 
     found = diagnose(elsewhere, START)
 
-    assert found.findings == ()
-    assert len(found.withdrawn) >= 1
-    assert "joint_gain (joint 4)" in found.withdrawn[0]
-    assert "is withdrawn" in found.withdrawn[0]
+    # they decide nothing: that would make them readings that chose the model
+    assert [(one.effect, one.confidence) for one in found.findings] == [("joint_gain", Confidence.LIKELY)]
+    assert found.withdrawn == ()
+    assert found.verdict is Verdict.PARTLY_EXPLAINED
+    assert found.after.rms_mm > found.before.rms_mm
+    assert found.remaining.sentence.startswith("The validation readings contradict what was found")
+    assert found.remaining.sentence in found.message
+    # nobody is given a model that is known to be worse
     assert "gain_4" not in [parameter.name for parameter in found.model.parameters]
-    assert found.verdict is Verdict.UNEXPLAINED
+
+
+def test_validation_readings_choose_nothing(campaign, explained):
+    """Whatever they say, the same is found; only what is said of it changes."""
+    elsewhere = replace(campaign, validation=with_unseen({}).validation)
+
+    found = diagnose(elsewhere, START)
+
+    assert [one.parameters for one in found.findings] == [one.parameters for one in explained.findings]
+    assert found.findings[0].amplitude == explained.findings[0].amplitude
 
 
 def test_what_cannot_be_fitted_is_answered_with_its_reason():

@@ -1,20 +1,23 @@
 """The gain on points that neither choice nor parameters saw."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import proposed as every_cause
+from service.diagnosis.folds import as_found, nested, partition
+from service.diagnosis.gains import gain_of
 from service.diagnosis.groups import grouped
-from service.diagnosis.held_out import Judging, gain_of
+from service.diagnosis.held_out import CrossValidation, on_validation
+from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import select
 from service.diagnosis.start import started
 from service.identification.problem import position_block
 from service.identification.robust import fit
 from tests.scenes import START, telling_campaign
-from tests.selections import make_start, planted
+from tests.selections import make_start, planted, select_from
 from tests.synthetic import NOISE_MM, configurations
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
@@ -79,8 +82,13 @@ def start():
 
 
 @pytest.fixture(scope="module")
+def first(start):
+    return pooled(start.fit, propose_for(start)(start.fit))
+
+
+@pytest.fixture(scope="module")
 def selected(start):
-    return select(start.fit, propose_for(start), lambda _share: None)
+    return select_from(start, propose_for(start))
 
 
 def propose_for(start):
@@ -95,96 +103,126 @@ def groups_of(selected):
     return tuple(group for _, group in grouped(selected.picks))
 
 
-def test_without_validation_the_choice_never_sees_the_held_out_configurations(start, selected):
-    seen = []
+@pytest.mark.parametrize("in_time", [False, True])
+def test_every_configuration_is_held_out_once(start, in_time):
+    parts = partition(start.fit, in_time=in_time)
 
-    def spy(fitted):
-        seen.append(frozenset(fitted.blocks[0].targets.stops.config.tolist()))
-        return propose_for(start)(fitted)
-
-    judged = Judging(start.campaign, start.fit, spy).of(selected, groups_of(selected))
-
-    everything = frozenset(start.campaign.calibration.stops.config.tolist())
-    held = {everything - configurations for configurations in seen}
-    assert judged.source == "cross_validation"
-    assert len(held) == 5
-    assert all(len(fold) == 16 for fold in held)
-    assert frozenset().union(*held) == everything
+    assert [len(part) for part in parts] == [16] * 5
+    configurations = start.campaign.calibration.stops.config
+    assert np.array_equal(np.sort(np.concatenate(parts)), np.unique(configurations))
 
 
-def test_the_choice_without_each_fold_is_made_once_however_often_models_are_judged(start, selected):
-    asked = []
+def test_parts_in_time_follow_one_another(start):
+    stops = start.campaign.calibration.stops
+    measured = [stops.time_s[np.isin(stops.config, part)] for part in partition(start.fit, in_time=True)]
 
-    def spy(fitted):
-        asked.append(fitted)
-        return propose_for(start)(fitted)
-
-    judging = Judging(start.campaign, start.fit, spy)
-    judging.of(selected, groups_of(selected))
-    once = len(asked)
-    plain = judging.of(selected, ())
-    judging.of(selected, groups_of(selected))
-
-    assert len(asked) == once >= 5
-    # nothing to choose is nothing chosen: the folds of the start model alone
-    assert np.array_equal(plain.errors.after_mm, plain.errors.before_mm)
+    assert all(before.max() < after.min() for before, after in itertools.pairwise(measured))
 
 
-def test_a_held_out_reading_cannot_move_its_own_prediction(start, selected):
-    def errors_of(campaign_start):
-        judging = Judging(campaign_start.campaign, campaign_start.fit, propose_for(start))
-        return judging.of(selected, ()).errors
+def test_a_fold_errs_as_a_fit_that_never_saw_it(start, first):
+    parts = partition(start.fit, in_time=False)
 
-    plain = errors_of(start)
+    errors = nested(first, parts)
+
+    out = np.isin(start.campaign.calibration.stops.config, parts[2])
+    blocks = (start.fit.blocks[0].subset(np.flatnonzero(~out)), *start.fit.blocks[1:])
+    again = fit(start.fit.structure, blocks, start.fit.values)
+    held = start.fit.blocks[0].subset(np.flatnonzero(out)).result(start.fit.structure, again.values, None)
+    # to first order: the parameters move by hundredths of a mm and of a mrad
+    assert errors.start[out] == pytest.approx(held.residual, abs=1e-4)
+
+
+def test_a_held_out_reading_cannot_move_its_own_prediction(start, first):
+    parts = partition(start.fit, in_time=False)
+    plain = nested(first, parts)
     block = start.fit.blocks[0]
     moved = block.measured_mm.copy()
     moved[7] += [0.03, 0.0, 0.0]
-    off = replace(
-        start,
-        fit=replace(start.fit, blocks=(replace(block, measured_mm=moved), *start.fit.blocks[1:])),
-    )
+    blocks = (replace(block, measured_mm=moved), *start.fit.blocks[1:])
+    solution = fit(start.fit.structure, blocks, start.fit.values)
+    off = replace(start.fit, blocks=blocks, solution=solution)
 
-    # what is read differently is all that its error changes by; its fold never saw it
-    change = errors_of(off).before_mm[7] - plain.before_mm[7]
-    assert change == pytest.approx([0.03, 0.0, 0.0], abs=1e-6)
+    changed = nested(pooled(off, propose_for(start)(off)), parts)
+
+    # what is read differently is all that its errors change by; its fold never saw it
+    for before, after in zip(plain, changed, strict=True):
+        assert after[7] - before[7] == pytest.approx([0.03, 0.0, 0.0], abs=1e-4)
 
 
-def test_cross_validation_gives_the_gain_of_a_planted_cause_to_it(start, selected):
-    judged = Judging(start.campaign, start.fit, propose_for(start)).of(selected, groups_of(selected))
+def test_what_is_held_out_takes_no_part_in_the_choice():
+    """A wave is planted in one fold only: no other fold may foretell it, so it never helps that one."""
+    start = make_start({})
+    parts = partition(start.fit, in_time=True)
+    block = start.fit.blocks[0]
+    held = np.isin(block.targets.stops.config, parts[0])
+    off = replace(block, measured_mm=block.measured_mm + 0.3 * held[:, None])
+    solution = fit(start.fit.structure, (off, *start.fit.blocks[1:]), start.fit.values)
+    spoilt = replace(start.fit, blocks=(off, *start.fit.blocks[1:]), solution=solution)
 
-    gain = judged.gain(0)
+    errors = nested(pooled(spoilt, propose_for(start)(spoilt)), parts)
 
+    assert errors.chosen[held] == pytest.approx(errors.start[held], abs=1e-12)
+
+
+def test_cross_validation_gives_the_gain_of_a_planted_cause_to_it(first, selected):
+    judged = CrossValidation(first).of(selected, groups_of(selected))
+
+    gain = judged.gains[0]
+
+    assert judged.source == "cross_validation"
     assert gain.interval_95_mm[0] > 0.0
-    assert gain.rms_before_mm == pytest.approx(
-        np.sqrt((judged.errors.before_mm**2).sum(axis=1).mean()), rel=0.05
-    )
+    assert judged.together.interval_95_mm[0] > 0.0
+    assert gain.rms_before_mm == pytest.approx(judged.together.rms_before_mm, rel=0.05)
     # noise of three components; forty parameters from 240 components add a tenth to a sixth
     assert np.sqrt(3) * NOISE_MM < gain.rms_after_mm < 1.35 * np.sqrt(3) * NOISE_MM
 
 
-def test_validation_readings_judge_where_there_are_some():
+def test_nothing_chosen_is_the_start_model(first, selected):
+    judged = CrossValidation(first).of(selected, ())
+
+    assert np.array_equal(judged.errors.after_mm, judged.errors.before_mm)
+    assert judged.gains == ()
+
+
+def test_a_model_as_found_errs_without_a_cause_as_a_fit_without_it(start, selected):
+    parts = partition(selected.fit, in_time=False)
+
+    errors = as_found(selected.fit, parts, ("gain_4",))
+
+    out = np.isin(start.campaign.calibration.stops.config, parts[1])
+    blocks = (selected.fit.blocks[0].subset(np.flatnonzero(~out)), *selected.fit.blocks[1:])
+    again = fit(start.fit.structure, blocks, start.fit.values)
+    held = selected.fit.blocks[0].subset(np.flatnonzero(out))
+    expected = held.result(start.fit.structure, again.values, None).residual
+    # to first order: the gain turns by up to 2.6 mrad and moves derivatives by as much of 0.5 mm
+    assert errors.before[out] == pytest.approx(expected, abs=2e-3)
+    assert np.abs(errors.after[out]).mean() < 0.5 * np.abs(errors.before[out]).mean()
+
+
+def test_validation_readings_judge_in_the_end_where_there_are_some():
     joints = configurations(40, seed=9)
     unseen = planted(GAIN_4, campaign=telling_campaign(40, joints_rad=joints), seed=11).calibration
     campaign = replace(planted(GAIN_4), validation=unseen)
     start = _started(campaign)
-    selected = select(start.fit, propose_for(start), lambda _share: None)
+    selected = select_from(start, propose_for(start))
 
-    judged = Judging(start.campaign, start.fit, _never).of(selected, groups_of(selected))
+    judged = on_validation(campaign, (start.fit, selected.fit), selected, groups_of(selected))
 
+    assert judged is not None
     assert judged.source == "validation"
     assert len(judged.errors.config) == 40
-    assert judged.gain(0).interval_95_mm[0] > 0.0
+    assert judged.gains[0].interval_95_mm[0] > 0.0
     # without its only finding: what a fit of the start would give that weighs the readings alike
     structure = start.fit.structure
     again = fit(structure, selected.fit.blocks, start.fit.values)
-    block = position_block(start.campaign.validation, start.campaign)
-    expected = block.result(structure, again.values, None).residual
-    # to first order: the gain turns by up to 2.6 mrad and moves derivatives by as much of 0.5 mm
-    assert judged.without[0] == pytest.approx(expected, abs=2e-3)
+    without = position_block(campaign.validation, campaign).result(structure, again.values, None).residual
+    expected_mm = float(np.sqrt((without**2).sum(axis=1).mean()))
+    # to first order, as above
+    assert judged.gains[0].rms_before_mm == pytest.approx(expected_mm, abs=2e-3)
 
 
-def _never(_fit):
-    raise AssertionError("the choice is not made again where there are validation readings")
+def test_without_validation_readings_there_is_nothing_to_ask_in_the_end(start, selected):
+    assert on_validation(start.campaign, (start.fit, selected.fit), selected, groups_of(selected)) is None
 
 
 def _started(campaign):

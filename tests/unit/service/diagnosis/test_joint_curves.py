@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import diagnose
+from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
-from service.diagnosis.screening import pooled, screen
-from service.diagnosis.selection import reselected, select
+from service.diagnosis.screening import screen
+from service.diagnosis.selection import reselected
 from service.diagnosis.start import started
 from service.effects.registry import CAUSES
 from tests.scenes import START, telling_campaign
-from tests.selections import planted
+from tests.selections import planted, select_from
 
 
 def lines(joint, count, seed, size_deg):
@@ -79,7 +80,7 @@ def test_a_selection_with_a_curve_settles_though_its_size_is_told_anew_each_time
     def propose(fit):
         return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
 
-    selected = select(start.fit, propose, lambda _share: None)
+    selected = select_from(start, propose)
     assert selected.picks[0].function
 
     again = reselected(start.fit, selected, selected.picks, propose)

@@ -5,10 +5,9 @@ import pytest
 
 from service.diagnosis.line_orders import with_known_orders, with_lines_between
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import select
 from service.domain.diagnosis import Detail
 from service.effects.registry import CAUSES
-from tests.selections import make_selected, make_start
+from tests.selections import make_selected, make_start, select_from
 
 N = 120
 SIZE_RAD = 4e-4
@@ -25,7 +24,7 @@ def selection(joint, *orders):
     def propose(fit):
         return CAUSES["joint_harmonics"].candidates(scene_of(start.problem, fit))
 
-    selected = select(start.fit, propose, lambda _share: None)
+    selected = select_from(start, propose)
     return start, selected, with_lines_between(start.fit, selected, propose, start.scene)
 
 

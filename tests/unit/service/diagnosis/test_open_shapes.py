@@ -72,7 +72,7 @@ def test_where_readings_are_the_uncertainty_stays_what_it_was():
     start = make_start({"joint_harmonics": {"wave_4_2_sin": 5e-4, "wave_4_2_cos": 0.0}}, n=120)
     fit = make_selected(start, [("joint_harmonics", "joint 4", "wave_4_2_sin")]).fit
 
-    opened = with_open_shapes(fit)
+    opened = with_open_shapes(fit, fit)
 
     known = len(fit.values)
     assert opened.values[:known] == pytest.approx(fit.values)
@@ -88,7 +88,7 @@ def test_where_readings_are_the_uncertainty_stays_what_it_was():
 def test_a_model_without_waves_is_left_as_it_is():
     start = make_start({"joint_gain": {"gain_4": 1e-3}})
 
-    assert with_open_shapes(start.fit) is start.fit
+    assert with_open_shapes(start.fit, start.fit) is start.fit
 
 
 def judged(before_mm, after_mm):

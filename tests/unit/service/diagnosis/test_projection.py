@@ -6,13 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from service.diagnosis.footing import design_effect, footing_of
+from service.diagnosis.counted import design_effect
 from service.diagnosis.normal import normal_of, products_of
 from service.domain.campaign import Stops
 from service.identification.robust import fit
 from tests.selections import make_selected, make_start
 
 GAIN = ("joint_gain", "joint 4")
+NAMES = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
 @pytest.fixture(scope="module")
@@ -43,55 +44,80 @@ def trial_columns(selected):
     return selected.pool.products.columns[1:]  # all but the pick's own
 
 
-def test_the_present_model_is_projected_out(extended):
-    footing = footing_of(extended.fit)
-
-    assert footing.basis.T @ footing.basis == pytest.approx(np.eye(footing.basis.shape[1]), abs=1e-10)
-    assert np.abs(footing.basis.T @ footing.residual).max() < 1e-9
-    assert footing.residual_square == pytest.approx(left_square(*stacked(extended.fit)), rel=1e-9)
-
-
-def test_priors_count_as_observations_so_that_their_parameters_cost_no_degree(extended):
-    footing = footing_of(extended.fit)
-
-    # P parameters with P priors; 80 readings of a nest and 18 of fixed nests, all of them good
-    assert footing.degrees == 3 * (80 + 18)
+def projected(matrix, vectors):
+    """Vectors less their part within the columns of a matrix, by an orthonormal basis."""
+    basis, _ = np.linalg.qr(matrix / np.linalg.norm(matrix, axis=0))
+    for _ in range(2):
+        vectors = vectors - basis @ (basis.T @ vectors)
+    return vectors
 
 
-def test_further_parameters_leave_what_a_fit_with_them_would_leave(extended):
-    footing, columns = footing_of(extended.fit), trial_columns(extended)
+def test_normal_equations_leave_what_a_projection_leaves(extended):
     matrix, residual = stacked(extended.fit)
-    wider = np.hstack([matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])])
-
-    after = footing.extended(footing.directions(columns))
-
-    assert after.residual_square == pytest.approx(left_square(wider, residual), rel=1e-9)
-    assert after.degrees == footing.degrees - len(columns)
-
-
-def test_new_directions_are_orthonormal_and_what_is_there_already_adds_none(extended):
-    footing, columns = footing_of(extended.fit), trial_columns(extended)
-
-    new = footing.directions(np.vstack([columns, columns[:1], np.zeros_like(columns[:1])]))
-
-    assert new.shape[1] == len(columns)
-    assert new.T @ new == pytest.approx(np.eye(len(columns)), abs=1e-10)
-    assert np.abs(footing.basis.T @ new).max() < 1e-10
-
-
-def test_normal_equations_leave_the_same_as_the_basis(extended):
     columns = trial_columns(extended)
-    footing, past = footing_of(extended.fit), normal_of(extended.fit).past()
+    wider = np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])
+    past = normal_of(extended.fit).past()
     products = products_of(extended.fit, columns)
 
     absorbed = past.absorbed(products)
 
+    left, left_of_residual = projected(matrix, wider), projected(matrix, residual)
     # normal equations square the condition of the derivatives: half of the sixteen digits remain
-    assert past.sums.residual_square == pytest.approx(footing.residual_square, rel=1e-6)
-    taken = columns @ footing.basis[: footing.size]
-    assert absorbed @ absorbed.T == pytest.approx(taken @ taken.T, rel=1e-6)
-    towards = columns @ footing.residual[: footing.size]
-    assert past.towards(products, absorbed) == pytest.approx(towards, rel=1e-5)
+    assert past.sums.residual_square == pytest.approx(left_of_residual @ left_of_residual, rel=1e-6)
+    assert columns @ columns.T - absorbed @ absorbed.T == pytest.approx(left.T @ left, rel=1e-6)
+    assert past.towards(products, absorbed) == pytest.approx(left.T @ left_of_residual, rel=1e-5)
+
+
+def test_priors_count_as_observations_so_that_their_parameters_cost_no_degree(extended):
+    # P parameters with P priors; 80 readings of a nest and 18 of fixed nests, all of them good
+    assert normal_of(extended.fit).past().sums.degrees == 3 * (80 + 18)
+
+
+def test_a_pick_in_the_pool_leaves_what_a_fit_with_it_would_leave(extended):
+    matrix, residual = stacked(extended.fit)
+    pick = extended.pool.all[1]  # the first one that is not fitted
+    columns, widths = extended.pool.rows(1), [spec.prior_width for spec in pick.specs]
+    wider = np.block([
+        [matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])],
+        [np.zeros((len(columns), matrix.shape[1])), np.diag(1.0 / np.array(widths))],
+    ])
+
+    view = extended.pool.beside(1, pick).view()
+
+    expected = left_square(wider, np.append(residual, np.zeros(len(columns))))
+    assert view.sums.residual_square == pytest.approx(expected, rel=1e-6)
+    assert set(pick.names) <= view.fitted
+    # nothing of its own columns is left but what its prior holds back
+    assert np.abs(np.diag(view.gram(1))).max() < 1e-3 * np.diag(extended.pool.grams[1]).max()
+
+
+def test_the_pool_of_some_readings_is_that_of_a_fit_which_never_saw_the_others(extended):
+    final = extended.fit.solution.final
+    rows = np.arange(final.residual.size) % 7 != 0
+
+    part = extended.pool.of_rows(rows)
+
+    matrix, residual = stacked(extended.fit)
+    kept = np.append(rows, np.ones(matrix.shape[1], dtype=bool))
+    assert part.view().sums.residual_square == pytest.approx(
+        left_square(matrix[kept], residual[kept]), rel=1e-6
+    )
+    assert part.view().sums.observations == rows.sum()
+    assert part.grams[1] == pytest.approx(extended.pool.rows(1)[:, rows] @ extended.pool.rows(1)[:, rows].T)
+
+
+def test_the_step_leads_to_the_least_squares_solution(extended):
+    matrix, residual = stacked(extended.fit)
+    final = extended.fit.solution.final
+    rows = np.arange(final.residual.size) % 7 != 0
+    kept = np.append(rows, np.ones(matrix.shape[1], dtype=bool))
+    scale = np.linalg.norm(matrix, axis=0)
+
+    step = normal_of(extended.fit, rows).past().step()
+
+    expected = np.linalg.lstsq(matrix[kept] / scale, residual[kept], rcond=None)[0] / scale
+    spread = np.sqrt(np.diag(extended.fit.solution.covariance))
+    assert step / spread == pytest.approx(expected / spread, abs=1e-5)
 
 
 def test_a_parameter_taken_out_of_the_linear_problem_is_as_if_it_had_never_been_fitted(extended):
@@ -128,7 +154,11 @@ def test_random_effects_besides_are_parameters_with_a_prior(extended):
     wider = np.block([[matrix, np.vstack([columns.T, np.zeros((matrix.shape[1], len(columns)))])],
                       [np.zeros((len(columns), matrix.shape[1])), np.diag(1.0 / widths)]])  # fmt: skip
 
-    past = normal_of(extended.fit).beside(products_of(extended.fit, columns), widths).past()
+    past = (
+        normal_of(extended.fit)
+        .beside(products_of(extended.fit, columns), widths, NAMES[: len(columns)])
+        .past()
+    )
 
     expected = left_square(wider, np.append(residual, np.zeros(len(columns))))
     assert past.sums.residual_square == pytest.approx(expected, rel=1e-6)

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from service.diagnosis.pool import pooled
 from service.diagnosis.rivals import weighed
-from service.diagnosis.screening import pooled
 from service.domain.diagnosis import Cause
 from tests.scenes import ORIGIN_S
 from tests.selections import make_selected, make_start

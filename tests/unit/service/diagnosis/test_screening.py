@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from service.diagnosis.screening import pooled, screen
+from service.diagnosis.pool import pooled
+from service.diagnosis.screening import screen
 from service.effects.ports import ParameterSpec
 from tests.selections import make_selected, make_start, proposed
 

@@ -4,20 +4,17 @@ import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import proposed
+from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
 from service.diagnosis.screening import Screened
 from service.diagnosis.selection import best_of, refitted, reselected, select
-from tests.selections import make_selected, make_start
+from tests.selections import make_selected, make_start, select_from
 
 BACKLASH = {"gap_3": 4e-4}
 
 
 def everything(start):
     return lambda fit: proposed(scene_of(start.problem, fit), ())
-
-
-def silent(_share):
-    return None
 
 
 def named(picks):
@@ -31,7 +28,7 @@ def start():
 
 @pytest.fixture(scope="module")
 def selected(start):
-    return select(start.fit, everything(start), silent)
+    return select_from(start, everything(start))
 
 
 @pytest.mark.parametrize(
@@ -45,7 +42,7 @@ def selected(start):
 def test_a_planted_cause_is_picked_alone(effect, parameters, subject):
     start = make_start({effect: parameters})
 
-    assert named(select(start.fit, everything(start), silent).picks) == [(effect, subject)]
+    assert named(select_from(start, everything(start)).picks) == [(effect, subject)]
 
 
 @pytest.mark.parametrize(("shape", "rate"), [("linear", 0.06), ("exp300", 0.6)])
@@ -56,7 +53,7 @@ def test_a_drift_settles_only_where_it_is_seen_to(shape, rate, seed):
     def drifts(fit):
         return tuple(one for one in everything(start)(fit) if one.effect == "base_drift")
 
-    (pick,) = select(start.fit, drifts, silent).picks
+    (pick,) = select_from(start, drifts).picks
 
     assert ("exp" in pick.names[0]) == ("exp" in shape)  # a time constant is told to a step of two
 
@@ -76,7 +73,7 @@ def test_two_planted_causes_are_both_picked_and_fitted(selected):
 def test_noise_alone_gives_no_name(seed):
     start = make_start({}, seed=seed)
 
-    found = select(start.fit, everything(start), silent)
+    found = select_from(start, everything(start))
 
     assert found.picks == ()
     assert found.fit is start.fit
@@ -86,7 +83,7 @@ def test_noise_alone_gives_no_name(seed):
 def test_few_readings_do_not_carry_more_parameters_and_that_is_said():
     start = make_start({"joint_gain": {"gain_4": 1e-3}}, n=18)
 
-    found = select(start.fit, everything(start), silent)
+    found = select_from(start, everything(start))
 
     # 18 readings and 18 of fixed nests have 108 components; every parameter needs two
     assert 2 * len(found.fit.structure.names) <= 108
@@ -96,7 +93,7 @@ def test_few_readings_do_not_carry_more_parameters_and_that_is_said():
 def test_progress_is_told_and_never_goes_back(start):
     told = []
 
-    select(start.fit, everything(start), told.append)
+    select(pooled(start.fit, everything(start)(start.fit)), everything(start), told.append)
 
     assert told[0] == 0.0
     assert told == sorted(told)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.screening import pooled
+from service.diagnosis.pool import pooled
 from service.diagnosis.upper_limits import upper_limits_mm
 from tests.selections import make_start, proposed
 

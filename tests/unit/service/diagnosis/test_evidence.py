@@ -1,0 +1,116 @@
+"""Evidence: the cells that the data ask for, as large as they ask, and none where nothing is."""
+
+import numpy as np
+import pytest
+
+from service.diagnosis.diagnose import proposed
+from service.diagnosis.evidence import described
+from service.diagnosis.functions import most_likely
+from service.diagnosis.pool import pooled
+from service.diagnosis.scene import scene_of
+from service.effects.cells import cell_of
+from service.identification.evaluation import Targets, evaluate
+from tests.scenes import telling_campaign
+from tests.selections import make_start, planted, select_from
+from tests.synthetic import configurations
+
+WAVES = {
+    "joint_harmonics": {
+        f"wave_2_{order}_{part}": np.deg2rad(0.02) / order
+        for order in (1, 2, 3, 4)
+        for part in ("sin", "cos")
+    }
+}
+
+
+def everything(start):
+    return lambda fit: proposed(scene_of(start.problem, fit), ())
+
+
+def pool_of(start):
+    return pooled(start.fit, everything(start)(start.fit))
+
+
+def places(found):
+    return {(cell_of(one).where, cell_of(one).over) for one in found.candidates}
+
+
+@pytest.fixture(scope="module")
+def wavy():
+    return make_start(WAVES, n=120)
+
+
+def test_a_curve_is_described_where_it_acts_over_what_it_follows(wavy):
+    found = described(pool_of(wavy))
+
+    assert ("joint 2", "angle of joint 2") in places(found)
+    assert all(one.function for one in found.candidates)
+    assert len(found.rows) == sum(len(one.specs) for one in found.candidates)
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_noise_asks_for_hardly_a_cell(seed):
+    found = described(pool_of(make_start({}, seed=seed)))
+
+    # each of some ninety cells has a chance of 2 % (half a chi-square of one degree beyond 4)
+    assert len(places(found)) <= 6
+
+
+def test_what_is_described_foretells_readings_that_were_never_seen(wavy):
+    pool = pool_of(wavy)
+    found = described(pool)
+    unseen = planted(WAVES, telling_campaign(60, joints_rad=configurations(60, seed=9)), seed=11).calibration
+
+    normal = found.fitted(pool)
+    step = normal.past().step()
+
+    targets = Targets(unseen.stops, unseen.nest)
+    fit = wavy.fit
+    structure = fit.structure
+    for one in found.candidates:
+        structure = structure.extended(one.effect, one.specs)
+    before = unseen.position_mm - evaluate(fit.structure, fit.values, targets).position_mm
+    values = np.append(fit.values, np.zeros(len(step) - len(fit.values))) + step
+    after = unseen.position_mm - evaluate(structure, values, targets).position_mm
+    assert np.linalg.norm(after, axis=1).mean() < 0.7 * np.linalg.norm(before, axis=1).mean()
+
+
+def test_a_cell_alone_is_as_large_as_the_same_function_alone(wavy):
+    gain = [one for one in everything(wavy)(wavy.fit) if one.names == ("gain_2",)]
+    pool = pooled(wavy.fit, gain)
+    view = pool.view()
+    width = gain[0].specs[0].prior_width
+
+    (found,) = described(pool).candidates
+
+    alone = most_likely(view.gram(0) * width**2, view.towards * width, view.sums, widest=1.0)
+    assert found.specs[0].prior_width == pytest.approx(alone.width * width)
+
+
+def test_no_cell_is_larger_than_anybody_believes(wavy):
+    """However loud the readings are, physics holds: what is beyond it stays in the residuals."""
+    loud = make_start({"joint_gain": {"gain_4": 2e-3}}, noise_mm=0.2)
+    pool = pool_of(loud)
+
+    believed = {spec.name: spec.prior_width for one in pool.all for spec in one.specs}
+    for one in described(pool).candidates:
+        assert all(spec.prior_width <= believed[spec.name] * (1.0 + 1e-9) for spec in one.specs)
+
+
+def test_picks_compete_with_the_cells_that_they_stand_in(wavy):
+    selected = select_from(wavy, everything(wavy))
+    assert selected.picks
+
+    found = described(selected.pool, selected.picks)
+
+    names = [name for one in found.candidates for name in one.names]
+    assert len(names) == len(set(names))
+    cell = cell_of(selected.picks[0])
+    assert (cell.where, cell.over) in places(found)
+
+
+def test_nothing_proposed_is_nothing_described(wavy):
+    found = described(pooled(wavy.fit, ()))
+
+    assert found.candidates == ()
+    assert found.rows.size == 0
