@@ -24,6 +24,7 @@ from service.diagnosis.selection import Propose, Selected, refitted
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import shown_of, worth_of
+from service.diagnosis.witnesses import CONTRADICTED, accused, speak_against
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import (
@@ -208,7 +209,9 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     shown = shown_of(answer.tested.selected, answer.scene, subject, group)
     cell = cell_of(group[0]._replace(subject=subject))
     helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
-    sure = helps and not scale.rivals and not shown.impossible
+    against = speak_against(answer.tested.selected.fit, cell)
+    sure = helps and not scale.rivals and not shown.impossible and not against
+    instead = accused(answer.tested.selected, cell) if against else ()
     return Finding(
         effect=group[0].effect,
         subject=shown.subject,
@@ -218,8 +221,8 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         p_value=scale.p_value,
         confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
         details=with_known_orders(answer.tested.selected, group, shown.details, answer.scene),
-        sentence=_sentence(shown),
-        confusable_with=scale.rivals,
+        sentence=f"{_sentence(shown)} {CONTRADICTED}" if against else _sentence(shown),
+        confusable_with=tuple(dict.fromkeys((*scale.rivals, *instead))),
         gain=gain,
         parameters=names_of(group),
         share=share,

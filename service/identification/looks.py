@@ -1,41 +1,57 @@
 """Looks at fixed nests, one after the other: what they say of themselves, whatever the model says of them.
 
 Nests that stand still are the witnesses of the instrument: a model that they contradict must not judge them.
-So the scatter of their readings is told by how far each lies from the middle of those of the same nest before
-and after it (Gasser, Sroka and Jennen-Steinmetz 1986); of these distances neither a drift nor a kick of the
-instrument makes more than a few large. And where most readings of one look are off, it is not a nest that
-moved: none of them is gross, unless it is far from those before and after it as well.
+So the scatter of their readings is told by the differences between successive ones of the same nest (von
+Neumann et al. 1941), of which a kick of the instrument makes one large and a drift none; the median passes it
+over. And where most readings of one look are off, it is not a nest that moved: none of them is gross, unless
+it is far from those before and after it as well.
 
 References
 ----------
-T. Gasser, L. Sroka, C. Jennen-Steinmetz, Biometrika 73(3), 1986, 625-633.
+J. von Neumann, R. H. Kent, H. R. Bellinson, B. I. Hart, Annals of Mathematical Statistics 12(2), 1941,
+153-162.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from service.domain.arrays import BoolArray, IntArray
-from service.identification.distributions import chi2_exceeded, chi2_limit, chi2_median
+from service.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded
 from service.identification.observations import BlockResult
 from service.identification.reference import ReferenceBlock
 
-_MIDDLE = 1.5  # variance of a reading less the middle of its two neighbours, over that of a reading
-_FEWEST = 6  # readings between others: of fewer, a kick may be half of what is seen
-# Three times the scatter of a median of chi-square variates, 1 / sqrt(n) of it, and a half more because those
-# that are next to each other share readings.
-_BEYOND = 4.5
+_FEWEST = 4  # differences of each nest: of fewer, a kick is too large a part of what is seen
+# Three times the scatter of a median of chi-square variates, 1 / sqrt(n) of it, and a third more because
+# successive differences share readings.
+_BEYOND = 4.0
+_WORTH = 0.7  # degrees of freedom of a difference of three components: for the median, and what they share
 _FALSE_ALARM = 0.01  # chance that noise alone sets any reading apart
+
+
+class _Scatter(NamedTuple):
+    """What successive looks show: variance per axis, from so many differences."""
+
+    variance_mm2: float
+    differences: int
 
 
 def own_discrepancy_mm(block: ReferenceBlock) -> float:
     """Return by how much readings scatter beyond what is stated, per axis [mm]; 0 where few tell."""
-    apart = [block.measured_mm[now] - block.measured_mm[both].mean(axis=0) for now, both in _between(block)]
-    stated = block.stated_sigma() ** 2
-    if len(apart) < _FEWEST:
+    scatter, stated = _scatter(block), block.stated_sigma() ** 2
+    if scatter is None:
         return 0.0
-    squared = (np.array(apart) ** 2).sum(axis=1) / _MIDDLE
-    variance = float(np.median(squared) / chi2_median(3))
-    clearly = stated * (1.0 + _BEYOND / np.sqrt(len(apart)))
-    return float(np.sqrt(variance - stated)) if variance > clearly else 0.0
+    clearly = stated * (1.0 + _BEYOND / np.sqrt(scatter.differences))
+    return float(np.sqrt(scatter.variance_mm2 - stated)) if scatter.variance_mm2 > clearly else 0.0
+
+
+def _scatter(block: ReferenceBlock) -> _Scatter | None:
+    nests = _of_nests(block)
+    apart = np.concatenate([np.diff(block.measured_mm[rows], axis=0) for rows in nests])
+    if len(apart) < _FEWEST * len(nests):
+        return None
+    squared = (apart**2).sum(axis=1) / 2.0
+    return _Scatter(float(np.median(squared) / chi2_median(3)), len(apart))
 
 
 def gross_looks(block: ReferenceBlock, off: BoolArray) -> BoolArray:
@@ -46,9 +62,16 @@ def gross_looks(block: ReferenceBlock, off: BoolArray) -> BoolArray:
 
 
 def contradiction(block: ReferenceBlock, result: BlockResult) -> float:
-    """Return the chance that readings without a gross one lie so far off the model by noise alone."""
-    squared = block.weights * block.squared(result)
-    return float(chi2_exceeded(squared.sum(), 3.0 * max(float(block.weights.sum()), 1.0)))
+    """Return the chance that readings without a gross one lie so far off the model by their scatter alone.
+
+    The scatter is the stated one, or what looks show of it where that is more, known as a median knows it.
+    """
+    squared, degrees = float((block.weights * block.squared(result)).sum()), 3.0 * float(block.weights.sum())
+    scatter = _scatter(block)
+    if scatter is None or degrees == 0.0:
+        return float(chi2_exceeded(squared, max(degrees, 1.0)))
+    more = max(scatter.variance_mm2 / float(np.mean(block.component_variance())), 1.0)
+    return float(f_exceeded(squared / more / degrees, degrees, _WORTH * scatter.differences))
 
 
 def _between(block: ReferenceBlock) -> list[tuple[int, IntArray]]:

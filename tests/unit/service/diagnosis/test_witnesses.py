@@ -1,0 +1,62 @@
+"""Fixed nests as witnesses: against which findings they speak, and whom they accuse instead."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.witnesses import accused, speak_against
+from service.domain.diagnosis import Cause
+from service.effects.cells import Cell
+from service.identification.problem import build
+from service.identification.robust import robust_fit
+from tests.scenes import telling_campaign
+from tests.selections import make_selected, make_start
+
+JUMPED = Cell("base", "time", "jump")
+DRIFTED = Cell("base", "time", "drift")
+KICK = ("unnamed", "tracker, time, jump")
+DRIFT = ("instrument_drift", "tracker")
+
+
+def fitted(step_mm):
+    campaign = telling_campaign(24)
+    looks = campaign.reference
+    late = looks.time_s > np.median(looks.time_s)
+    noise = 0.015 * np.random.default_rng(1).standard_normal(looks.position_mm.shape)
+    moved = replace(looks, position_mm=looks.position_mm + noise + step_mm * late[:, None])
+    problem = build(replace(campaign, reference=moved), ("base", "joint_offset"), with_reference=True)
+    return robust_fit(problem.structure, problem.blocks, problem.start)
+
+
+@pytest.mark.parametrize("cell", [JUMPED, DRIFTED, Cell("joint 3", "time", "jump")])
+def test_nests_that_moved_speak_against_what_is_said_over_time(cell):
+    assert speak_against(fitted(0.2), cell)
+    assert not speak_against(fitted(0.0), cell)
+
+
+def test_they_know_nothing_of_what_does_not_follow_time():
+    assert not speak_against(fitted(0.2), Cell("joint 3", "angle of joint 3", "wave"))
+
+
+def test_without_fixed_nests_nobody_speaks():
+    problem = build(replace(telling_campaign(24), reference=None), ("base", "joint_offset"))
+
+    assert not speak_against(robust_fit(problem.structure, problem.blocks, problem.start), JUMPED)
+
+
+@pytest.fixture(scope="module")
+def start():
+    return make_start({})
+
+
+@pytest.mark.parametrize(("cell", "cause"), [(JUMPED, KICK), (DRIFTED, DRIFT)])
+def test_the_same_of_the_instrument_is_accused_where_it_was_tried(start, cell, cause):
+    tried = make_selected(start, [], rivals=[KICK, DRIFT, ("base_shift", "base")])
+
+    assert accused(tried, cell) == (Cause(*cause),)
+    assert accused(make_selected(start, [], rivals=[("base_shift", "base")]), cell) == ()
+
+
+def test_what_was_found_besides_is_not_accused_again(start):
+    assert accused(make_selected(start, [KICK], rivals=[KICK]), JUMPED) == ()
