@@ -6,7 +6,7 @@ The shift is that of the base's own origin, along the base's axes.
 from dataclasses import replace
 
 from service.effects.causes import Candidate, Fitted, Scene, Shown
-from service.effects.drifts import LINEAR, drift_candidates, drift_specs, drift_terms, shown_drift
+from service.effects.drifts import LINEAR, drift_candidates, drift_specs, drift_terms, goes_on, shown_drift
 from service.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from service.effects.times import without_times
 
@@ -28,6 +28,10 @@ class BaseDrift:
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move the base as far as it has come."""
         return drift_terms(names, rows, lambda component: motion_port(_BASE, component))
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the shapes has no end of its own."""
+        return goes_on(names)
 
     def unseen(self, scene: Scene) -> str | None:
         """Need times."""

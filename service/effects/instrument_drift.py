@@ -7,7 +7,7 @@ nests are read now and then: they stand still beside a base that moves.
 from dataclasses import replace
 
 from service.effects.causes import Candidate, Fitted, Scene, Shown
-from service.effects.drifts import LINEAR, drift_candidates, drift_specs, drift_terms, shown_drift
+from service.effects.drifts import LINEAR, drift_candidates, drift_specs, drift_terms, goes_on, shown_drift
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from service.effects.times import without_times
 
@@ -28,6 +28,10 @@ class InstrumentDrift:
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Move everything that is read."""
         return drift_terms(names, rows, lambda component: Port(PortKind.INSTRUMENT, component))
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the shapes has no end of its own."""
+        return goes_on(names)
 
     def unseen(self, scene: Scene) -> str | None:
         """Need times, and an instrument that has a frame."""

@@ -1,7 +1,7 @@
 """Ports: the places at which an effect acts on the kinematic chain."""
 
 from enum import Enum
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Stops
@@ -117,4 +117,13 @@ class Effect(Protocol):
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Return how the parameters `names` of this effect act on the ports of each row."""
+        ...
+
+
+@runtime_checkable
+class Drifting(Protocol):
+    """An effect of which some parameters move things ever further in time: a made model holds these."""
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of these parameters does."""
         ...

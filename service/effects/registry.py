@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from service.domain.errors import ConfigurationError, UnknownEffectError
-from service.effects import drifts
 from service.effects.axis_parallelism import AxisParallelism
 from service.effects.backlash import Backlash
 from service.effects.ballbar_zero import BallbarZero
@@ -28,7 +27,7 @@ from service.effects.link_mass import LinkMasses
 from service.effects.nest_offset import NestOffset
 from service.effects.outliers import Outliers
 from service.effects.payload import Payload
-from service.effects.ports import Effect, Need
+from service.effects.ports import Drifting, Effect, Need
 from service.effects.reference import Reference
 from service.effects.thermal_growth import ThermalGrowth
 from service.effects.tool import Tool
@@ -106,12 +105,8 @@ def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
 
 def goes_on(effect: str, names: tuple[str, ...]) -> bool:
     """Return whether these parameters of an effect move things ever further in time."""
-    match effect_named(effect):
-        case BaseDrift() | InstrumentDrift():
-            return drifts.goes_on(names)
-        case Unnamed() as cells:
-            return cells.goes_on(names)
-    return False
+    found = effect_named(effect)
+    return isinstance(found, Drifting) and found.goes_on(names)
 
 
 def effect_named(name: str) -> Effect:
