@@ -3,7 +3,8 @@ r"""Joint angles that were rounded before they were written down: noise that the
 Rounding to a step s leaves each angle off by up to s / 2 either way, s / sqrt(12) in the root mean square. A
 stop's readings move by its levers J times that, so that their covariance, whitened, is I + (s^2 / 12) J J^T.
 Whole steps alone say nothing: a plan may ask for them, and the arm go there exactly. So this must be the
-better story of the residuals than noise that is larger all over, which has a free size.
+better story of the residuals than noise that is larger all over, which has a free size. Where it is, readings
+of points weigh by it: joints with long levers scatter most, and their waves would be found in that.
 """
 
 from collections.abc import Iterator
@@ -11,14 +12,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from service.diagnosis.selection import Selected
-from service.diagnosis.ways import of_joint
 from service.domain.arrays import FloatArray
+from service.domain.campaign import Campaign, PointReadings
+from service.effects.ports import ParameterSpec, Port, PortKind, Term
+from service.identification.evaluation import Targets, evaluate
+from service.identification.problem import position_block
+from service.identification.robust import RobustFit
 from service.identification.rows import sites
+from service.identification.trial import trial_derivatives, tried
+from service.kinematics.chain import theta_gradient
 
 _STEPS_DEG = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 _SLACK_DEG = 1e-9  # angles pass through radians
 _FEWEST = 10  # configurations: fewer may all be whole by chance
+_COUNTED = 0.5  # weight of a reading from which on it counts
 _CLEARLY = 5.0  # in log likelihood
 _MATTERS = 0.04  # of the stated variance: a fifth of the noise
 _OF_THAT_SIZE = (0.5, 2.0)  # what is there beyond the stated noise, over what the steps explain
@@ -33,18 +40,51 @@ class AngleSteps:
     of_lengths: bool = False
 
 
-def telling_steps(selected: Selected) -> AngleSteps | None:
+def telling_steps(fit: RobustFit) -> AngleSteps | None:
     """Return the steps of the joint angles where they explain noise beyond what is stated; else None."""
-    stops = selected.fit.blocks[0].targets.stops
-    step_deg = step_of(np.rad2deg(stops.joints_rad))
+    step_deg = step_of(np.rad2deg(fit.blocks[0].targets.stops.joints_rad))
     if step_deg is None:
         return None
-    spread_rad = np.deg2rad(step_deg) / np.sqrt(12.0)
-    levers = np.stack([of_joint(selected, joint) for joint in range(stops.joints_rad.shape[1])])
+    levers = _levers(fit)
+    spread_rad = _spread_rad(step_deg)
     scatter_mm = float(spread_rad * np.sqrt((levers**2).sum(axis=(0, 2)).mean()))
-    white = list(_of_each_stop(selected, spread_rad * levers))
     found = AngleSteps(step_deg, scatter_mm, of_lengths=levers.shape[2] == 1)
-    return found if _explain(white, _freedom(selected)) else None
+    return found if _explain(list(_of_each_stop(fit, spread_rad * levers)), _freedom(fit)) else None
+
+
+def with_steps(campaign: Campaign, fit: RobustFit, steps: AngleSteps) -> Campaign:
+    """Return a campaign whose points are as uncertain as the steps of their joint angles make them.
+
+    Validation points that are written with more digits stay as they are.
+    """
+    calibration, validation = (
+        points and _scattered(points, campaign, fit, steps.step_deg)
+        for points in (campaign.calibration, campaign.validation)
+    )
+    return replace(campaign, calibration=calibration, validation=validation)
+
+
+def _scattered(points: PointReadings, campaign: Campaign, fit: RobustFit, step_deg: float) -> PointReadings:
+    if step_of(np.rad2deg(points.stops.joints_rad)) != step_deg:
+        return points
+    state = evaluate(fit.structure, fit.values, Targets(points.stops, points.nest))
+    moves = _spread_rad(step_deg) * theta_gradient(state.chain, state.unscaled_mm)
+    added = np.einsum("jni,jnk->nik", moves, moves)
+    covariance = position_block(points, campaign).covariance_mm2 + added
+    return replace(points, covariance_mm2=covariance)
+
+
+def _spread_rad(step_deg: float) -> float:
+    return float(np.deg2rad(step_deg) / np.sqrt(12.0))
+
+
+def _levers(fit: RobustFit) -> FloatArray:
+    """Return how each reading moves per angle of each joint, shape (J, n, d) [mm/rad]."""
+    state = fit.results[0].state
+    joints = range(fit.structure.robot.n_joints)
+    specs = tuple(ParameterSpec(f"step_{joint}", "rad", 0.0, 1.0) for joint in joints)
+    terms = tuple(Term(joint, Port(PortKind.THETA, joint), 1.0) for joint in joints)
+    return trial_derivatives(fit.blocks[0].derivatives(tried(state, specs, terms)), state)
 
 
 def step_of(joints_deg: FloatArray) -> float | None:
@@ -58,16 +98,16 @@ def _whole(joints_deg: FloatArray, step_deg: float) -> bool:
     return bool(np.abs(joints_deg - step_deg * np.round(joints_deg / step_deg)).max() < _SLACK_DEG)
 
 
-def _freedom(selected: Selected) -> float:
+def _freedom(fit: RobustFit) -> float:
     """Return the share of the variance of the noise that the fitted parameters leave in the residuals."""
-    counted = max(float(selected.pool.normal.observations), 1.0)
-    return max(1.0 - len(selected.fit.structure.specs) / counted, 0.05)
+    counted = int((fit.blocks[0].weights > _COUNTED).sum()) * fit.results[0].residual.shape[1]
+    return float(max(1.0 - len(fit.structure.specs) / max(counted, 1), 0.05))
 
 
-def _of_each_stop(selected: Selected, moves: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+def _of_each_stop(fit: RobustFit, moves: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield whitened residuals (m,) of each place of the arm, with what the steps do to them (m, J)."""
-    block, result = selected.fit.blocks[0], selected.fit.results[0]
-    stated, counts = block.weighted(block.weights, 0.0), block.weights > 0.5
+    block, result = fit.blocks[0], fit.results[0]
+    stated, counts = block.weighted(block.weights, 0.0), block.weights > _COUNTED
     shape = result.residual.shape
     residual = stated.whitened(result).reshape(shape)
     moved = np.stack([stated.whitened(replace(result, residual=move)).reshape(shape) for move in moves])

@@ -55,7 +55,7 @@ class Left:
     tails: Tails
     worse_unseen: float = 0.0  # validation errors over what explains them where far beyond it, else 0
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
-    steps: AngleSteps | None = None  # of the joint angles, where they explain noise beyond what is stated
+    steps: AngleSteps | None = None  # of the joint angles, where they are noise beyond what is stated
     contradicted: bool = False  # validation readings are foretold no better than by the start model
 
     @property
@@ -107,7 +107,7 @@ def left_by(
         more_than_stated=beyond,
         explained_by_repeats=repeated,
         tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
-        steps=telling_steps(selected) if beyond and not repeated else None,
+        steps=start.steps or (telling_steps(fit) if beyond and not repeated else None),
     )
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from service.diagnosis.angle_steps import AngleSteps, telling_steps, with_steps
 from service.diagnosis.scene import scene_of
 from service.diagnosis.single_readings import swapped_labels
 from service.domain.campaign import Campaign, PointReadings
@@ -24,12 +25,13 @@ _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FE
 class Start:
     """What a diagnosis starts from."""
 
-    campaign: Campaign  # with labels put right
+    campaign: Campaign  # with labels put right, points as uncertain as steps of their angles make them
     problem: Problem
     fit: RobustFit
     scene: Scene
     effects: tuple[str, ...]
     written: Campaign  # as it was measured
+    steps: AngleSteps | None = None  # of the joint angles, by which its readings weigh
 
 
 def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | str:
@@ -51,12 +53,20 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
     fitted = robust_fit(problem.structure, problem.blocks, problem.start)
     corrected = _relabelled(campaign, fitted) if relabel else campaign
     if corrected is not campaign:
-        problem = _problem(corrected, chosen)
-        fitted = robust_fit(problem.structure, problem.blocks, problem.start)
+        problem, fitted = _fitted(corrected, chosen)
+    steps = telling_steps(fitted)
+    if steps is not None and not steps.of_lengths:
+        corrected = with_steps(corrected, fitted, steps)
+        problem, fitted = _fitted(corrected, chosen)
     status, message = verdict.judge(corrected, problem, fitted, fitted)
     if status in _UNUSABLE:
         return message
-    return Start(corrected, problem, fitted, scene_of(problem, fitted), chosen, campaign)
+    return Start(corrected, problem, fitted, scene_of(problem, fitted), chosen, campaign, steps)
+
+
+def _fitted(campaign: Campaign, effects: tuple[str, ...]) -> tuple[Problem, RobustFit]:
+    problem = _problem(campaign, effects)
+    return problem, robust_fit(problem.structure, problem.blocks, problem.start)
 
 
 def _problem(campaign: Campaign, effects: tuple[str, ...]) -> Problem:

@@ -80,8 +80,8 @@ def remaining_sentence(left: Left, *, full: bool) -> str:
         )
     if left.steps is not None:
         return (
-            f"What is left is {left.noise_scale:.2g} times the stated noise: the joint angles are given in "
-            f"steps of {left.steps.step_deg:g} deg, and that alone scatters "
+            "What is left is noise, larger than stated: the joint angles are given in steps of "
+            f"{left.steps.step_deg:g} deg, and that alone scatters "
             f"{'the lengths' if left.steps.of_lengths else 'the tool'} by {left.steps.scatter_mm:.2g} mm. "
             f"Give them with all their digits.{carried}"
         )
@@ -108,7 +108,8 @@ def _of_calibration(left: Left) -> str:
 def noise_of(left: Left) -> Noise:
     """Return what the readings say of their own noise."""
     degrees = left.tails.degrees_of_freedom
-    size = f"The typical residual is {left.noise_scale:.2f} times what is stated"
+    stated = "what is stated" if left.steps is None else "what is stated and what steps of the angles add"
+    size = f"The typical residual is {left.noise_scale:.2f} times {stated}"
     tail = (
         f"; large residuals are more frequent than normal noise has them (Student's t with {degrees:.1f} "
         f"degrees of freedom){_without_cause(left)}."

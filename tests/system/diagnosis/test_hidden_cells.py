@@ -180,16 +180,19 @@ def written_with(decimals, points):
     return replace(points, stops=replace(points.stops, joints_rad=joints_rad))
 
 
-def test_angles_with_few_digits_are_told_to_be_the_noise(tmp_path):
-    exact = recorded(tmp_path, seed=12)
+@pytest.mark.parametrize(("decimals", "seed"), [(1, 12), (2, 702)])
+def test_angles_with_few_digits_are_told_to_be_the_noise(decimals, seed, tmp_path):
+    exact = recorded(tmp_path, seed=seed)
     campaign = replace(
-        exact, calibration=written_with(1, exact.calibration), validation=written_with(1, exact.validation)
+        exact,
+        calibration=written_with(decimals, exact.calibration),
+        validation=written_with(decimals, exact.validation),
     )
 
     diagnosis = diagnose(campaign)
 
     assert diagnosis.verdict is Verdict.CONSISTENT
-    assert "the joint angles are given in steps of 0.1 deg" in diagnosis.message
+    assert f"the joint angles are given in steps of {0.1**decimals:g} deg" in diagnosis.message
     assert diagnosis.message.endswith("Give them with all their digits.")
 
 

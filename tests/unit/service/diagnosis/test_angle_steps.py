@@ -71,6 +71,29 @@ def test_angles_that_were_rounded_scatter_the_tool_as_far_as_it_is_said(step_deg
     assert f"given in steps of {step_deg:g} deg, and that alone scatters the tool by " in sentence
 
 
+def test_points_weigh_by_what_the_steps_do_to_them():
+    exact = planted({}, campaign=telling_campaign(N), n=N)
+    campaign = replace(exact, validation=exact.calibration)
+
+    start = started(written_in_steps(campaign, 0.1), PRESENT, relabel=False)
+
+    left = left_of(start, make_selected(start, ()))
+    assert left.noise_scale == pytest.approx(1.0, abs=0.2)  # of 100 medians, four standard deviations
+    variance = np.trace(start.campaign.calibration.covariance_mm2, axis1=1, axis2=2)
+    added = variance - 3.0 * NOISE_MM**2
+    assert np.sqrt(added.mean()) == pytest.approx(start.steps.scatter_mm, rel=1e-2)
+    assert start.campaign.validation is campaign.validation  # written with all its digits
+
+
+def test_points_that_are_as_stated_keep_their_weights():
+    planned = planted({}, campaign=telling_campaign(N, joints_rad=in_steps(configurations(N), 0.1)), n=N)
+
+    start = started(planned, PRESENT, relabel=False)
+
+    assert start.steps is None
+    assert start.campaign is planned
+
+
 def test_lengths_are_scattered_too():
     exact = leg_campaign(150)
     stops = exact.legs.stops
