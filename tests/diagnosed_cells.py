@@ -264,6 +264,18 @@ def unexplained():
     )
 
 
+def described():
+    """Structure that the model describes without a name, at nine places."""
+    places = (
+        diagnoses.make_described(where=f"joint {k}", over=f"angle of joint {k + 1}") for k in range(1, 10)
+    )
+    return make_diagnosis(
+        verdict=Verdict.PARTLY_EXPLAINED,
+        message="The model lacks joint harmonics (joint 6). Something is left that they do not explain.",
+        remaining=diagnoses.make_rest(*places),
+    )
+
+
 def cross_validated():
     return make_diagnosis(held_out="cross_validation", errors=make_errors(n=50))
 
@@ -322,6 +334,7 @@ ENDINGS = {
     "two findings": two_findings,
     "partly explained": partly_explained,
     "unexplained": unexplained,
+    "described": described,
     "cross-validated": cross_validated,
     "lengths": of_lengths,
     "nothing fitted": nothing_fitted,

@@ -7,6 +7,7 @@ from service.domain.diagnosis import (
     Confidence,
     Curve,
     Dependence,
+    Described,
     Detail,
     Diagnosis,
     Finding,
@@ -17,6 +18,7 @@ from service.domain.diagnosis import (
     Remaining,
     RuledOut,
     Verdict,
+    Worth,
 )
 from tests.builders import make_model, make_parameter, make_statistics
 
@@ -132,3 +134,15 @@ def make_unexplained(**changes):
         "noise": Noise(1.6, 4.5, "The readings have heavy tails."),
     }
     return make_diagnosis(**{**values, **changes})
+
+
+def make_described(**changes):
+    """Something at joint 2 that follows joint 1 and has no name."""
+    values = {"where": "joint 2", "over": "angle of joint 1", "worth": Worth(0.3, 0.9, 0.12)}
+    return Described(**{**values, **changes})
+
+
+def make_rest(*described, gain=None):
+    """Structure that is left, with what the model describes of it."""
+    gain = gain or Gain(0.37, 0.34, (0.02, 0.04))
+    return Remaining(True, (), "What is left depends on the place.", described=described, described_gain=gain)

@@ -7,6 +7,7 @@ from rich.table import Table
 from service.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from service.domain.results import Statistics
 from service.reports.causes import causes_listed, place_words, printed_unit, worth_words
+from service.reports.described import DescribedRow, described_rows, described_sentence
 from service.reports.rounding import millimetres, p_value, with_uncertainty
 
 _HELD_OUT = {
@@ -26,6 +27,9 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
         yield diagnosis.remaining.sentence
     if diagnosis.remaining.depends_on:
         yield f"Depends on: {_depends_on(diagnosis.remaining)}."
+    if diagnosis.remaining.described:
+        yield described_sentence(diagnosis.remaining)
+        yield from map(_described, described_rows(diagnosis.remaining.described))
     if diagnosis.findings and diagnosis.errors is not None:
         worst = diagnosis.errors.worst
         yield (
@@ -67,6 +71,10 @@ def _gain(gain: Gain | None) -> str:
 
 def _depends_on(remaining: Remaining) -> str:
     return "; ".join(f"{entry.variable} (p {_p(entry.p_value)})" for entry in remaining.depends_on)
+
+
+def _described(row: DescribedRow) -> str:
+    return f"   {row.place}: missed by {row.own} mm RMS without it; it moves the tool by {row.worth}."
 
 
 def _next(entry: NextMeasurement) -> Iterator[str]:

@@ -24,6 +24,7 @@ from service.diagnosis.selection import Propose, Selected, refitted
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import shown_of, worth_of
+from service.diagnosis.whole import Whole
 from service.diagnosis.witnesses import CONTRADICTED, accused, speak_against
 from service.diagnosis.wording import first_line, noise_of, remaining_sentence
 from service.domain.campaign import Campaign
@@ -53,14 +54,6 @@ _BEYOND = 1.5  # typical validation error over what explains it: more than a com
 _FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does
 
 Tell = Callable[[float, str], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Whole:
-    """The model with every cell that the data ask for: what is left, described without a name."""
-
-    fit: RobustFit
-    cells: tuple[Candidate, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +145,7 @@ def _with_doubts(tested: Tested) -> Left:
 def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
     start, tested = answer.start, answer.tested
     selected, judged, left = tested.selected, answer.judged, tested.left
+    whole = None if left.contradicted else answer.whole
     readings = readings_found(start, selected, left, judged)
     findings = (*_findings(answer), *(one for one in readings if one.effect not in without))
     remaining = Remaining(
@@ -162,6 +156,8 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
         ),
         sentence=remaining_sentence(left, full=selected.full),
         worse_at=left.worse_at,
+        described=whole.beside(selected) if whole else (),
+        described_gain=judged.described if whole else None,
     )
     verdict = _verdict(bool(findings), left.structure)
     before = statistics(judged.errors.before_mm, judged.noise_mm)

@@ -41,6 +41,7 @@ class Judged:
     noise_mm: float
     source: str  # "validation" or "cross_validation"
     beyond: float = 1.0  # typical validation error over what noise and parameters explain
+    described: Gain | None = None  # what is described gains beside the causes; None where nothing is
 
     @property
     def together(self) -> Gain:
@@ -63,7 +64,8 @@ class CrossValidation:
         errors = HeldOutErrors(config, result.state.position_mm, nested.start, after)
         gains = tuple(gain_of(*_of_group(selected, group), site) for group in groups)
         noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
-        return Judged(errors, gains, site, noise_mm, "cross_validation")
+        more = gain_of(nested.chosen, nested.described, site) if described else None
+        return Judged(errors, gains, site, noise_mm, "cross_validation", described=more)
 
     @property
     def asks_for_description(self) -> bool:
@@ -111,7 +113,8 @@ def on_validation(
     gains = tuple(gain_of(_without(block, selected.fit, group), found, site) for group in groups)
     errors = HeldOutErrors(block.targets.stops.config, end.state.position_mm, start.residual, end.residual)
     beyond = _beyond(block, end, fits[1].solution.covariance)
-    return Judged(errors, gains, site, expected_noise_mm(block), "validation", beyond)
+    more = None if fits[1] is selected.fit else gain_of(found, end.residual, site)
+    return Judged(errors, gains, site, expected_noise_mm(block), "validation", beyond, more)
 
 
 def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:

@@ -77,7 +77,19 @@ def effect_of(selected: Selected, names: Sequence[str]) -> FloatArray:
 def worth_of(selected: Selected, names: Sequence[str]) -> Worth:
     """Return how far fitted parameters move the tool over the readings of the first block."""
     way_mm = np.linalg.norm(effect_of(selected, names), axis=1)
-    return Worth(float(way_mm.mean()), float(way_mm.max()))
+    own_mm = np.linalg.norm(_own_effect(selected, names), axis=1)
+    return Worth(float(way_mm.mean()), float(way_mm.max()), float(np.sqrt((own_mm**2).mean())))
+
+
+def _own_effect(selected: Selected, names: Sequence[str]) -> FloatArray:
+    """Return by how much readings would be missed without fitted parameters [mm], shape (n, d).
+
+    The others follow as a normal posterior's mean does where those are known to be zero.
+    """
+    rows = [selected.fit.structure.index_of(name) for name in names]
+    values, covariance = values_of(selected, names)
+    step = selected.fit.solution.covariance[:, rows] @ np.linalg.solve(covariance, values)
+    return np.asarray(np.tensordot(step, selected.fit.results[0].jacobian, 1))
 
 
 def values_of(selected: Selected, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from service.domain.diagnosis import (
     Cause,
     Curve,
     Dependence,
+    Described,
     Detail,
     Diagnosis,
     Finding,
@@ -30,7 +31,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:
     """Return the document of a diagnosis, whatever its verdict.
 
     `before` and `after` are null where nothing could be fitted, `gain` where nothing held out shows it,
-    `curve` where there is nothing to draw.
+    `curve` where there is nothing to draw, `described_gain` where nothing is described.
     """
     return {
         "robot": diagnosis.robot,
@@ -77,7 +78,11 @@ def _finding(finding: Finding) -> Json:
 def _worth(worth: Worth | None) -> Json:
     if worth is None:
         return None
-    return {"mean_mm": number_or_null(worth.mean_mm), "max_mm": number_or_null(worth.max_mm)}
+    return {
+        "mean_mm": number_or_null(worth.mean_mm),
+        "max_mm": number_or_null(worth.max_mm),
+        "own_mm": None if worth.own_mm is None else number_or_null(worth.own_mm),
+    }
 
 
 def _detail(detail: Detail) -> Json:
@@ -124,7 +129,13 @@ def _remaining(remaining: Remaining) -> Json:
         "structure": remaining.structure,
         "depends_on": [_dependence(dependence) for dependence in remaining.depends_on],
         "sentence": remaining.sentence,
+        "described": [_described(entry) for entry in remaining.described],
+        "described_gain": _gain(remaining.described_gain),
     }
+
+
+def _described(described: Described) -> Json:
+    return {"where": described.where, "over": described.over, "worth": _worth(described.worth)}
 
 
 def _dependence(dependence: Dependence) -> Json:

@@ -13,6 +13,7 @@ from service.domain.results import Model
 from service.exchange.model_document import file_factor, file_unit
 from service.reports.causes import causes_listed, printed_unit, verdict_words
 from service.reports.conditions import ReportConditions, condition_rows
+from service.reports.described import described_rows, described_sentence
 from service.reports.figures.comparison import comparison
 from service.reports.figures.error_maps import error_maps
 from service.reports.figures.gains import gains
@@ -98,6 +99,8 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "findings": finding_blocks(diagnosis),
         "gains": gains(diagnosis.findings),
         "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
+        "described": described_rows(diagnosis.remaining.described),
+        "described_sentence": described_sentence(diagnosis.remaining),
         "found": ruled_out_rows(entry for entry in diagnosis.ruled_out if entry.visible),
         "unseen": ruled_out_rows(entry for entry in diagnosis.ruled_out if not entry.visible),
         "proposals": tuple(map(_proposal, diagnosis.next_measurements)),

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain
+from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, Worth
 from service.reports.causes import (
     amplitude_meaning,
     cause_words,
@@ -13,6 +13,7 @@ from service.reports.causes import (
     printed_unit,
     worth_words,
 )
+from service.reports.described import own_text
 from service.reports.figures.residual_curve import CurveFigure, residual_curve
 from service.reports.look_alikes import Alternatives, alternatives
 from service.reports.rounding import MINUS, interval, millimetres, p_value, with_uncertainty
@@ -68,7 +69,7 @@ def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
     if finding.where:
         yield "Where, over what (shape)", place_words(finding), ""
     if finding.worth is not None:
-        yield "Motion of the tool", worth_words(finding.worth), "by this cause, over the calibration readings"
+        yield "Motion of the tool", worth_words(finding.worth), _worth_remark(finding.worth)
     yield "Held-out gain", *gain_text(finding.gain)
     yield "p value", p_value(finding.p_value), "chance of noise alone showing as much, over everything tried"
     yield (
@@ -76,6 +77,13 @@ def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
         f"{100.0 * finding.share:.0f} %",
         "of what all findings together explain; structure that is left is not in it",
     )
+
+
+def _worth_remark(worth: Worth) -> str:
+    remark = "by this cause, over the calibration readings"
+    if worth.own_mm is None:
+        return remark
+    return f"{remark}; without it, all else fitted again, they are missed by {own_text(worth)} mm RMS"
 
 
 def _interval(finding: Finding) -> str:

@@ -52,6 +52,11 @@ class WorthDocument(Document):
 
     mean_mm: float | None = Field(examples=[0.041])
     max_mm: float | None = Field(examples=[0.093])
+    own_mm: float | None = Field(
+        None,
+        examples=[0.031],
+        description="RMS by which they would be missed without it, all other parameters fitted again.",
+    )
 
 
 class FindingDocument(Document):
@@ -85,12 +90,24 @@ class DependenceDocument(Document):
     curve: CurveDocument | None
 
 
+class DescribedDocument(Document):
+    """A place and a variable without a name, where the model holds a function."""
+
+    where: str = Field(examples=["joint 2"])
+    over: str = Field(examples=["angle of joint 1"])
+    worth: WorthDocument
+
+
 class RemainingDocument(Document):
-    """What the extended model leaves."""
+    """What the findings leave, and what of it is described without a name."""
 
     structure: bool
     depends_on: list[DependenceDocument]
     sentence: str
+    described: list[DescribedDocument] = Field([], description="Largest first; it is in the extended model.")
+    described_gain: GainDocument | None = Field(
+        None, description="What all of it takes off the held-out errors beside the findings."
+    )
 
 
 class NextMeasurementDocument(Document):

@@ -6,7 +6,7 @@ import pytest
 
 from service.cli.diagnosis_text import diagnosis_lines, errors_table
 from service.domain.diagnosis import Gain, Remaining
-from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
+from tests.diagnoses import make_described, make_diagnosis, make_finding, make_rest, make_unexplained
 
 
 def test_the_first_line_is_the_message_however_long():
@@ -45,6 +45,24 @@ def test_structure_without_a_name_says_what_it_depends_on():
 
     assert "Withdrawn: A wave of joint 2 did not help." in lines
     assert "Depends on: angle of joint 4 (p = 0.0001)." in lines
+
+
+def test_what_is_described_without_a_name_is_a_sentence_and_a_line_each():
+    left = make_rest(make_described(), make_described(where="nest 2", over="constant"))
+
+    lines = list(diagnosis_lines(make_unexplained(remaining=left)))
+
+    at = next(k for k, line in enumerate(lines) if line.startswith("Described without a name"))
+    assert lines[at + 1 : at + 3] == [
+        "   joint 2 over angle of joint 1: missed by 0.120 mm RMS without it; it moves the tool by 0.300 mm "
+        "on average, 0.900 mm at most.",
+        "   nest 2: missed by 0.120 mm RMS without it; it moves the tool by 0.300 mm on average, 0.900 mm at "
+        "most.",
+    ]
+
+
+def test_where_nothing_is_described_nothing_is_said_of_it():
+    assert not [line for line in diagnosis_lines(make_unexplained()) if "without a name" in line]
 
 
 def test_what_the_first_line_says_of_what_is_left_is_not_said_again():

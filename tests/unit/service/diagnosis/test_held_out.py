@@ -219,6 +219,23 @@ def test_validation_readings_judge_in_the_end_where_there_are_some():
     expected_mm = float(np.sqrt((without**2).sum(axis=1).mean()))
     # to first order, as above
     assert judged.gains[0].rms_before_mm == pytest.approx(expected_mm, abs=2e-3)
+    assert judged.described is None
+
+
+def test_what_is_described_is_judged_beside_what_was_found():
+    unseen = planted(GAIN_4, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11).calibration
+    campaign = replace(planted(GAIN_4), validation=unseen)
+    start = _started(campaign)
+    selected = select_from(start, propose_for(start))
+
+    # the start in the place of a description: it gives away what was found
+    judged = on_validation(campaign, (start.fit, start.fit), selected, groups_of(selected))
+
+    assert judged is not None
+    assert judged.described is not None
+    assert judged.described.rms_before_mm == pytest.approx(judged.gains[0].rms_after_mm)
+    assert judged.described.rms_after_mm == pytest.approx(judged.together.rms_before_mm)
+    assert judged.described.interval_95_mm[1] < 0.0
 
 
 def test_without_validation_readings_there_is_nothing_to_ask_in_the_end(start, selected):

@@ -7,10 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import Finding, Gain, RuledOut, Worth
+from service.domain.diagnosis import Finding, Gain, Remaining, RuledOut, Worth
 from service.exchange.diagnosis_document import diagnosis_document
 from service.storage.documents import from_document, to_document
-from tests.diagnoses import make_curve, make_diagnosis, make_finding, make_unexplained, make_wave
+from tests.diagnoses import (
+    make_curve,
+    make_described,
+    make_diagnosis,
+    make_finding,
+    make_rest,
+    make_unexplained,
+    make_wave,
+)
 
 
 def printed(diagnosis):
@@ -45,6 +53,8 @@ def test_a_finding_is_printed_as_promised():
         "structure": False,
         "depends_on": [],
         "sentence": "What is left looks like the stated noise.",
+        "described": [],
+        "described_gain": None,
     }
     assert document["held_out"] == "cross_validation"
 
@@ -88,7 +98,11 @@ def test_no_number_is_anything_but_finite():
     assert finding["curve"]["residual"] == [None, 0.0, None]
 
 
-@pytest.mark.parametrize("diagnosis", [make_diagnosis(), make_unexplained()], ids=["explained", "not"])
+@pytest.mark.parametrize(
+    "diagnosis",
+    [make_diagnosis(), make_unexplained(), make_unexplained(remaining=make_rest(make_described()))],
+    ids=["explained", "not", "described"],
+)
 def test_a_stored_diagnosis_prints_the_same_document(diagnosis):
     kept = json.loads(json.dumps(to_document(replace(diagnosis, model=None)), allow_nan=False))
 
@@ -104,7 +118,30 @@ def test_a_finding_says_its_place_its_variable_its_shape_and_its_worth():
     (finding,) = printed(make_diagnosis(findings=(placed,)))["findings"]
 
     assert (finding["where"], finding["over"], finding["shape"]) == ("joint 6", "angle of joint 6", "wave")
-    assert finding["worth"] == {"mean_mm": 0.04, "max_mm": None}
+    assert finding["worth"] == {"mean_mm": 0.04, "max_mm": None, "own_mm": None}
+
+
+def test_what_is_described_without_a_name_is_printed_with_what_it_gains():
+    rest = make_rest(make_described(), make_described(over="constant"))
+
+    left = printed(make_unexplained(remaining=rest))["remaining"]
+
+    assert left["described"][0] == {
+        "where": "joint 2",
+        "over": "angle of joint 1",
+        "worth": {"mean_mm": 0.3, "max_mm": 0.9, "own_mm": 0.12},
+    }
+    assert len(left["described"]) == 2
+    assert left["described_gain"]["rms_after_mm"] == 0.34
+
+
+def test_what_an_earlier_version_left_is_read_without_a_description():
+    stored = to_document(make_rest(make_described()))
+    del stored["described"], stored["described_gain"]
+
+    read = from_document(Remaining, stored)
+
+    assert (read.described, read.described_gain) == ((), None)
 
 
 def test_a_finding_of_an_earlier_version_is_read_without_them():

@@ -53,6 +53,16 @@ def test_every_ending_gives_a_page_that_asks_nothing_from_anywhere(pages, name):
     assert not re.search(r"\bnan\b|\bNone\b(?!: no known cause)", page.text)
 
 
+def test_what_is_described_without_a_name_stands_under_what_is_left(pages):
+    html = pages["described"]
+
+    left = html[html.index('id="left"') : html.index('id="ruled-out"')]
+    assert "Described without a name" in left
+    assert left.count("over angle of joint") == 8 + 3  # a row each, and the largest in the sentence
+    assert "And 1 smaller." in left
+    assert "Described without a name" not in pages["partly explained"]
+
+
 @pytest.mark.parametrize("name", ENDINGS)
 def test_the_first_sentence_after_the_title_is_the_message(pages, name):
     diagnosis, html = ENDINGS[name](), pages[name]

@@ -1,0 +1,68 @@
+"""The whole model: what it describes beside the findings is told once, by its place, the largest first."""
+
+import numpy as np
+import pytest
+
+from service.diagnosis.diagnose import proposed
+from service.diagnosis.evidence import described
+from service.diagnosis.groups import names_of
+from service.diagnosis.pool import pooled
+from service.diagnosis.scene import scene_of
+from service.diagnosis.selection import refitted
+from service.diagnosis.ways import effect_of, worth_of
+from service.diagnosis.whole import Whole
+from tests.selections import make_start, select_from
+
+CURVE = {
+    f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")
+}
+
+
+@pytest.fixture(scope="module")
+def start():
+    return make_start({"joint_harmonics": CURVE, "joint_gain": {"gain_4": 1e-3}}, n=120)
+
+
+@pytest.fixture(scope="module")
+def selected(start):
+    """Only the gain of joint 4 could be picked."""
+    return select_from(start, lambda fit: [one for one in cells(start, fit) if one.names == ("gain_4",)])
+
+
+def cells(start, fit):
+    return proposed(scene_of(start.problem, fit), ())
+
+
+@pytest.fixture(scope="module")
+def whole(start, selected):
+    pool = pooled(selected.fit, (*selected.picks, *cells(start, selected.fit)))
+    found = described(pool, selected.picks)
+    return Whole(refitted(start.fit, selected.fit, found.candidates), found.candidates)
+
+
+def test_what_is_described_is_told_by_its_place_the_largest_first(whole, selected):
+    told = whole.beside(selected)
+
+    own = [one.worth.own_mm for one in told]
+    assert (told[0].where, told[0].over) == ("joint 2", "angle of joint 2")
+    assert own == sorted(own, reverse=True)
+    assert len({(one.where, one.over) for one in told}) == len(told)
+
+
+def test_a_pick_has_its_own_finding_and_is_not_told_again(whole, selected):
+    assert names_of(selected.picks) == ("gain_4",)
+    assert set(names_of(selected.picks)) <= set(names_of(whole.cells))
+
+    assert ("joint 4", "angle of joint 4") not in {(one.where, one.over) for one in whole.beside(selected)}
+
+
+def test_a_model_of_nothing_but_findings_describes_nothing(selected):
+    assert Whole(selected.fit, selected.picks).beside(selected) == ()
+
+
+def test_what_the_other_parameters_can_take_over_is_not_its_own(selected):
+    worth = worth_of(selected, ("gain_4",))
+
+    # An offset of joint 4 takes over its mean turn; the turn about that mean is the gain's own.
+    alone = np.sqrt((np.linalg.norm(effect_of(selected, ("gain_4",)), axis=1) ** 2).mean())
+    assert 0.5 * alone < worth.own_mm < alone

@@ -1,0 +1,29 @@
+"""What is described without a name: one sentence with the largest, and what it is good for."""
+
+from service.domain.diagnosis import Worth
+from service.reports.described import described_rows, described_sentence
+from tests.diagnoses import make_described, make_rest
+
+FOLLOWED = [make_described(where=f"joint {k}", worth=Worth(0.3, 0.9, 0.1 * k)) for k in range(9, 0, -1)]
+
+
+def test_the_sentence_names_the_largest_counts_the_others_and_says_what_they_gain():
+    assert described_sentence(make_rest(*FOLLOWED[:5])) == (
+        "Described without a name, as functions as large as the data ask for: "
+        "joint 9 over angle of joint 1 (0.900 mm), joint 8 over angle of joint 1 (0.800 mm), "
+        "joint 7 over angle of joint 1 (0.700 mm), 2 smaller; "
+        "with this the RMS of the errors on unseen points goes from 0.370 to 0.340 mm."
+    )
+
+
+def test_what_depends_on_nothing_is_its_place_alone():
+    sentence = described_sentence(make_rest(make_described(where="nest 2", over="constant")))
+
+    assert ": nest 2 (0.120 mm); with" in sentence
+
+
+def test_the_table_holds_the_largest():
+    rows = described_rows(tuple(FOLLOWED))
+
+    assert len(rows) == 8
+    assert (rows[0].place, rows[0].own) == ("joint 9 over angle of joint 1", "0.900")
