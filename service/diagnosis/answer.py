@@ -15,12 +15,11 @@ from service.diagnosis.left import Left
 from service.diagnosis.line_orders import with_known_orders
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.open_shapes import with_open_shapes
-from service.diagnosis.pool import Pool
 from service.diagnosis.readings_found import readings_found
 from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import Propose, Selected, refitted
+from service.diagnosis.selection import Choice, Propose, Selected, refitted
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import shown_of, worth_of
@@ -78,7 +77,7 @@ class _Answer:
 
 
 def answered(
-    start: Start, first: Pool, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
+    start: Start, first: Choice, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
 ) -> Diagnosis:
     """Put everything that a diagnosis found together."""
     judging = CrossValidation(first)
@@ -103,7 +102,8 @@ def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | No
     What is left over time is not foretold by a description of where the arm was when.
     """
     in_time = any(one.kind == "time" for one in tested.left.depends)
-    if in_time or not (tested.left.structure and judging.asks_for_description):
+    groups = tuple(group for _, group in tested.groups)
+    if in_time or not (tested.left.structure and judging.asks_for_description(groups)):
         return None
     found = described(tested.selected.pool, tested.selected.picks)
     return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)

@@ -7,7 +7,7 @@ from service.diagnosis.answer import answered, unanswerable
 from service.diagnosis.line_orders import with_lines_between
 from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import select
+from service.diagnosis.selection import chosen, select
 from service.diagnosis.start import started
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Diagnosis
@@ -60,7 +60,7 @@ def diagnose(
         return proposed(scene_of(start.problem, fit), without)
 
     tell(0.1, "screening the ways in which the model may be wrong")
-    first = pooled(start.fit, propose(start.fit))
+    first = chosen(pooled(start.fit, propose(start.fit)))
     selected = select(first, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
     selected = with_lines_between(start.fit, selected, propose, start.scene)
     tell(0.6, "judging on points that were not seen")

@@ -17,8 +17,9 @@ D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
 M. E. Tipping, A. C. Faul, 9th Workshop on Artificial Intelligence and Statistics, 2003 (one at a time).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -35,6 +36,7 @@ _LEAST_GAIN = 4.0
 _SWEEPS = 2  # over the cells that are in, after each that comes in
 _MOST_CELLS = 40
 _HIGHEST_ORDER = 12.0  # of waves that are told apart from noise by a few readings
+_NO_ROWS = np.zeros(0, dtype=np.int64)
 _SEARCHED = frozenset({"jump", "settling"})  # over moments: one is right, their sum says nothing
 
 
@@ -46,6 +48,14 @@ class _Cell:
     rows: IntArray  # (k,) their columns in the pool
 
 
+class _Size(NamedTuple):
+    """How large a cell is, past others."""
+
+    gain: float  # of twice the log likelihood
+    width: float  # over what is believed of it
+    precision: float  # of its scaled parameters, times the variance of the noise
+
+
 @dataclass(frozen=True, slots=True)
 class _Products:
     """Products past what is fitted, of all columns scaled to their widths; cells are runs of them."""
@@ -53,31 +63,32 @@ class _Products:
     gram: FloatArray  # (K, K)
     towards: FloatArray  # (K,)
     sums: Sums
-    runs: tuple[slice, ...]
+    runs: tuple[IntArray, ...]
 
-    def past(self, precision: dict[int, float]) -> "_Products":
-        """Return the products past some cells too, given their precisions over that of the noise."""
-        if not precision:
-            return self
-        rows = np.concatenate([np.arange(self.runs[cell].start, self.runs[cell].stop) for cell in precision])
-        added = np.concatenate([
-            np.full(self.runs[cell].stop - self.runs[cell].start, one) for cell, one in precision.items()
-        ])
-        root = cholesky(self.gram[np.ix_(rows, rows)] + np.diag(added), lower=True)
-        absorbed = solve_triangular(root, self.gram[rows], lower=True)
+    def sizes(self, cells: Sequence[int], past: Mapping[int, _Size]) -> dict[int, _Size]:
+        """Return the most likely sizes of cells, each alone past some others and no larger than believed."""
+        rows = np.concatenate([_NO_ROWS, *(self.runs[cell] for cell in past)])
+        added = [np.full(len(self.runs[cell]), size.precision) for cell, size in past.items()]
+        root = cholesky(
+            self.gram[np.ix_(rows, rows)] + np.diag(np.concatenate([np.zeros(0), *added])), lower=True
+        )
         taken = solve_triangular(root, self.towards[rows], lower=True)
         left = max(self.sums.residual_square - float(taken @ taken), 1e-300)
-        return _Products(
-            self.gram - absorbed.T @ absorbed,
-            self.towards - absorbed.T @ taken,
-            replace(self.sums, residual_square=left),
-            self.runs,
-        )
+        sums = replace(self.sums, residual_square=left)
+        found = {}
+        for cell in cells:
+            run = self.runs[cell]
+            absorbed = solve_triangular(root, self.gram[np.ix_(rows, run)], lower=True)
+            gram = self.gram[np.ix_(run, run)] - absorbed.T @ absorbed
+            towards = self.towards[run] - absorbed.T @ taken
+            found[cell] = _sized(most_likely(gram, towards, sums, widest=1.0), sums)
+        return found
 
-    def function(self, cell: int) -> Function:
-        """Return a cell as a random function of its most likely size, no larger than is believed."""
-        run = self.runs[cell]
-        return most_likely(self.gram[run, run], self.towards[run], self.sums, widest=1.0)
+
+def _sized(function: Function, sums: Sums) -> _Size:
+    noise = (sums.residual_square - function.explained) / max(sums.degrees, 1.0)
+    precision = noise / function.width**2 if function.width > 0.0 else np.inf
+    return _Size(function.gain, function.width, precision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +119,7 @@ def described(pool: Pool, picks: Sequence[Candidate] = ()) -> Description:
     """
     cells = _cells(pool, picks)
     if not cells:
-        return Description((), np.zeros(0, dtype=np.int64))
+        return Description((), _NO_ROWS)
     widths = _sizes(_products(pool, cells, names_of(picks)))
     return Description(
         tuple(
@@ -116,7 +127,7 @@ def described(pool: Pool, picks: Sequence[Candidate] = ()) -> Description:
             for cell, width in widths.items()
             for candidate in cells[cell].candidates
         ),
-        np.concatenate([np.zeros(0, dtype=np.int64), *(cells[cell].rows for cell in widths)]),
+        np.concatenate([_NO_ROWS, *(cells[cell].rows for cell in widths)]),
     )
 
 
@@ -160,7 +171,7 @@ def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _
     ])
     columns, absorbed = pool.products.columns[rows] * widths[:, None], view.absorbed[rows] * widths[:, None]
     ends = np.cumsum([len(cell.rows) for cell in cells]).tolist()
-    runs = tuple(slice(end - len(cell.rows), end) for cell, end in zip(cells, ends, strict=True))
+    runs = tuple(np.arange(end - len(cell.rows), end) for cell, end in zip(cells, ends, strict=True))
     return _Products(
         columns @ columns.T - absorbed @ absorbed.T, view.towards[rows] * widths, view.sums, runs
     )
@@ -168,32 +179,25 @@ def _products(pool: Pool, cells: Sequence[_Cell], without: tuple[str, ...]) -> _
 
 def _sizes(products: _Products) -> dict[int, float]:
     """Return the width of every cell that the data ask for, over what is believed of it."""
-    precision: dict[int, float] = {}
-    widths: dict[int, float] = {}
+    held: dict[int, _Size] = {}
     for _ in range(_MOST_CELLS):
-        past = products.past(precision)
-        others = [cell for cell in range(len(products.runs)) if cell not in precision]
-        functions = {cell: past.function(cell) for cell in others}
-        best = max(functions, key=lambda cell: functions[cell].gain, default=None)
-        if best is None or functions[best].gain < _LEAST_GAIN:
+        others = [cell for cell in range(len(products.runs)) if cell not in held]
+        sizes = products.sizes(others, held)
+        best = max(sizes, key=lambda cell: sizes[cell].gain, default=None)
+        if best is None or sizes[best].gain < _LEAST_GAIN:
             break
-        _hold(best, functions[best], past.sums, (precision, widths))
+        held[best] = sizes[best]
         for _ in range(_SWEEPS):
-            _size_anew(products, precision, widths)
-    return widths
+            held = _sized_anew(products, held)
+    return {cell: size.width for cell, size in held.items()}
 
 
-def _size_anew(products: _Products, precision: dict[int, float], widths: dict[int, float]) -> None:
-    for cell in tuple(precision):
-        others = {other: one for other, one in precision.items() if other != cell}
-        past = products.past(others)
-        function = past.function(cell)
-        del precision[cell], widths[cell]
-        if function.gain >= _LEAST_GAIN / 2.0:
-            _hold(cell, function, past.sums, (precision, widths))
-
-
-def _hold(cell: int, function: Function, sums: Sums, into: tuple[dict[int, float], dict[int, float]]) -> None:
-    precision, widths = into
-    noise = (sums.residual_square - function.explained) / max(sums.degrees, 1.0)
-    precision[cell], widths[cell] = noise / function.width**2, function.width
+def _sized_anew(products: _Products, held: dict[int, _Size]) -> dict[int, _Size]:
+    """Return the cells that are in, each sized past the others; one that gains too little goes out."""
+    now = dict(held)
+    for cell in held:
+        del now[cell]
+        size = products.sizes((cell,), now)[cell]
+        if size.gain >= _LEAST_GAIN / 2.0:
+            now[cell] = size
+    return now

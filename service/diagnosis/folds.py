@@ -9,7 +9,9 @@ References
 M. Stone, J. Royal Statistical Society B 36(2), 1974, 111-147 (choice within cross-validation).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +20,15 @@ from service.diagnosis.columns import candidate_motions
 from service.diagnosis.evidence import described
 from service.diagnosis.normal import Normal, normal_of
 from service.diagnosis.pool import Pool
-from service.diagnosis.selection import chosen
+from service.diagnosis.screening import screen
+from service.diagnosis.selection import Choice, chosen
 from service.domain.arrays import BoolArray, FloatArray, IntArray
+from service.effects.causes import Candidate
 from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 from service.identification.rows import sites
 
+_CHANCE = 0.05  # of noise alone, for one candidate
 _FOLDS = 5  # four fifths of the configurations choose: nearly as well as all
 
 
@@ -34,12 +39,12 @@ class Errors(NamedTuple):
     after: FloatArray
 
 
-class Nested(NamedTuple):
-    """Errors on configurations held out, (n, d) each."""
+@dataclass(frozen=True, slots=True)
+class _Fold:
+    """Readings that are held out, and what the others choose."""
 
-    start: FloatArray
-    chosen: FloatArray  # of what is chosen without them
-    described: FloatArray  # of every cell that the data ask for without them
+    out: IntArray  # (o,) of the first block
+    choice: Choice
 
 
 def partition(fit: RobustFit, *, in_time: bool) -> tuple[IntArray, ...]:
@@ -56,33 +61,70 @@ def partition(fit: RobustFit, *, in_time: bool) -> tuple[IntArray, ...]:
     return tuple(np.array_split(unique[np.argsort(begun, kind="stable")], _FOLDS))
 
 
-def nested(first: Pool, parts: Sequence[IntArray]) -> Nested:
-    """Return the errors of the start, and of what is chosen and described without each part."""
-    result = first.fit.results[0]
-    errors = Nested(*(np.zeros_like(result.residual) for _ in range(3)))
-    for held, out in _held(first.fit, parts):
-        start = first.of_rows(_others(first.fit, held))
-        choice = chosen(start)
-        whole = described(choice.pool, choice.picks)
-        for into, picks, normal in (
-            (errors.start, (), start.normal),
-            (errors.chosen, choice.picks, choice.pool.normal),
-            (errors.described, whole.candidates, whole.fitted(start)),
-        ):
-            motion = np.concatenate([result.jacobian, *candidate_motions(first.fit, picks)])
-            into[out] = _left(result.residual[out], motion[:, out], normal)
-    return errors
+class Nested:
+    """The choice made anew without each part of the configurations; errors on those, shape (n, d)."""
+
+    def __init__(self, first: Choice, parts: Sequence[IntArray]) -> None:
+        self._fit = first.first.fit
+        likely = _likely(first)
+        self._folds = tuple(
+            _Fold(out, chosen(likely.of_rows(_others(self._fit, held))))
+            for held, out in _held(self._fit, parts)
+        )
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Errors of the start model."""
+        return self._errors(lambda choice: ((), choice.first.normal))
+
+    @cached_property
+    def chosen(self) -> FloatArray:
+        """Errors of what is chosen."""
+        return self._errors(lambda choice: (choice.picks, choice.pool.normal))
+
+    @cached_property
+    def described(self) -> FloatArray:
+        """Errors of every cell that is asked for."""
+        return self._errors(_described)
+
+    def _errors(self, model: Callable[[Choice], tuple[Sequence[Candidate], Normal]]) -> FloatArray:
+        result = self._fit.results[0]
+        errors = np.zeros_like(result.residual)
+        for fold in self._folds:
+            picks, normal = model(fold.choice)
+            motion = np.concatenate([result.jacobian, *candidate_motions(self._fit, picks)])
+            errors[fold.out] = _left(result.residual[fold.out], motion[:, fold.out], normal)
+        return errors
 
 
-def as_found(fit: RobustFit, parts: Sequence[IntArray], without: tuple[str, ...]) -> Errors:
-    """Return the errors of a fitted model without some parameters, and with them."""
+def _described(choice: Choice) -> tuple[Sequence[Candidate], Normal]:
+    whole = described(choice.pool, choice.picks)
+    return whole.candidates, whole.fitted(choice.first)
+
+
+def _likely(first: Choice) -> Pool:
+    """Return the candidates that readings may choose which are four fifths of all.
+
+    What is chance with all of them, at the start and beside the picks, is not beyond it a thousand times over
+    without a fifth of them.
+    """
+    alone = [screen(pool.view()).alone for pool in (first.first, first.pool)]
+    return first.first.of(np.flatnonzero(np.minimum(*alone) < _CHANCE).tolist())
+
+
+def as_found(
+    fit: RobustFit, parts: Sequence[IntArray], groups: Sequence[tuple[str, ...]]
+) -> tuple[Errors, ...]:
+    """Return the errors of a fitted model without each group of its parameters, and with all."""
     result = fit.results[0]
-    before, after = np.zeros_like(result.residual), np.zeros_like(result.residual)
-    for held, out in _held(fit, parts):
+    errors = tuple(Errors(*np.zeros((2, *result.residual.shape))) for _ in groups)
+    for held, out in _held(fit, parts) if groups else ():
         normal = normal_of(fit, _others(fit, held))
-        before[out] = _left(result.residual[out], result.jacobian[:, out], normal, without)
-        after[out] = _left(result.residual[out], result.jacobian[:, out], normal)
-    return Errors(before, after)
+        readings = result.residual[out], result.jacobian[:, out]
+        after = _left(*readings, normal)
+        for into, without in zip(errors, groups, strict=True):
+            into.before[out], into.after[out] = _left(*readings, normal, without), after
+    return errors
 
 
 def _held(fit: RobustFit, parts: Sequence[IntArray]) -> Iterator[tuple[IntArray, IntArray]]:

@@ -9,11 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from service.diagnosis.folds import Errors, Nested, as_found, nested, partition
+from service.diagnosis.folds import Errors, Nested, as_found, partition
 from service.diagnosis.gains import gain_of
 from service.diagnosis.groups import names_of
-from service.diagnosis.pool import Pool
-from service.diagnosis.selection import Selected
+from service.diagnosis.selection import Choice, Selected
 from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Gain, HeldOutErrors
@@ -52,39 +51,47 @@ class Judged:
 class CrossValidation:
     """Judges extended models of one start on configurations left out of the calibration."""
 
-    def __init__(self, first: Pool) -> None:
-        self._first = first
+    def __init__(self, first: Choice) -> None:
+        self._first, self._fit = first, first.first.fit
 
     def of(self, selected: Selected, groups: Groups, *, described: bool = False) -> Judged:
         """Judge the choice, or all that is described; of single causes, the model found with and without."""
-        block, result = self._first.fit.blocks[0], self._first.fit.results[0]
+        block, result = self._fit.blocks[0], self._fit.results[0]
         config, site = block.targets.stops.config, sites(block.targets.stops)
-        nested = self._in_time if _run_in_time(groups) else self._at_random
+        nested = self._nested(groups)
         after = nested.described if described else nested.chosen if groups else nested.start
-        errors = HeldOutErrors(config, result.state.position_mm, nested.start, after)
-        gains = tuple(gain_of(*_of_group(selected, group), site) for group in groups)
+        held_out = HeldOutErrors(config, result.state.position_mm, nested.start, after)
+        gains = tuple(gain_of(*errors, site) for errors in _of_groups(selected, groups))
         noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
         more = gain_of(nested.chosen, nested.described, site) if described else None
-        return Judged(errors, gains, site, noise_mm, "cross_validation", described=more)
+        return Judged(held_out, gains, site, noise_mm, "cross_validation", described=more)
 
-    @property
-    def asks_for_description(self) -> bool:
+    def asks_for_description(self, groups: Groups) -> bool:
         """Whether describing every cell foretells what is left out better than the choice."""
-        nested = self._at_random
+        nested = self._nested(groups)
         return float((nested.described**2).sum()) < float((nested.chosen**2).sum())
+
+    def _nested(self, groups: Groups) -> Nested:
+        return self._in_time if _run_in_time(groups) else self._at_random
 
     @cached_property
     def _at_random(self) -> Nested:
-        return nested(self._first, partition(self._first.fit, in_time=False))
+        return Nested(self._first, partition(self._fit, in_time=False))
 
     @cached_property
     def _in_time(self) -> Nested:
-        return nested(self._first, partition(self._first.fit, in_time=True))
+        return Nested(self._first, partition(self._fit, in_time=True))
 
 
-def _of_group(selected: Selected, group: tuple[Candidate, ...]) -> Errors:
-    parts = partition(selected.fit, in_time=_run_in_time((group,)))
-    return as_found(selected.fit, parts, names_of(group))
+def _of_groups(selected: Selected, groups: Groups) -> tuple[Errors, ...]:
+    """Return the errors without each group and with all: of what runs in time, on readings of other times."""
+    found: dict[int, Errors] = {}
+    for in_time in (False, True):
+        here = [k for k, group in enumerate(groups) if _run_in_time((group,)) == in_time]
+        parts = partition(selected.fit, in_time=in_time)
+        errors = as_found(selected.fit, parts, [names_of(groups[k]) for k in here])
+        found.update(zip(here, errors, strict=True))
+    return tuple(found[k] for k in range(len(groups)))
 
 
 def _run_in_time(groups: Groups) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from service.diagnosis.counted import counted_rows, design_effect
-from service.domain.arrays import BoolArray, FloatArray
+from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.identification.robust import RobustFit
 
 _ROUNDING = 1e-13  # added to the unit diagonal: a direction that only rounding supports
@@ -44,7 +44,7 @@ class Products:
     with_jacobian: FloatArray  # (K, P)
     with_residual: FloatArray  # (K,)
 
-    def rows(self, chosen: slice) -> "Products":
+    def rows(self, chosen: slice | IntArray) -> "Products":
         """Return those of some columns."""
         return Products(self.columns[chosen], self.with_jacobian[chosen], self.with_residual[chosen])
 

@@ -65,13 +65,14 @@ class Pool:
         fitted = frozenset(self.normal.names).difference(without)
         return View(self, past.sums, absorbed, past.towards(self.products, absorbed), fitted)
 
-    def alone(self, index: int) -> "Pool":
-        """Return the pool with one candidate only, which was chosen from as many."""
-        here = slice(index, index + 1)
+    def of(self, indices: Sequence[int]) -> "Pool":
+        """Return the pool with some candidates only, each still chosen from as many."""
+        owned = [np.arange(self.own(index).start, self.own(index).stop) for index in indices]
+        here = np.asarray(indices, dtype=np.int64)
         return _assembled(
-            self.all[here],
-            self.products.rows(self.own(index)),
-            self.grams[here],
+            tuple(self.all[index] for index in indices),
+            self.products.rows(np.concatenate([np.zeros(0, dtype=np.int64), *owned])),
+            tuple(self.grams[index] for index in indices),
             (self.tried[here], self.shares[here]),
             (self.normal, self.fit),
         )

@@ -38,6 +38,7 @@ class Screened:
 
     explained: FloatArray  # (C,) sum of squares T
     size: FloatArray  # (C,) effective number of parameters, 0 where nothing can be seen
+    alone: FloatArray  # (C,) p-value of each as if nothing else had been tried
     p_value: FloatArray  # (C,) corrected for everything tried
     score: FloatArray  # (C,) gain in BIC, search included; larger is better
     width: FloatArray  # (C,) most likely factor on the prior widths of a function, 1 of what is none
@@ -55,7 +56,8 @@ def screen(view: View) -> Screened:
         screened.explained[index], screened.size[index] = found.explained, found.size
         screened.width[index] = found.width
         screened.score[index] = found.gain - 2.0 * np.log(pool.tried[index])
-        screened.p_value[index] = min(1.0, pool.shares[index] * chance(gram, towards, view.sums))
+        screened.alone[index] = chance(gram, towards, view.sums)
+        screened.p_value[index] = min(1.0, pool.shares[index] * screened.alone[index])
     return screened
 
 
@@ -80,6 +82,7 @@ def _screened(view: View) -> Screened:
     return Screened(
         explained=explained,
         size=size,
+        alone=alone,
         p_value=np.minimum(alone * pool.shares, 1.0),
         score=np.where(seen, score, -np.inf),
         width=np.ones(len(pool.all)),

@@ -38,18 +38,19 @@ class Selected:
 class Choice:
     """What one linearisation shows."""
 
+    first: Pool  # what it was chosen from
     picks: tuple[Candidate, ...]
     pool: Pool  # with the picks fitted, to first order
     full: bool  # more was there, but the readings do not carry more parameters
 
 
-def select(first: Pool, propose: Propose, tell: Callable[[float], None]) -> Selected:
+def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> Selected:
     """Extend a fitted model by what the data show.
 
     Parameters
     ----------
-    first : Pool
-        Everything that is proposed at the fitted model.
+    choice : Choice
+        From everything that is proposed at the fitted model.
     propose : callable
         Every way in which a fitted model may still be wrong.
     tell : callable
@@ -59,12 +60,10 @@ def select(first: Pool, propose: Propose, tell: Callable[[float], None]) -> Sele
     -------
     Selected
     """
-    start = fit = first.fit
-    picks, full, pool = list[Candidate](), False, first
+    start = fit = choice.first.fit
+    picks, pool = list[Candidate](), choice.first
     for round_number in range(_MOST_REFITS):
         tell(round_number / _MOST_REFITS)
-        choice = chosen(pool)
-        full = choice.full
         if not choice.picks:
             break
         picks += choice.picks
@@ -77,7 +76,8 @@ def select(first: Pool, propose: Propose, tell: Callable[[float], None]) -> Sele
             pool = pooled(fit, (*picks, *propose(fit)))
             if not any(_same_as(candidate, other) for candidate in choice.picks for other in kept):
                 break
-    return Selected(fit, tuple(picks), pool, full)
+        choice = chosen(pool)
+    return Selected(fit, tuple(picks), pool, choice.full)
 
 
 def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
@@ -102,7 +102,7 @@ def chosen(pool: Pool) -> Choice:
         refuted |= {index for index, pick in kept.items() if pick is None}
         held = {index: pick for index, pick in kept.items() if pick is not None}
         if len(held) == len(picks):
-            return Choice(tuple(picks.values()), grown, full)
+            return Choice(pool, tuple(picks.values()), grown, full)
         picks = held
 
 
@@ -189,7 +189,7 @@ def _each_worth(picks: Sequence[tuple[int, Candidate]], pool: Pool) -> list[Cand
     """Return each fitted pick, as large as it should be; None where it is not worth its parameters."""
     found = list[Candidate | None]()
     for index, pick in picks:
-        screened = screen(pool.alone(index).view(without=pick.names))
+        screened = screen(pool.of((index,)).view(without=pick.names))
         worth = screened.p_value[0] <= LEVEL and screened.score[0] > 0.0
         found.append(_sized(pool.all[index], screened, 0) if worth else None)
     return found
