@@ -87,12 +87,16 @@ class LegBlock:
         """Root mean variance of a length with the arm's scatter [mm]."""
         return float(np.sqrt(np.mean(self.uncertainty_mm**2) + self.scatter_mm**2))
 
-    def whitened(self, result: BlockResult) -> FloatArray:
-        """Return residuals with this block's weights, shape (n,)."""
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return a result with this block's weights."""
         n, joints = self.targets.stops.joints_rad.shape
         direction = np.zeros((n, 3)) if result.direction is None else result.direction
         lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
-        return self._whitening(direction, lever).apply(result.residual).reshape(-1)
+        return replace(result, whitening=self._whitening(direction, lever))
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return residuals with this block's weights, shape (n,)."""
+        return self.rewhitened(result).white_residual
 
     def squared(self, result: BlockResult) -> FloatArray:
         """Return each length's squared residual over its variance, scatter included, shape (n,)."""

@@ -84,6 +84,10 @@ class Block(Protocol):
         """Return residuals and derivatives at `values`."""
         ...
 
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return the result of this block with other weights or another discrepancy, weighed as it is now."""
+        ...
+
     def derivatives(self, state: State) -> FloatArray:
         """Return what the terms of `state` do to the predictions, shape (P, n, d), not whitened."""
         ...
@@ -125,6 +129,10 @@ class IndependentReadings:
         """Return the weights of the readings as they stand."""
         return Whitener((), np.sqrt(self.weights / self.component_variance()))
 
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return a result with the weights of the readings as they stand."""
+        return replace(result, whitening=self.whitening())
+
 
 @dataclass(frozen=True, slots=True)
 class PositionBlock:
@@ -143,6 +151,10 @@ class PositionBlock:
         state = evaluate(structure, values, self.targets, previous.state if previous else None)
         residual = self.measured_mm - state.position_mm
         return BlockResult(residual, self.derivatives(state), state, self._whitening())
+
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return a result with this block's weights."""
+        return replace(result, whitening=self._whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the motions of the predictions, shape (P, n, 3)."""
@@ -275,9 +287,19 @@ def linearise_blocks(
 ) -> Joint:
     """Stack the whitened residuals and derivatives of all blocks."""
     earlier = previous.results if previous else (None,) * len(blocks)
-    results = tuple(
-        block.result(structure, values, before) for block, before in zip(blocks, earlier, strict=True)
+    return _stacked(
+        tuple(block.result(structure, values, before) for block, before in zip(blocks, earlier, strict=True))
     )
+
+
+def reweighed(blocks: tuple[Block, ...], point: Joint) -> Joint:
+    """Return a point with its blocks as they weigh now, their predictions unchanged."""
+    return _stacked(
+        tuple(block.rewhitened(result) for block, result in zip(blocks, point.results, strict=True))
+    )
+
+
+def _stacked(results: tuple[BlockResult, ...]) -> Joint:
     if len(results) == 1:
         return Joint(results, results[0].white_residual, results[0].white_jacobian)
     return Joint(

@@ -32,7 +32,7 @@ from service.domain.arrays import BoolArray, FloatArray
 from service.effects.geometry import GEOMETRY_EFFECTS
 from service.identification.distributions import chi2_limit, chi2_median
 from service.identification.looks import gross_looks, own_discrepancy_mm
-from service.identification.observations import Block, BlockResult, Joint, linearise_blocks
+from service.identification.observations import Block, BlockResult, Joint, linearise_blocks, reweighed
 from service.identification.reference import ReferenceBlock
 from service.identification.solver import Solution, solve
 from service.identification.structure import Structure
@@ -77,6 +77,17 @@ def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> S
         start,
         structure.prior_means,
         structure.prior_widths,
+    )
+
+
+def _refit(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> Solution[Joint]:
+    """Fit again from a solution of the same readings, which weigh otherwise now."""
+    return solve(
+        lambda values, previous: linearise_blocks(structure, blocks, values, previous),
+        solution.values,
+        structure.prior_means,
+        structure.prior_widths,
+        first=reweighed(blocks, solution.final),
     )
 
 
@@ -137,7 +148,7 @@ def _hard_rounds(
             for block, (_, weights) in zip(blocks, judged, strict=True)
         )
         blocks = _with_discrepancy(structure, blocks, solution)
-        solution = fit(structure, blocks, solution.values)
+        solution = _refit(structure, blocks, solution)
         key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
         if key in seen:
             break

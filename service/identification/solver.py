@@ -66,6 +66,7 @@ def solve(
     prior_means: FloatArray,
     prior_widths: FloatArray,
     *,
+    first: L | None = None,
     max_iterations: int = 60,
 ) -> Solution[L]:
     """Minimise the cost from `start`.
@@ -75,6 +76,8 @@ def solve(
     linearise : callable
         Values (P,) and the previous linearisation (None at first) -> Linearised.
     start, prior_means, prior_widths : ndarray, shape (P,)
+    first : Linearised, optional
+        The problem at the start, where it is known.
     max_iterations : int
 
     Returns
@@ -83,7 +86,7 @@ def solve(
     """
     precision = 1.0 / prior_widths**2
     values, damping = start.copy(), 0.0
-    current = linearise(values, None)
+    current = linearise(values, None) if first is None else first
     cost = _cost(current, values - prior_means, precision)
     converged, iteration = len(values) == 0, 0  # a model without parameters is where it should be
     while not converged and iteration < max_iterations:
