@@ -8,7 +8,7 @@ from service.diagnosis.left import left_by
 from service.diagnosis.pool import pooled
 from service.diagnosis.remaining import prepared_families
 from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import Selected, refitted, select
+from service.diagnosis.selection import Selected, chosen, refitted, select
 from service.diagnosis.start import started
 from service.effects.ports import ParameterSpec
 from service.effects.registry import CAUSES
@@ -53,7 +53,7 @@ def make_selected(start, picked, rivals=()):
 
 def select_from(start, propose):
     """What a diagnosis would pick of what is proposed."""
-    return select(pooled(start.fit, propose(start.fit)), propose, lambda _share: None)
+    return select(chosen(pooled(start.fit, propose(start.fit))), propose, lambda _share: None)
 
 
 def left_of(start, selected, without=()):

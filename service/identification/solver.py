@@ -96,13 +96,14 @@ def solve(
         # What remains to go is the undamped step: a damped one is short wherever it stands.
         undamped = _damped_step(current.jacobian, precision, gradient, 0.0) if damping else step
         remaining = float(gradient @ undamped)
+        if remaining < _STEP_TOLERANCE**2:
+            converged = True
+            break
         trial = linearise(values + step, current)
         trial_cost = _cost(trial, values + step - prior_means, precision)
-        small = remaining < _STEP_TOLERANCE**2
-        if trial_cost <= cost + _INVISIBLE or small:
+        if trial_cost <= cost + _INVISIBLE:
             values, current, cost = values + step, trial, trial_cost
             damping = damping / 10.0 if damping > 1e-6 else 0.0
-            converged = small
         elif remaining < _NOTHING_TO_GAIN:
             converged = True
         else:

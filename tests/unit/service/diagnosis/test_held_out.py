@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from service.diagnosis.diagnose import proposed as every_cause
-from service.diagnosis.folds import as_found, nested, partition
+from service.diagnosis.folds import Nested, as_found, partition
 from service.diagnosis.gains import gain_of
 from service.diagnosis.groups import grouped
 from service.diagnosis.held_out import CrossValidation, on_validation
 from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
+from service.diagnosis.selection import chosen
 from service.diagnosis.start import started
 from service.identification.problem import position_block
 from service.identification.robust import fit
@@ -83,7 +84,7 @@ def start():
 
 @pytest.fixture(scope="module")
 def first(start):
-    return pooled(start.fit, propose_for(start)(start.fit))
+    return chosen(pooled(start.fit, propose_for(start)(start.fit)))
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +123,7 @@ def test_parts_in_time_follow_one_another(start):
 def test_a_fold_errs_as_a_fit_that_never_saw_it(start, first):
     parts = partition(start.fit, in_time=False)
 
-    errors = nested(first, parts)
+    errors = Nested(first, parts)
 
     out = np.isin(start.campaign.calibration.stops.config, parts[2])
     blocks = (start.fit.blocks[0].subset(np.flatnonzero(~out)), *start.fit.blocks[1:])
@@ -134,7 +135,7 @@ def test_a_fold_errs_as_a_fit_that_never_saw_it(start, first):
 
 def test_a_held_out_reading_cannot_move_its_own_prediction(start, first):
     parts = partition(start.fit, in_time=False)
-    plain = nested(first, parts)
+    plain = Nested(first, parts)
     block = start.fit.blocks[0]
     moved = block.measured_mm.copy()
     moved[7] += [0.03, 0.0, 0.0]
@@ -142,10 +143,11 @@ def test_a_held_out_reading_cannot_move_its_own_prediction(start, first):
     solution = fit(start.fit.structure, blocks, start.fit.values)
     off = replace(start.fit, blocks=blocks, solution=solution)
 
-    changed = nested(pooled(off, propose_for(start)(off)), parts)
+    changed = Nested(chosen(pooled(off, propose_for(start)(off))), parts)
 
     # what is read differently is all that its errors change by; its fold never saw it
-    for before, after in zip(plain, changed, strict=True):
+    for kind in ("start", "chosen", "described"):
+        before, after = getattr(plain, kind), getattr(changed, kind)
         assert after[7] - before[7] == pytest.approx([0.03, 0.0, 0.0], abs=1e-4)
 
 
@@ -159,7 +161,7 @@ def test_what_is_held_out_takes_no_part_in_the_choice():
     solution = fit(start.fit.structure, (off, *start.fit.blocks[1:]), start.fit.values)
     spoilt = replace(start.fit, blocks=(off, *start.fit.blocks[1:]), solution=solution)
 
-    errors = nested(pooled(spoilt, propose_for(start)(spoilt)), parts)
+    errors = Nested(chosen(pooled(spoilt, propose_for(start)(spoilt))), parts)
 
     assert errors.chosen[held] == pytest.approx(errors.start[held], abs=1e-12)
 
@@ -187,7 +189,7 @@ def test_nothing_chosen_is_the_start_model(first, selected):
 def test_a_model_as_found_errs_without_a_cause_as_a_fit_without_it(start, selected):
     parts = partition(selected.fit, in_time=False)
 
-    errors = as_found(selected.fit, parts, ("gain_4",))
+    errors = as_found(selected.fit, parts, [("gain_4",)])[0]
 
     out = np.isin(start.campaign.calibration.stops.config, parts[1])
     blocks = (selected.fit.blocks[0].subset(np.flatnonzero(~out)), *selected.fit.blocks[1:])

@@ -7,7 +7,7 @@ from service.diagnosis.diagnose import proposed
 from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
 from service.diagnosis.screening import Screened
-from service.diagnosis.selection import best_of, refitted, reselected, select
+from service.diagnosis.selection import best_of, chosen, refitted, reselected, select
 from tests.selections import make_selected, make_start, select_from
 
 BACKLASH = {"gap_3": 4e-4}
@@ -93,7 +93,7 @@ def test_few_readings_do_not_carry_more_parameters_and_that_is_said():
 def test_progress_is_told_and_never_goes_back(start):
     told = []
 
-    select(pooled(start.fit, everything(start)(start.fit)), everything(start), told.append)
+    select(chosen(pooled(start.fit, everything(start)(start.fit))), everything(start), told.append)
 
     assert told[0] == 0.0
     assert told == sorted(told)
@@ -102,7 +102,7 @@ def test_progress_is_told_and_never_goes_back(start):
 
 def screened(p_values, scores):
     ones = np.ones(len(p_values))
-    return Screened(ones, ones, np.array(p_values), np.array(scores), ones)
+    return Screened(ones, ones, ones, np.array(p_values), np.array(scores), ones)
 
 
 @pytest.mark.parametrize(
