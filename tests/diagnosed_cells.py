@@ -214,6 +214,12 @@ def two_findings():
     )
 
 
+def small_findings():
+    """A gain of joint 2 beside the wave that hardly helps."""
+    hardly = make_gain_finding(gain=Gain(0.0365, 0.0361, (-0.0002, 0.0009)))
+    return make_diagnosis(findings=(make_finding(),), small=(hardly,))
+
+
 def smooth_curve(variable, unit, seed):
     generator = np.random.default_rng(seed)
     x, line_x = generator.uniform(0.0, 1.4, 100), np.linspace(0.0, 1.4, 80)
@@ -332,6 +338,7 @@ ENDINGS = {
     "explained": make_diagnosis,
     "consistent": consistent,
     "two findings": two_findings,
+    "small findings": small_findings,
     "partly explained": partly_explained,
     "unexplained": unexplained,
     "described": described,

@@ -6,7 +6,13 @@ from rich.table import Table
 
 from service.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from service.domain.results import Statistics
-from service.reports.causes import causes_listed, place_words, printed_unit, worth_words
+from service.reports.causes import (
+    SMALL_FINDINGS,
+    causes_listed,
+    place_words,
+    printed_unit,
+    worth_words,
+)
 from service.reports.described import DescribedRow, described_rows, described_sentence
 from service.reports.rounding import millimetres, p_value, with_uncertainty
 
@@ -22,6 +28,9 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
     for number, finding in enumerate(diagnosis.findings, start=1):
         yield f"{number}. {finding.sentence}"
         yield from (f"   {line}" for line in _evidence(finding))
+    if diagnosis.small:
+        yield f"{SMALL_FINDINGS}:"
+        yield from (f"   {finding.sentence}" for finding in diagnosis.small)
     yield from (f"Withdrawn: {sentence}" for sentence in diagnosis.withdrawn)
     if diagnosis.remaining.sentence not in diagnosis.message:  # the first line may have said it already
         yield diagnosis.remaining.sentence

@@ -42,9 +42,9 @@ class Amplitude:
 
 
 def amplitudes_of(diagnosis: Diagnosis) -> dict[Key, Amplitude]:
-    """Return every amplitude that the findings state."""
+    """Return every amplitude that the findings state, the small ones too."""
     amplitudes: dict[Key, Amplitude] = {}
-    for finding in diagnosis.findings:
+    for finding in diagnosis.all_findings:
         whole = (_key(finding), _amplitude(finding))
         for key, amplitude in _variants(finding) or _members(finding) or [whole]:
             amplitudes.setdefault(key, amplitude)  # of two of one name, the more important one

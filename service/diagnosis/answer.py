@@ -20,6 +20,7 @@ from service.diagnosis.rivals import Weighed, weighed
 from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import Choice, Propose, Selected, refitted
+from service.diagnosis.small_findings import parted
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import shown_of, worth_of
@@ -147,7 +148,8 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
     selected, judged, left = tested.selected, answer.judged, tested.left
     whole = None if left.contradicted else answer.whole
     readings = readings_found(start, selected, left, judged)
-    findings = (*_findings(answer), *(one for one in readings if one.effect not in without))
+    found = (*_findings(answer), *(one for one in readings if one.effect not in without))
+    findings, small = parted(found)
     remaining = Remaining(
         structure=left.structure,
         depends_on=tuple(
@@ -162,7 +164,7 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
     verdict = _verdict(bool(findings), left.structure)
     before = statistics(judged.errors.before_mm, judged.noise_mm)
     after = statistics(judged.errors.after_mm, judged.noise_mm)
-    found = frozenset(Cause(one.effect, one.subject) for one in findings)
+    named = frozenset(Cause(one.effect, one.subject) for one in found)
     return Diagnosis(
         robot=start.campaign.robot.name,
         verdict=verdict,
@@ -175,11 +177,12 @@ def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...])
         held_out="validation" if judged.source == "validation" else "cross_validation",
         remaining=remaining,
         next_measurements=next_measurements(start, selected, tested.groups, findings, left),
-        ruled_out=ruled_out(start.scene, selected, found, without),
+        ruled_out=ruled_out(start.scene, selected, named, without),
         withdrawn=withdrawn,
         noise=noise_of(left),
         errors=judged.errors,
         model=_model(answer),
+        small=small,
     )
 
 

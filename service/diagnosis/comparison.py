@@ -146,7 +146,7 @@ def _why_absent(key: Key, diagnosis: Diagnosis) -> Sighting:
     if key.effect in diagnosis.start_effects:
         return Sighting.PART_OF_START
     shared = SHARED.get(key.subject.split(" ")[0])
-    if any(f.effect == key.effect and f.subject == shared for f in diagnosis.findings):
+    if any(f.effect == key.effect and f.subject == shared for f in diagnosis.all_findings):
         return Sighting.WITH_OTHERS
     said = [r for r in diagnosis.ruled_out if r.effect == key.effect and r.subject in {"", key.subject}]
     if not said:

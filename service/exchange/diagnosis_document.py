@@ -39,6 +39,7 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:
         "message": diagnosis.message,
         "start_effects": list(diagnosis.start_effects),
         "findings": [_finding(finding) for finding in diagnosis.findings],
+        "small_findings": [_finding(finding) for finding in diagnosis.small],
         "quantity": diagnosis.quantity,
         "before": _statistics(diagnosis.before),
         "after": _statistics(diagnosis.after),

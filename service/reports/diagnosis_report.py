@@ -88,6 +88,7 @@ def diagnosis_content(report: DiagnosisInput) -> Markup:
 
 def _context(report: DiagnosisInput) -> dict[str, object]:
     diagnosis = report.diagnosis
+    blocks, counted = finding_blocks(diagnosis), len(diagnosis.findings)
     return {
         "diagnosis": diagnosis,
         "campaign": report.campaign or _named_campaign(diagnosis.model),
@@ -96,8 +97,9 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "simulated": report.conditions.simulated,
         "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None),
         "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
-        "findings": finding_blocks(diagnosis),
-        "gains": gains(diagnosis.findings),
+        "findings": blocks[:counted],
+        "small": blocks[counted:],
+        "gains": gains(diagnosis.all_findings),
         "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
         "described": described_rows(diagnosis.remaining.described),
         "described_sentence": described_sentence(diagnosis.remaining),
@@ -159,7 +161,7 @@ def added_parameters(diagnosis: Diagnosis) -> tuple[AddedParameter, ...]:
     """Return the parameters that the findings name, as the extended model holds them."""
     if diagnosis.model is None:
         return ()
-    wanted = dict.fromkeys(name for finding in diagnosis.findings for name in finding.parameters)
+    wanted = dict.fromkeys(name for finding in diagnosis.all_findings for name in finding.parameters)
     return tuple(_added(diagnosis.model, name) for name in wanted if name in _names(diagnosis.model))
 
 

@@ -38,8 +38,10 @@ class FindingBlock:
 
 
 def finding_blocks(diagnosis: Diagnosis) -> tuple[FindingBlock, ...]:
-    """Return a block for each finding, in their order."""
-    return tuple(_block(number, finding, diagnosis) for number, finding in enumerate(diagnosis.findings, 1))
+    """Return a block for each finding, in their order, the small ones last."""
+    return tuple(
+        _block(number, finding, diagnosis) for number, finding in enumerate(diagnosis.all_findings, 1)
+    )
 
 
 def _block(number: int, finding: Finding, diagnosis: Diagnosis) -> FindingBlock:

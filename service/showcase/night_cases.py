@@ -237,7 +237,8 @@ def _something_found(judged: JudgedRun) -> Check:
 
 
 def _findings(judged: JudgedRun) -> list[dict[str, Any]]:
-    return list(judged.run.diagnosis["document"]["findings"])
+    document = judged.run.diagnosis["document"]
+    return [*document["findings"], *document["small_findings"]]
 
 
 def _found(judged: JudgedRun) -> str:

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from sqlalchemy import Connection, Row, Select, select
 
-from service.domain.diagnosis import Diagnosis
+from service.domain.diagnosis import Diagnosis, Finding
 from service.storage.database import Database
 from service.storage.documents import from_document, to_document
 from service.storage.errors import NotFoundError
@@ -87,13 +87,18 @@ def without_drawings(diagnosis: Diagnosis) -> Diagnosis:
     left = diagnosis.remaining
     return dataclasses.replace(
         diagnosis,
-        findings=tuple(dataclasses.replace(finding, curve=None) for finding in diagnosis.findings),
+        findings=_without_curves(diagnosis.findings),
+        small=_without_curves(diagnosis.small),
         remaining=dataclasses.replace(
             left, depends_on=tuple(dataclasses.replace(entry, curve=None) for entry in left.depends_on)
         ),
         errors=None,
         model=None,
     )
+
+
+def _without_curves(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    return tuple(dataclasses.replace(finding, curve=None) for finding in findings)
 
 
 def _records(document: Any) -> Select[Any]:

@@ -63,7 +63,7 @@ def _campaigns(recorder: Recorder, folder: Path, readings: int, first_seed: int)
 
 def judged(found: Diagnosis, campaign: Campaign, truth: Mapping[str, Any]) -> _Seen:
     """Hold a diagnosis against what is true in the cell."""
-    named = {(one.effect, one.subject) for one in found.findings}
+    named = {(one.effect, one.subject) for one in found.all_findings}
     rms_mm = float("nan") if found.after is None else found.after.rms_mm
     return _Seen(
         named={_HARMONICS} == {effect for effect, _ in named}
@@ -83,7 +83,7 @@ def _noise_mm(campaign: Campaign, truth: Mapping[str, Any]) -> float:
 
 def _covered(found: Diagnosis, effects: Sequence[Mapping[str, Any]]) -> float:
     """Return the share of all curves found that lies within the stated bands."""
-    within = [_within(finding, effects) for finding in found.findings if finding.effect == _HARMONICS]
+    within = [_within(finding, effects) for finding in found.all_findings if finding.effect == _HARMONICS]
     return float(np.concatenate(within).mean()) if within else float("nan")
 
 

@@ -59,21 +59,21 @@ class Outcome:
 
 def judge(diagnosis: Diagnosis, planted: tuple[Planted, ...]) -> Outcome:
     """Return what the diagnosis says against what was planted."""
-    answers = [_answers(effect, diagnosis.findings) for effect in planted]
+    answers = [_answers(effect, diagnosis.all_findings) for effect in planted]
     answering = {id(finding) for findings in answers for finding in findings}
-    rivals = [rival for finding in diagnosis.findings for rival in finding.confusable_with]
+    rivals = [rival for finding in diagnosis.all_findings for rival in finding.confusable_with]
     named = (_named(effect, found, rivals) for effect, found in zip(planted, answers, strict=True))
     return Outcome(
         verdict=diagnosis.verdict.value,
         named=tuple(named),
-        found=tuple(_said(finding) for finding in diagnosis.findings),
+        found=tuple(_said(finding) for finding in diagnosis.all_findings),
         wrong=tuple(
-            _said(f) for f in diagnosis.findings if id(f) not in answering and not _tells(f, planted)
+            _said(f) for f in diagnosis.all_findings if id(f) not in answering and not _tells(f, planted)
         ),
         rivals=tuple(f"{rival.effect} ({rival.subject})" for rival in rivals),
         depends_on=tuple(one.variable for one in diagnosis.remaining.depends_on),
         structure_left=diagnosis.remaining.structure,
-        only_likely=any(finding.confidence == "likely" for finding in diagnosis.findings),
+        only_likely=any(finding.confidence == "likely" for finding in diagnosis.all_findings),
         mean_before_mm=math.nan if diagnosis.before is None else diagnosis.before.mean_mm,
         mean_after_mm=math.nan if diagnosis.after is None else diagnosis.after.mean_mm,
     )

@@ -44,7 +44,7 @@ def _row(folder: Path, expected: _Expected) -> Row:
 
 def _said(diagnosis: Diagnosis) -> str:
     ratio = times_smaller(diagnosis)
-    names = "; ".join(_named(finding) for finding in diagnosis.findings) or "no finding"
+    names = "; ".join(_named(finding) for finding in diagnosis.all_findings) or "no finding"
     return f"{diagnosis.verdict.value}: {names}; held-out RMS {ratio:.2f} times smaller"
 
 
@@ -68,7 +68,7 @@ def springs_with_rivals(diagnosis: Diagnosis) -> bool:
     The arm of these campaigns is always stretched: springs of several joints and a wave of joint 2 that
     comes once per turn look alike, which an honest answer says.
     """
-    springs = [finding for finding in diagnosis.findings if finding.effect == "compliance"]
+    springs = [finding for finding in diagnosis.all_findings if finding.effect == "compliance"]
     return (
         bool(springs)
         and all(finding.confusable_with for finding in springs)
@@ -78,13 +78,13 @@ def springs_with_rivals(diagnosis: Diagnosis) -> bool:
 
 def nothing_certain(diagnosis: Diagnosis) -> bool:
     """Whether no name is called certain."""
-    return all(finding.confidence is not Confidence.CERTAIN for finding in diagnosis.findings)
+    return all(finding.confidence is not Confidence.CERTAIN for finding in diagnosis.all_findings)
 
 
 def springs_at_most_likely(diagnosis: Diagnosis) -> bool:
     """Whether springs of joints 2 and 3 are not called certain, and nothing else is named."""
     allowed = {Cause("compliance", subject) for subject in ("joint 2", "joint 3", "joints")}
-    named = {Cause(finding.effect, finding.subject) for finding in diagnosis.findings}
+    named = {Cause(finding.effect, finding.subject) for finding in diagnosis.all_findings}
     return named <= allowed and nothing_certain(diagnosis)
 
 

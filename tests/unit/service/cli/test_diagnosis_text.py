@@ -6,7 +6,14 @@ import pytest
 
 from service.cli.diagnosis_text import diagnosis_lines, errors_table
 from service.domain.diagnosis import Gain, Remaining
-from tests.diagnoses import make_described, make_diagnosis, make_finding, make_rest, make_unexplained
+from tests.diagnoses import (
+    make_described,
+    make_diagnosis,
+    make_finding,
+    make_rest,
+    make_unexplained,
+    make_wave,
+)
 
 
 def test_the_first_line_is_the_message_however_long():
@@ -27,6 +34,17 @@ def test_a_finding_states_its_sentence_amplitude_doubt_and_gain():
         "(95 % interval of the difference 0.0360 to 0.0470 mm)."
     )
     assert lines[4] == "   These data cannot tell it from: joint harmonics, joint 3."
+
+
+def test_small_findings_are_told_below_and_not_numbered():
+    lines = list(diagnosis_lines(make_diagnosis(small=(make_wave(),))))
+
+    at = lines.index(
+        "Small findings, in the model too; each takes less than 2 % off the errors on unseen points:"
+    )
+    assert lines[at + 1] == "   Joint 6 is off by a wave of 2 periods per turn, 0.029 deg."
+    assert not [line for line in lines if line.startswith("2. ")]
+    assert not [line for line in diagnosis_lines(make_diagnosis()) if "Small" in line]
 
 
 def test_what_is_left_and_what_to_measure_next_close_it():

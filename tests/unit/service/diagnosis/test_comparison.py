@@ -48,6 +48,16 @@ def test_a_difference_that_noise_explains_is_no_change():
     assert "within what noise explains" in cause.changes[0].sentence
 
 
+def test_a_small_finding_is_followed_as_any_other():
+    small = make_diagnosis(findings=(make_wave(),), small=(backlash(0.004, 0.003),), ruled_out=())
+
+    causes = compare([DatedDiagnosis(1, SPRING, small), dated(2, AUTUMN, backlash(0.033))])
+
+    (cause,) = [one for one in causes if one.effect == "backlash"]
+    assert [sign.sighting for sign in cause.signs] == [Sighting.FOUND, Sighting.FOUND]
+    assert cause.changes[0].significant
+
+
 def test_diagnoses_stand_in_the_order_of_their_readings_not_of_their_numbers():
     (cause,) = compare([dated(1, AUTUMN, backlash(0.033)), dated(2, SPRING, backlash(0.021))])
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import Finding, Gain, Remaining, RuledOut, Worth
+from service.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
 from service.exchange.diagnosis_document import diagnosis_document
 from service.storage.documents import from_document, to_document
 from tests.diagnoses import (
@@ -142,6 +142,21 @@ def test_what_an_earlier_version_left_is_read_without_a_description():
     read = from_document(Remaining, stored)
 
     assert (read.described, read.described_gain) == ((), None)
+
+
+def test_small_findings_have_the_document_of_findings_and_a_list_of_their_own():
+    document = printed(make_diagnosis(findings=(make_finding(),), small=(make_wave(),)))
+
+    assert [one["effect"] for one in document["findings"]] == ["backlash"]
+    assert [one["effect"] for one in document["small_findings"]] == ["joint_harmonics"]
+    assert set(document["small_findings"][0]) == set(document["findings"][0])
+
+
+def test_a_diagnosis_of_an_earlier_version_has_no_small_findings():
+    stored = to_document(replace(make_diagnosis(), model=None))
+    del stored["small"]
+
+    assert from_document(Diagnosis, stored).small == ()
 
 
 def test_a_finding_of_an_earlier_version_is_read_without_them():

@@ -53,6 +53,17 @@ def test_every_ending_gives_a_page_that_asks_nothing_from_anywhere(pages, name):
     assert not re.search(r"\bnan\b|\bNone\b(?!: no known cause)", page.text)
 
 
+def test_small_findings_stand_folded_below_the_findings_under_their_own_heading(pages):
+    html = pages["small findings"]
+
+    below = html[html.index('id="small"') : html.index('id="before-after"')]
+    assert "<summary>Joint 2 turns 0.021 % further than it should.</summary>" in below
+    assert 'id="finding-2"' in below
+    assert "gain_2" in html[html.index('id="model"') :]
+    assert "<dd>1<small>1 certain, 0 likely; 1 small</small></dd>" in html
+    assert 'id="small"' not in pages["two findings"]
+
+
 def test_what_is_described_without_a_name_stands_under_what_is_left(pages):
     html = pages["described"]
 

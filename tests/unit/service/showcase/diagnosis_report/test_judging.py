@@ -53,6 +53,13 @@ def test_a_second_wave_of_the_same_joint_is_one_too_many():
     assert outcome.wrong == ("joint_harmonics (joint 6)",)
 
 
+def test_small_findings_are_judged_as_any_other():
+    outcome = judge(explained(make_finding(), small=(make_wave(),)), (WAVE,))
+
+    assert outcome.all_named
+    assert judge(explained(make_wave(), small=(make_finding(),)), (WAVE,)).wrong == ("backlash (joint 3)",)
+
+
 def test_gaps_named_joint_by_joint_are_all_right():
     gaps = [make_finding(subject=f"joint {j}", confusable_with=()) for j in (4, 5)]
 

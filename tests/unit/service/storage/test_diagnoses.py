@@ -1,0 +1,18 @@
+"""What lists and comparisons read of a diagnosis: everything but its drawings."""
+
+from service.storage.diagnoses import without_drawings
+from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
+
+
+def test_lists_read_findings_great_and_small_without_their_curves():
+    listed = without_drawings(make_diagnosis(small=(make_finding(),)))
+
+    assert [finding.curve for finding in listed.all_findings] == [None, None]
+    assert listed.small[0].amplitude == make_finding().amplitude
+    assert (listed.errors, listed.model) == (None, None)
+
+
+def test_lists_read_what_is_left_without_its_curves():
+    (left,) = without_drawings(make_unexplained()).remaining.depends_on
+
+    assert (left.variable, left.curve) == ("angle of joint 4", None)
