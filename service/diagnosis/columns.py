@@ -14,14 +14,18 @@ from service.identification.evaluation import State
 from service.identification.robust import RobustFit
 from service.identification.trial import candidate_terms, trial_derivatives, tried
 
-_LARGEST = 3_000_000  # numbers in one chunk of derivatives: what stays near the processor
+_LARGEST = 6_000_000  # numbers in one chunk of derivatives: what stays near the processor
 
 
 def candidate_columns(fit: RobustFit, candidates: Sequence[Candidate]) -> FloatArray:
     """Return whitened derivatives of all parameters of the candidates, shape (K, m)."""
-    chunks = [_candidate_chunk(fit, chunk) for chunk in _chunks(candidates, _chunk_size(fit))]
-    m = len(fit.solution.final.residual)
-    return np.concatenate(chunks) if chunks else np.zeros((0, m))
+    columns = np.empty((sum(len(one.specs) for one in candidates), len(fit.solution.final.residual)))
+    first = 0
+    for chunk in _chunks(candidates, _chunk_size(fit)):
+        found = _candidate_chunk(fit, chunk)
+        columns[first : first + len(found)] = found
+        first += len(found)
+    return columns
 
 
 def candidate_motions(fit: RobustFit, candidates: Sequence[Candidate]) -> Iterator[FloatArray]:

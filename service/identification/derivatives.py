@@ -63,7 +63,8 @@ def seen_jacobian(state: State, points_mm: FloatArray, jacobian: FloatArray) -> 
     if state.instrument_motion is None:
         return jacobian
     turn, axes = turned_axes(state.instrument_motion[:, 3:])
-    jacobian = np.einsum("nij,pnj->pni", turn, jacobian)
+    if state.instrument_motion.any():
+        jacobian = np.einsum("nij,pnj->pni", turn, jacobian)
     turned = state.seen(points_mm) - state.instrument_motion[:, :3]
     for term in state.terms:
         if term.port.kind is PortKind.INSTRUMENT:
