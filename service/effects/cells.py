@@ -5,7 +5,7 @@ What has no trade name says it itself: its subject is its cell.
 
 from typing import NamedTuple, get_args
 
-from service.domain.diagnosis import Shape
+from service.domain.diagnosis import Cause, Shape
 from service.effects.causes import Candidate, CellRow
 from service.effects.installed import INSTALLED
 from service.effects.unnamed.cause import NAME as UNNAMED
@@ -57,6 +57,15 @@ def cell_of(candidate: Candidate) -> Cell:
         return Cell(where, over, _SHAPES[shape])
     row, told = _CELLS[candidate.effect], {"subject": candidate.subject, "variant": candidate.variant}
     return Cell(row.where.format(**told), row.over.format(**told), _shape_of(row, candidate))
+
+
+def place_of(cause: Cause) -> tuple[str, str] | None:
+    """Return where a cause acts and over what; None where its name alone does not say it."""
+    row = _CELLS.get(cause.effect)
+    if cause.effect != UNNAMED and (row is None or "{variant" in row.over):
+        return None
+    cell = cell_of(Candidate(cause.effect, cause.subject, ()))
+    return cell.where, cell.over
 
 
 def _shape_of(row: CellRow, candidate: Candidate) -> Shape:

@@ -11,9 +11,11 @@ from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
 from service.domain.results import Model
 from service.exchange.model_document import file_factor, file_unit
+from service.reports.cause_map import MapCell, cause_map
 from service.reports.causes import causes_listed, printed_unit, verdict_words
 from service.reports.conditions import ReportConditions, condition_rows
 from service.reports.described import described_rows, described_sentence
+from service.reports.figures.cause_map import map_picture, share_text
 from service.reports.figures.comparison import comparison
 from service.reports.figures.error_maps import error_maps
 from service.reports.figures.gains import gains
@@ -21,7 +23,7 @@ from service.reports.figures.residual_curve import CurveFigure, residual_curve
 from service.reports.findings import finding_blocks
 from service.reports.pages import rendered, write_page
 from service.reports.parameter_meanings import meaning
-from service.reports.rounding import rounded, uncertainty
+from service.reports.rounding import MISSING, rounded, uncertainty
 from service.reports.ruled_out import ruled_out_rows
 
 _CAMPAIGN = "campaign"  # where a model tells what its readings are called
@@ -99,9 +101,11 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
         "findings": blocks[:counted],
         "small": blocks[counted:],
+        **_map(diagnosis),
         "gains": gains(diagnosis.all_findings),
         "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
         "described": described_rows(diagnosis.remaining.described),
+        "added_words": _added_words(diagnosis),
         "described_sentence": described_sentence(diagnosis.remaining),
         "found": ruled_out_rows(entry for entry in diagnosis.ruled_out if entry.visible),
         "unseen": ruled_out_rows(entry for entry in diagnosis.ruled_out if not entry.visible),
@@ -109,6 +113,30 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
         "added": added_parameters(diagnosis),
         **_errors(diagnosis),
     }
+
+
+def _added_words(diagnosis: Diagnosis) -> str:
+    """Return what the extended model has beyond the start, "" where there is nothing."""
+    findings = "the findings" if diagnosis.findings else ""
+    described = "what is described" if diagnosis.remaining.described else ""
+    added = " and ".join(filter(None, (findings, described)))
+    return f"with {added}" if added else ""
+
+
+def _map(diagnosis: Diagnosis) -> dict[str, object]:
+    found = cause_map(diagnosis)
+    if found is None:
+        return {"map": None}
+    rows = tuple(map(_map_row, found.cells))
+    return {"map": map_picture(found), "map_rows": rows, "map_rivals": bool(found.links)}
+
+
+def _map_row(cell: MapCell) -> tuple[str, str, str, str]:
+    """Return a cell as where, over what, share, and what is told there."""
+    findings = [f"finding {number}" for number in cell.findings]
+    rivals = [f"a rival of finding {number}" for number in cell.rival_of]
+    told = [*findings, *rivals] or ["described without a name"]
+    return cell.where, cell.over, share_text(cell.share) or MISSING, ", ".join(told)
 
 
 def _origin(model: Model) -> Iterator[tuple[str, str | int | float]]:

@@ -18,6 +18,7 @@ from tests.diagnosed_cells import (
     make_gain_finding,
     two_findings,
 )
+from tests.diagnoses import make_described, make_rest
 from tests.pages import Page
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
@@ -51,6 +52,25 @@ def test_every_ending_gives_a_page_that_asks_nothing_from_anywhere(pages, name):
     assert {target[1:] for target in targets} <= {a["id"] for _, a in page.elements if "id" in a}
     assert "@import" not in html
     assert not re.search(r"\bnan\b|\bNone\b(?!: no known cause)", page.text)
+
+
+def test_the_map_stands_above_the_findings_with_a_table_for_those_who_cannot_see_it(pages):
+    html = pages["described"]
+
+    shown = html[html.index('id="map"') : html.index('id="findings"')]
+    assert 'aria-label="Where something acts' in shown
+    assert "<th>Joint 9</th><td>angle of joint 10</td>" in shown
+    assert shown.count("<td>described without a name</td>") == 9
+    assert "a dotted line" not in shown.lower()
+    assert 'id="map"' not in pages["consistent"]
+
+
+def test_a_model_that_only_describes_is_not_called_the_start_model():
+    page = page_of(make_diagnosis(findings=(), remaining=make_rest(make_described())))
+
+    assert "with what is described" in page.text
+    assert "nothing was added" not in page.text
+    assert "the same model" not in page.text
 
 
 def test_small_findings_stand_folded_below_the_findings_under_their_own_heading(pages):
