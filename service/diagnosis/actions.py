@@ -1,28 +1,28 @@
 """Actions: what to do so that one cause leaves readings that another cannot, where no configuration would.
 
-One table, tried from the top: an action serves a pair of causes when the pair has one of its effects, or
-both of them where both are needed. A cause without a name counts by its place, its variable and its shape.
+One table, tried from the top: an action serves a pair of causes by the words of their cells, their places,
+variables and shapes.
 """
 
 from dataclasses import dataclass
 from typing import Final
 
 from service.domain.diagnosis import Cause
-from service.effects.unnamed.cause import NAME as UNNAMED
+from service.effects.cells import named_cell, words_of
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
     """Something to do."""
 
-    effects: frozenset[str]
+    one: frozenset[str]  # words of which one of the two causes has some
     do: str  # an imperative, without full stop
-    both: bool = False  # it tells these effects from each other, not from anything else
+    each: str = ""  # a word that both have; "": none is needed
     again: bool = False  # the first configurations are measured once more
 
-    def serves(self, pair: frozenset[str]) -> bool:
-        """Return whether it tells the two apart."""
-        return pair <= self.effects if self.both else bool(pair & self.effects)
+    def serves(self, one: frozenset[str], other: frozenset[str]) -> bool:
+        """Return whether it tells two causes of these words apart."""
+        return bool(self.one & (one | other)) and (not self.each or self.each in one & other)
 
 
 BOTH_SIDES: Final = (
@@ -42,40 +42,31 @@ WARM_AND_COLD: Final = (
 )
 
 _ACTIONS: Final = (
+    Action(frozenset({"tool"}), "Measure the same configurations with the load and without it", each="load"),
     Action(
-        frozenset({"payload", "link_mass"}),
-        "Measure the same configurations with the load and without it",
-        both=True,
-    ),
-    Action(
-        frozenset({"fixture_shift"}),
+        frozenset({"placement"}),
         "Measure the first poses of each placement again before the base fixture is moved, and check how it "
         "is fastened",
     ),
     Action(
-        frozenset({"ballbar_zero"}),
+        frozenset({"ballbar constant"}),
         "Initialise the ballbar on its calibrator before and after each placement, and measure the first "
         "legs again",
     ),
     Action(
-        frozenset({"instrument_drift", "tracker"}),
+        frozenset({"tracker time"}),
         "Read the fixed nests at least at every tenth configuration, and at the very beginning and end",
     ),
-    Action(frozenset({"tool_reseating"}), REMOUNT, again=True),
-    Action(frozenset({"nest_offset"}), ALL_NESTS),
-    Action(frozenset({"backlash", "sign"}), BOTH_SIDES),
+    Action(frozenset({"mounting"}), REMOUNT, again=True),
+    Action(frozenset({"nest constant"}), ALL_NESTS),
+    Action(frozenset({"direction", "sign"}), BOTH_SIDES),
     Action(frozenset({"last move"}), IN_ANOTHER_ORDER),
-    Action(frozenset({"thermal_growth", "temperature"}), WARM_AND_COLD, again=True),
-    Action(frozenset({"base_drift", "base_shift", "time"}), AT_THE_END, again=True),
+    Action(frozenset({"temperature"}), WARM_AND_COLD, again=True),
+    Action(frozenset({"time"}), AT_THE_END, again=True),
 )
 
 
 def action_for(cause: Cause, rival: Cause) -> Action | None:
     """Return what tells two causes apart; None where configurations do."""
-    pair = _words(cause) | _words(rival)
-    return next((action for action in _ACTIONS if action.serves(pair)), None)
-
-
-def _words(cause: Cause) -> frozenset[str]:
-    """Return the words by which a table of actions knows a cause."""
-    return frozenset(cause.subject.split(", ") if cause.effect == UNNAMED else (cause.effect,))
+    pair = [words_of(named_cell(one.effect, one.subject)) for one in (cause, rival)]
+    return next((action for action in _ACTIONS if action.serves(*pair)), None)

@@ -20,12 +20,11 @@ from typing import Final
 
 from service.diagnosis.amplitudes import SHARED, Amplitude, Key, Variant, amplitudes_of
 from service.domain.diagnosis import Confidence, Diagnosis
+from service.effects.cells import named_cell
+from service.effects.label_swap import NAME as LABEL_SWAP
 
 LEVEL: Final = 0.05  # of a false "significant" anywhere in one comparison
 
-# They happened once, in one campaign: two of them are not the same thing at two times.
-_EVENTS: Final = frozenset({"base_shift", "fixture_shift", "label_swap"})
-_JUMP: Final = ", jump"  # of a subject that is a place, a variable and a shape
 _DAY: Final = len("2026-03-03")
 _MINUTE: Final = len("2026-03-03T10:15")
 
@@ -122,7 +121,8 @@ def _over_time(
 
 
 def _is_event(key: Key) -> bool:
-    return key.effect in _EVENTS or key.subject.endswith(_JUMP)
+    """Whether it happened once, in one campaign: two of them are not the same thing at two times."""
+    return key.effect == LABEL_SWAP or named_cell(key.effect, key.subject).shape == "jump"
 
 
 def _has_amplitude_and_day(sign: Sign) -> bool:

@@ -20,6 +20,7 @@ from service.diagnosis.screening import chance_beside
 from service.diagnosis.selection import LEVEL, Selected
 from service.domain.arrays import FloatArray
 from service.effects.causes import Candidate
+from service.effects.cells import cell_of, words_of
 
 _CLEARLY = 4.0  # in BIC
 _SMALLEST = 1e-9  # mm: a random effect no wider than this changes nothing
@@ -60,7 +61,7 @@ def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
 
 
 # Causes that are as free as a family is: it tells the same story, and with fewer words.
-_SAME_STORY = {"tool_reseating": ("attachment", "time"), "nest_offset": ("nest",), "backlash": ("direction",)}
+_SAME_STORY = {"mounting": ("attachment", "time"), "nest constant": ("nest",), "direction": ("direction",)}
 
 
 def better_families(
@@ -69,7 +70,8 @@ def better_families(
     """Return the smooth family that tells a finding's story clearly better than its name, if there is one."""
     past = selected.pool.normal.past(without=names_of(group))
     named = _score(selected, group, past)
-    same = _SAME_STORY.get(group[0].effect, ())
+    words = words_of(cell_of(group[0]))
+    same = tuple(kind for word, kinds in _SAME_STORY.items() if word in words for kind in kinds)
     scored = [
         (as_random_effect(products, past).score, family, products)
         for family, products in families

@@ -3,15 +3,11 @@
 from collections.abc import Iterable, Sequence
 
 from service.effects.causes import Candidate
+from service.effects.cells import plural_of
+from service.effects.joint_harmonics import NAME as HARMONICS
 
 Group = tuple[str, tuple[Candidate, ...]]  # subject and picks
 
-_PLURAL = {
-    "backlash": "joints",
-    "compliance_nonlinear": "joints",
-    "link_mass": "links",
-    "link_bending": "links",
-}
 _MANY = 3  # joints that share a cause from this number on
 _ORDERS_APART = 2  # waves of one joint that are told one by one; more are told together
 
@@ -30,8 +26,8 @@ def names_of(picks: Iterable[Candidate]) -> tuple[str, ...]:
 
 
 def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:
-    plural = _PLURAL.get(pick.effect)
-    if plural is None:
+    plural = plural_of(pick.effect)
+    if not plural:
         return pick.subject
     subjects = {other.subject for other in picks if other.effect == pick.effect}
     return plural if plural in subjects or len(subjects) >= _MANY else pick.subject
@@ -39,7 +35,7 @@ def _subject(pick: Candidate, picks: Sequence[Candidate]) -> str:
 
 def _apart(pick: Candidate, picks: Sequence[Candidate]) -> float:
     """Tell waves of one joint apart by their order while they are few."""
-    if pick.effect != "joint_harmonics":
+    if pick.effect != HARMONICS:
         return 0.0
     same = [other for other in picks if (other.effect, other.subject) == (pick.effect, pick.subject)]
     return pick.variant if len(same) <= _ORDERS_APART else 0.0

@@ -135,8 +135,10 @@ class CellRow(NamedTuple):
     where: str
     over: str
     shape: Shape
+    amplitude: str = ""  # what its amplitude is
     searched: Shape | None = None  # of candidates that were searched over
     function: Shape | None = None  # of random functions
+    plural: str = ""  # subject of several that share it: "joints", "links"; "": each stands alone
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from service.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict, Worth
+from service.effects.unnamed.cause import NAME as UNNAMED
 from service.reports.rounding import millimetres
 
 
@@ -30,31 +31,6 @@ _VERDICTS = {
 _NOT_ANSWERED = VerdictWords(
     "Not answered", "Nothing could be fitted, so these data say nothing of the model.", "not_answered"
 )
-_AMPLITUDES = {
-    "axis_parallelism": "angle between the two axes",
-    "joint_gain": "share by which the joint turns further than it should",
-    "joint_harmonics": "amplitude of the wave: half of peak to peak",
-    "joint_coupling": "turn of this joint per turn of the other",
-    "backlash": "full gap between the two directions of approach",
-    "compliance": "turn of the joint per torque about its axis",
-    "compliance_nonlinear": "additional compliance near zero torque, relative",
-    "link_bending": "displacement at the tool",
-    "payload": "mass by which the tool differs",
-    "link_mass": "mass by which the link differs",
-    "base_compliance": "tilt of the base per moment",
-    "thermal_growth": "relative growth of lengths per kelvin",
-    "base_drift": "speed of the translation",
-    "instrument_drift": "speed of the translation",
-    "base_shift": "length of the translation",
-    "fixture_shift": "length of the translation",
-    "nest_offset": "distance from the certified place",
-    "tool_reseating": "standard deviation from one mounting to the next",
-    "instrument_scale": "share by which lengths are off",
-    "ballbar_zero": "constant error of a length",
-    "outliers": "share of the readings",
-    "label_swap": "share of the readings",
-    "unnamed": "largest departure, as its sentence says",
-}
 SMALL_FINDINGS = "Small findings, in the model too; each takes less than 2 % off the errors on unseen points"
 _PRINTED_UNITS = {"1": "", "degC": "°C"}
 _NO_RIVAL = (
@@ -69,7 +45,7 @@ def verdict_words(verdict: Verdict, *, answered: bool) -> VerdictWords:
 
 def effect_words(effect: str) -> str:
     """Return the name of an effect as words."""
-    return "a cause without a name" if effect == "unnamed" else effect.replace("_", " ")
+    return "a cause without a name" if effect == UNNAMED else effect.replace("_", " ")
 
 
 def cause_words(cause: Cause) -> str:
@@ -80,11 +56,6 @@ def cause_words(cause: Cause) -> str:
 def causes_listed(causes: tuple[Cause, ...]) -> str:
     """Return causes as one phrase."""
     return "; ".join(map(cause_words, causes))
-
-
-def amplitude_meaning(effect: str) -> str:
-    """Return what the amplitude of an effect is; "" for an effect that says so nowhere else."""
-    return _AMPLITUDES.get(effect, "")
 
 
 def place_words(finding: Finding) -> str:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, Worth
+from service.effects.cells import amplitude_of
 from service.reports.causes import (
-    amplitude_meaning,
     cause_words,
     confidence_meaning,
     place_words,
@@ -65,7 +65,7 @@ def amplitude_text(finding: Finding) -> str:
 
 
 def _rows(finding: Finding) -> Iterator[tuple[str, str, str]]:
-    yield "Amplitude ± standard uncertainty", amplitude_text(finding), amplitude_meaning(finding.effect)
+    yield "Amplitude ± standard uncertainty", amplitude_text(finding), amplitude_of(finding.effect)
     if 0.0 < finding.amplitude_standard_uncertainty < math.inf:
         yield "95 % interval of the amplitude", _interval(finding), "normal approximation"
     if finding.where:

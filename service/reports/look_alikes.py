@@ -4,47 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from service.domain.diagnosis import Cause, Diagnosis, Finding, NextMeasurement, RuledOut
+from service.effects.cells import alike, named_cell, words_of
+from service.effects.unnamed.cause import NAME as UNNAMED
 from service.reports.causes import cause_words
-
-# Effects that leave similar residuals: where one is found, a sceptic asks for the others.
-_OF_ONE_JOINT = frozenset({
-    "joint_gain",
-    "joint_harmonics",
-    "joint_coupling",
-    "backlash",
-    "compliance",
-    "compliance_nonlinear",
-})
-_UNNAMED = "unnamed"
-_OF_A_BALLBAR = frozenset({"ballbar_zero", "fixture_shift"})
-_KIN = (
-    # of loads: everything that follows the torques
-    frozenset({
-        "compliance",
-        "compliance_nonlinear",
-        "link_bending",
-        "payload",
-        "link_mass",
-        "base_compliance",
-        "axis_parallelism",
-    }),
-    # of time
-    frozenset({
-        "thermal_growth",
-        "base_drift",
-        "base_shift",
-        "instrument_drift",
-        "tool_reseating",
-        "fixture_shift",
-        "ballbar_zero",
-    }),
-    # of the places of nests
-    frozenset({"nest_offset", "tool_reseating", "label_swap", "fixture_shift"}),
-    # of lengths
-    frozenset({"instrument_scale", "thermal_growth", "ballbar_zero"}),
-    # of single readings
-    frozenset({"outliers", "label_swap"}),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,32 +43,16 @@ def alternatives(finding: Finding, diagnosis: Diagnosis) -> Alternatives:
 
 
 def acts_alike(finding: Finding, entry: RuledOut) -> bool:
-    """Whether the two leave similar residuals: the same effect elsewhere, the same joint, or kin."""
-    if entry.effect == _UNNAMED:
-        return finding.subject != entry.subject and _share_a_cell(finding, entry)
-    if finding.effect == entry.effect:
+    """Whether the two leave similar residuals: the same effect elsewhere, or cells that are alike."""
+    if finding.effect == entry.effect and (entry.effect != UNNAMED or finding.subject == entry.subject):
         return finding.subject != entry.subject
-    if finding.effect == _UNNAMED:
-        return entry.subject == finding.where
-    if {finding.effect, entry.effect} <= _OF_ONE_JOINT:
-        return _may_be_same(finding.subject, entry.subject)
-    return any({finding.effect, entry.effect} <= kin for kin in _KIN)
-
-
-def _share_a_cell(finding: Finding, entry: RuledOut) -> bool:
-    """Whether a cause without a name, whose subject is its cell, acts at the same place or over the same."""
-    where, over, _ = entry.subject.split(", ")
-    return where == finding.where or over == finding.over
+    return alike(named_cell(finding.effect, finding.subject), named_cell(entry.effect, entry.subject))
 
 
 def _impossible(entry: RuledOut, diagnosis: Diagnosis) -> bool:
     # What is not there cannot be what was found: a campaign of positions has no ballbar.
-    return diagnosis.quantity == "position" and entry.effect in _OF_A_BALLBAR
-
-
-def _may_be_same(subject: str, other: str) -> bool:
-    # "" and "joints" stand for all of them.
-    return subject == other or bool({"", "joints"} & {subject, other})
+    of_legs = {"ballbar", "placement"} & words_of(named_cell(entry.effect, entry.subject))
+    return diagnosis.quantity == "position" and bool(of_legs)
 
 
 def _rivals(finding: Finding, proposals: tuple[NextMeasurement, ...]) -> Iterator[Rival]:

@@ -132,8 +132,11 @@ def test_of_many_dependences_the_first_two_are_looked_into(start):
 )
 def test_causes_that_no_configuration_tells_apart_get_an_action(start, own, rival, said, again):
     selected = make_selected(start, [GAIN])
-    causes = Cause(own, "one"), Cause(rival, "other")
-    finding = replace(make_finding(selected.picks[0]), effect=own, subject="one", confusable_with=causes[1:])
+    subject = "nest 1" if own == "nest_offset" else "joint 1"
+    causes = Cause(own, subject), Cause(rival, "joint 2")
+    finding = replace(
+        make_finding(selected.picks[0]), effect=own, subject=subject, confusable_with=causes[1:]
+    )
 
     (proposal,) = next_measurements(start, selected, (), (finding,), make_left())
 
@@ -162,8 +165,13 @@ def test_every_pair_of_causes_gets_an_action_or_configurations():
         "outliers", "payload", "unnamed",
     }  # fmt: skip
 
+    subjects = {
+        "fixture_shift": "placement 1",
+        "nest_offset": "nest 2",
+        "unnamed": "joint 1, angle of joint 2, wave",
+    }
     for effect in CAUSES:
-        action = action_for(Cause(effect, ""), Cause("joint_gain", "joint 1"))
+        action = action_for(Cause(effect, subjects.get(effect, "joint 2")), Cause("joint_gain", "joint 1"))
         assert (action is None) == (effect in static), effect
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from service.domain.diagnosis import Shape
 from service.effects.causes import Candidate
-from service.effects.cells import cell_of
+from service.effects.cells import alike, amplitude_of, cell_of, named_cell
 from service.effects.registry import CAUSES
 from tests.scenes import telling_scene
 
@@ -47,3 +47,32 @@ def test_every_candidate_of_every_cause_has_a_place_a_variable_and_a_shape(cause
 )
 def test_what_was_searched_over_is_part_of_the_cell(candidate, cell):
     assert cell_of(candidate) == cell
+
+
+@pytest.mark.parametrize("effect", CAUSES)
+def test_every_cause_says_what_its_amplitude_is(effect):
+    assert amplitude_of(effect)
+
+
+def test_what_another_version_named_is_a_cell_without_words():
+    assert named_cell("gear_resonance", "joint 3").where == "joint 3"
+    assert amplitude_of("gear_resonance") == ""
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "similar"),
+    [
+        (("payload", "tool"), ("compliance", "joint 2"), True),  # both follow loads
+        (("unnamed", "joint 3, time, jump"), ("base_shift", "base"), True),  # both over time
+        (
+            ("unnamed", "joint 3, angle of joint 2, wave"),
+            ("unnamed", "joint 5, angle of joint 2, wave"),
+            True,
+        ),
+        (("backlash", "joint 2"), ("backlash", "joint 3"), False),
+        (("nest_offset", "nest 1"), ("axis_parallelism", "joint 3"), False),  # constants of two places
+    ],
+)
+def test_cells_are_alike_by_place_variable_or_kin(one, other, similar):
+    assert alike(named_cell(*one), named_cell(*other)) is similar
+    assert alike(named_cell(*other), named_cell(*one)) is similar
