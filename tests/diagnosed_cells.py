@@ -214,6 +214,15 @@ def two_findings():
     )
 
 
+def several_waves():
+    """A joint off by three waves, two of them seen."""
+    details = (
+        *(Detail("order", 2.0, "1", 0.0), Detail("amplitude", 0.029, "deg", 0.002)),
+        *(Detail("order", 1.0, "1", 0.0), Detail("amplitude", 0.004, "deg", 0.002)),
+    )
+    return make_diagnosis(findings=(make_finding(spectrum=diagnoses.make_spectrum(), details=details),))
+
+
 def small_findings():
     """A gain of joint 2 beside the wave that hardly helps."""
     hardly = make_gain_finding(gain=Gain(0.0365, 0.0361, (-0.0002, 0.0009)))
@@ -338,6 +347,7 @@ ENDINGS = {
     "explained": make_diagnosis,
     "consistent": consistent,
     "two findings": two_findings,
+    "several waves": several_waves,
     "small findings": small_findings,
     "partly explained": partly_explained,
     "unexplained": unexplained,

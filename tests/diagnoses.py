@@ -17,6 +17,7 @@ from service.domain.diagnosis import (
     Noise,
     Remaining,
     RuledOut,
+    Spectrum,
     Verdict,
     Worth,
 )
@@ -59,6 +60,16 @@ def make_finding(**changes):
         "curve": make_curve(),
     }
     return Finding(**{**values, **changes})
+
+
+def make_spectrum(**changes):
+    """Three waves of one joint, the second large, the last hidden by noise."""
+    values = {
+        "order": np.array([1.0, 2.0, 7.25]),
+        "amplitude_deg": np.array([0.004, 0.029, 0.0]),
+        "standard_uncertainty_deg": np.full(3, 0.002),
+    }
+    return Spectrum(**{**values, **changes})
 
 
 def make_wave(order=2.0, **changes):

@@ -21,6 +21,7 @@ from service.diagnosis.ruled_out import ruled_out
 from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import Choice, Propose, Selected, refitted
 from service.diagnosis.small_findings import parted
+from service.diagnosis.spectra import finding_spectrum
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
 from service.diagnosis.ways import shown_of, worth_of
@@ -230,6 +231,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         over=cell.over,
         shape=cell.shape,
         worth=worth_of(answer.tested.selected, names_of(group)),
+        spectrum=finding_spectrum(answer.tested.selected, group),
     )
 
 

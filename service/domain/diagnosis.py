@@ -81,6 +81,15 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
+class Spectrum:
+    """Waves of one joint by their order, k of them."""
+
+    order: FloatArray  # (k,) ascending, periods per turn
+    amplitude_deg: FloatArray  # (k,) less what noise adds; 0 where that explains all of it
+    standard_uncertainty_deg: FloatArray  # (k,)
+
+
+@dataclass(frozen=True, slots=True)
 class Worth:
     """How far a cause moves the tool over the calibration readings [mm]; of legs, how much a length.
 
@@ -115,6 +124,7 @@ class Finding:
     over: str = ""  # what it depends on: "angle of joint 3", "time"
     shape: Shape | None = None
     worth: Worth | None = None  # None for bad readings
+    spectrum: Spectrum | None = None  # of several waves of a joint
 
 
 @dataclass(frozen=True, slots=True)

@@ -158,11 +158,22 @@ def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[f
     length = float(np.linalg.norm(vector))
     if length == 0.0:
         return 0.0, float(np.sqrt(np.trace(covariance)))
-    along = vector / length
-    spread = float(np.sqrt(along @ covariance @ along))
-    across = float(np.trace(covariance)) - spread**2
-    amplitude = float(np.sqrt(max(length**2 - across, spread**2)))
+    spread = _spread_along(vector, covariance)
+    amplitude = max(norm_beyond_noise(vector, covariance), spread)
     return amplitude, spread * max(1.0, length / amplitude)
+
+
+def norm_beyond_noise(vector: FloatArray, covariance: FloatArray) -> float:
+    """Length of a vector less what noise across it adds; 0 where that explains all of it."""
+    if not vector.any():
+        return 0.0
+    across = float(np.trace(covariance)) - _spread_along(vector, covariance) ** 2
+    return float(np.sqrt(max(float(vector @ vector) - across, 0.0)))
+
+
+def _spread_along(vector: FloatArray, covariance: FloatArray) -> float:
+    along = vector / np.linalg.norm(vector)
+    return float(np.sqrt(along @ covariance @ along))
 
 
 def varied(column: FloatArray | IntArray | None) -> bool:

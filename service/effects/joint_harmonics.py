@@ -8,8 +8,15 @@ are looked for are whole; one that was found may lie between them, as the stages
 import numpy as np
 
 from service.domain.arrays import FloatArray
-from service.domain.diagnosis import Detail
-from service.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
+from service.domain.diagnosis import Detail, Spectrum
+from service.effects.causes import (
+    Candidate,
+    Fitted,
+    Scene,
+    Shown,
+    norm_beyond_noise,
+    norm_with_uncertainty,
+)
 from service.effects.names import joint_of_subject, joint_subject
 from service.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -95,6 +102,7 @@ def _curve(scene: Scene, joint: int) -> list[Candidate]:
 class _FittedWave:
     def __init__(self, order: float, vector: FloatArray, covariance: FloatArray) -> None:
         self.order = order
+        self.beyond_noise_deg = float(np.rad2deg(norm_beyond_noise(vector, covariance)))
         amplitude, uncertainty = norm_with_uncertainty(vector, covariance)
         self.amplitude_deg, self.uncertainty_deg = (
             float(np.rad2deg(amplitude)),
@@ -127,6 +135,16 @@ def _shown_curve(subject: str, waves: list[_FittedWave], fitted: Fitted, scene: 
     )
     details = tuple(detail for wave in largest for detail in wave.details(several=True))
     return Shown(subject, float(amplitude), "deg", float(uncertainty), sentence, details)
+
+
+def spectrum(fitted: Fitted) -> Spectrum:
+    """Return the amplitudes of fitted waves by their order."""
+    waves = _fitted_waves(fitted)
+    return Spectrum(
+        np.array([wave.order for wave in waves]),
+        np.array([wave.beyond_noise_deg for wave in waves]),
+        np.array([wave.uncertainty_deg for wave in waves]),
+    )
 
 
 def orders(scene: Scene, joint: int) -> tuple[float, ...]:

@@ -20,6 +20,7 @@ from service.domain.diagnosis import (
     Noise,
     Remaining,
     RuledOut,
+    Spectrum,
     Worth,
 )
 from service.domain.results import Statistics
@@ -73,6 +74,17 @@ def _finding(finding: Finding) -> Json:
         "over": finding.over,
         "shape": finding.shape,
         "worth": _worth(finding.worth),
+        "spectrum": _spectrum(finding.spectrum),
+    }
+
+
+def _spectrum(spectrum: Spectrum | None) -> Json:
+    if spectrum is None:
+        return None
+    return {
+        "order": _numbers(spectrum.order),
+        "amplitude_deg": _numbers(spectrum.amplitude_deg),
+        "standard_uncertainty_deg": _numbers(spectrum.standard_uncertainty_deg),
     }
 
 

@@ -3,6 +3,9 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
+
+from markupsafe import Markup
 
 from service.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, Worth
 from service.effects.cells import amplitude_of
@@ -15,10 +18,12 @@ from service.reports.causes import (
 )
 from service.reports.described import own_text
 from service.reports.figures.residual_curve import CurveFigure, residual_curve
+from service.reports.figures.spectrum import spectrum_picture
 from service.reports.look_alikes import Alternatives, alternatives
 from service.reports.rounding import MINUS, interval, millimetres, p_value, with_uncertainty
 
 _COVERAGE_95 = 1.96  # of a normal distribution
+_WAYS = frozenset({"order", "source joint"})  # a finding may have several, each with its own amplitude
 _OF_SINGLE_READINGS = frozenset({"outliers", "label_swap"})  # their far readings are the finding itself
 
 
@@ -34,6 +39,7 @@ class FindingBlock:
     details: tuple[tuple[str, str, str], ...]  # name, value, unit
     confidence: str  # what the word means here
     curve: CurveFigure | None
+    spectrum: Markup | None
     alternatives: Alternatives
 
 
@@ -51,9 +57,10 @@ def _block(number: int, finding: Finding, diagnosis: Diagnosis) -> FindingBlock:
         name=cause_words(Cause(finding.effect, finding.subject)),
         amplitude=amplitude_text(finding),
         rows=tuple(_rows(finding)),
-        details=tuple(_detail(detail) for detail in finding.details),
+        details=tuple(_details(finding.details)),
         confidence=confidence_meaning(finding),
         curve=_curve(number, finding),
+        spectrum=_spectrum(number, finding),
         alternatives=alternatives(finding, diagnosis),
     )
 
@@ -112,12 +119,29 @@ def signed_millimetres(value_mm: float) -> str:
     return millimetres(value_mm).replace("-", MINUS)
 
 
+def _details(details: tuple[Detail, ...]) -> Iterator[tuple[str, str, str]]:
+    """Yield each detail; of several ways in which a cause acts, each way with what is told of it."""
+    ways = [k for k, detail in enumerate(details) if detail.name in _WAYS]
+    if len(ways) < 2:
+        yield from map(_detail, details)
+        return
+    yield from map(_detail, details[: ways[0]])
+    for first, end in pairwise([*ways, len(details)]):
+        name, value, unit = _detail(details[first])
+        told = (" ".join(filter(None, _detail(detail))) for detail in details[first + 1 : end])
+        yield f"{name} {value} {unit}".rstrip(), ", ".join(told), ""
+
+
 def _detail(detail: Detail) -> tuple[str, str, str]:
     return (
         detail.name.replace("_", " "),
         with_uncertainty(detail.value, detail.standard_uncertainty),
         printed_unit(detail.unit),
     )
+
+
+def _spectrum(number: int, finding: Finding) -> Markup | None:
+    return None if finding.spectrum is None else spectrum_picture(finding.spectrum, f"spectrum-{number}")
 
 
 def _curve(number: int, finding: Finding) -> CurveFigure | None:

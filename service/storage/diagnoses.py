@@ -98,7 +98,7 @@ def without_drawings(diagnosis: Diagnosis) -> Diagnosis:
 
 
 def _without_curves(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    return tuple(dataclasses.replace(finding, curve=None) for finding in findings)
+    return tuple(dataclasses.replace(finding, curve=None, spectrum=None) for finding in findings)
 
 
 def _records(document: Any) -> Select[Any]:

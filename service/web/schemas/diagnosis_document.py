@@ -47,6 +47,14 @@ class CurveDocument(Document):
     line_band: list[float | None] = Field(description="Half width of the 95 % band.")
 
 
+class SpectrumDocument(Document):
+    """Waves of one joint by their order."""
+
+    order: list[float | None] = Field(description="Periods per turn, ascending.", examples=[[1.0, 2.0]])
+    amplitude_deg: list[float | None] = Field(examples=[[0.021, 0.008]])
+    standard_uncertainty_deg: list[float | None] = Field(examples=[[0.002, 0.002]])
+
+
 class WorthDocument(Document):
     """How far a cause moves the tool over the calibration readings."""
 
@@ -80,6 +88,7 @@ class FindingDocument(Document):
     over: str = Field("", examples=["direction"], description="What it depends on.")
     shape: Shape | None = Field(None, examples=["sign"])
     worth: WorthDocument | None = Field(None, description="Null for what is wrong with readings.")
+    spectrum: SpectrumDocument | None = Field(None, description="Where it is several waves of a joint.")
 
 
 class DependenceDocument(Document):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.effects.causes import norm_with_uncertainty
+from service.effects.causes import norm_beyond_noise, norm_with_uncertainty
 
 DRAWS = 1500
 
@@ -31,3 +31,15 @@ def test_a_length_that_is_well_known_is_that_of_the_vector_with_the_spread_along
 
 def test_a_vector_that_is_nothing_is_as_uncertain_as_all_its_components():
     assert norm_with_uncertainty(np.zeros(2), np.diag([9.0, 16.0])) == (0.0, 5.0)
+
+
+def test_what_noise_explains_is_no_length():
+    assert norm_beyond_noise(np.zeros(2), np.eye(2)) == 0.0
+    assert norm_beyond_noise(np.array([0.6, 0.8]), np.eye(2)) == 0.0
+
+
+def test_a_length_beyond_noise_is_less_than_that_of_the_vector_and_continues_the_amplitude():
+    vector, covariance = np.array([3.0, 4.0]), np.eye(2)
+
+    assert norm_beyond_noise(vector, covariance) == pytest.approx(np.sqrt(24.0))
+    assert norm_with_uncertainty(vector, covariance)[0] == pytest.approx(np.sqrt(24.0))

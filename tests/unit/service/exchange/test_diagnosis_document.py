@@ -16,9 +16,12 @@ from tests.diagnoses import (
     make_diagnosis,
     make_finding,
     make_rest,
+    make_spectrum,
     make_unexplained,
     make_wave,
 )
+
+WAVY = make_diagnosis(findings=(make_wave(spectrum=make_spectrum()),))
 
 
 def printed(diagnosis):
@@ -100,8 +103,8 @@ def test_no_number_is_anything_but_finite():
 
 @pytest.mark.parametrize(
     "diagnosis",
-    [make_diagnosis(), make_unexplained(), make_unexplained(remaining=make_rest(make_described()))],
-    ids=["explained", "not", "described"],
+    [make_diagnosis(), make_unexplained(), make_unexplained(remaining=make_rest(make_described())), WAVY],
+    ids=["explained", "not", "described", "waves"],
 )
 def test_a_stored_diagnosis_prints_the_same_document(diagnosis):
     kept = json.loads(json.dumps(to_document(replace(diagnosis, model=None)), allow_nan=False))
@@ -144,6 +147,16 @@ def test_what_an_earlier_version_left_is_read_without_a_description():
     assert (read.described, read.described_gain) == ((), None)
 
 
+def test_waves_of_several_orders_are_printed_by_their_order():
+    several = make_wave(spectrum=make_spectrum())
+
+    first, second = printed(make_diagnosis(findings=(several, make_wave())))["findings"]
+
+    assert first["spectrum"]["order"] == [1.0, 2.0, 7.25]
+    assert set(first["spectrum"]) == {"order", "amplitude_deg", "standard_uncertainty_deg"}
+    assert second["spectrum"] is None
+
+
 def test_small_findings_have_the_document_of_findings_and_a_list_of_their_own():
     document = printed(make_diagnosis(findings=(make_finding(),), small=(make_wave(),)))
 
@@ -161,12 +174,13 @@ def test_a_diagnosis_of_an_earlier_version_has_no_small_findings():
 
 def test_a_finding_of_an_earlier_version_is_read_without_them():
     stored = to_document(make_wave())
-    for key in ("where", "over", "shape", "worth"):
+    for key in ("where", "over", "shape", "worth", "spectrum"):
         del stored[key]
 
     read = from_document(Finding, stored)
 
     assert (read.where, read.over, read.shape, read.worth) == ("", "", None, None)
+    assert read.spectrum is None
 
 
 def test_what_was_ruled_out_says_how_large_it_could_still_be():

@@ -10,7 +10,9 @@ from service.reports.figures.comparison import comparison
 from service.reports.figures.error_maps import error_maps
 from service.reports.figures.gains import gains
 from service.reports.figures.residual_curve import residual_curve
+from service.reports.figures.spectrum import spectrum_picture
 from tests.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
+from tests.diagnoses import make_spectrum
 
 
 def drawn(curve, **options):
@@ -25,6 +27,7 @@ def drawn(curve, **options):
         lambda: error_maps(make_errors(n=20)).picture,
         lambda: error_maps(make_errors(n=20, components=1)).picture,
         lambda: gains((make_finding(), make_gain_finding())),
+        lambda: spectrum_picture(make_spectrum(), "s"),
     ],
 )
 def test_a_picture_is_well_formed_and_takes_its_colours_from_the_page(draw):
@@ -198,3 +201,16 @@ def test_noise_beyond_the_picture_is_not_in_its_legend():
 
     assert "noise alone" in within
     assert "noise alone" not in beyond
+
+
+def test_orders_are_written_as_people_read_them_and_no_more_than_fit():
+    few = spectrum_picture(make_spectrum(), "s")
+    many = np.arange(1.0, 61.0)
+    curve = spectrum_picture(
+        make_spectrum(order=many, amplitude_deg=0.01 / many, standard_uncertainty_deg=0.001 * many), "s"
+    )
+
+    assert all(f">{order}<" in few for order in ("1", "2", "7.25"))
+    assert "amplitude [deg]" in few
+    assert ">1<" in curve
+    assert ">2<" not in curve

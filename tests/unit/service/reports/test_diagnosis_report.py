@@ -73,6 +73,23 @@ def test_a_model_that_only_describes_is_not_called_the_start_model():
     assert "the same model" not in page.text
 
 
+def test_several_waves_are_a_picture_and_a_row_each(pages):
+    html = pages["several waves"]
+
+    assert 'aria-label="Amplitude of each wave against its order"' in html
+    assert "<th>Order 2</th><td>amplitude 0.0290 ± 0.0020 deg " in html
+    assert "Amplitude of each wave" not in pages["explained"]
+    assert "<th>Order</th><td>2 " in pages["explained"]
+
+
+def test_many_parameters_are_told_by_their_number():
+    names = tuple(f"wave_6_{order}_{part}" for order in range(1, 61) for part in ("sin", "cos"))
+
+    text = page_of(plain(findings=(make_finding(curve=None, parameters=names),))).text
+
+    assert "120, from wave_6_1_sin to wave_6_60_cos" in text
+
+
 def test_small_findings_stand_folded_below_the_findings_under_their_own_heading(pages):
     html = pages["small findings"]
 
