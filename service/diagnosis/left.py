@@ -13,6 +13,8 @@ from service.diagnosis.screening import screen
 from service.diagnosis.selection import LEVEL, Selected
 from service.diagnosis.single_readings import Tails, tails
 from service.diagnosis.start import Start
+from service.diagnosis.witnesses import LEVEL as LEVEL_OF_NESTS
+from service.diagnosis.witnesses import chance_of_nests
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Cause, WorstPoint
 from service.effects.causes import Candidate
@@ -22,6 +24,7 @@ from service.effects.registry import CAUSES
 from service.identification.distributions import chi2_log_density, chi2_median
 from service.identification.observations import PositionBlock
 from service.identification.pure_error import pure_error
+from service.identification.robust import RobustFit
 
 _STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
 _NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated
@@ -97,6 +100,7 @@ def left_by(
         if one.p_value <= _STRUCTURE_LEVEL
     ]
     found += _waves(start, selected, without, refuted)
+    found += _nests(fit)
     found.sort(key=lambda one: one.p_value)
     scale, beyond = _noise(selected, len(past.scale))
     squared, components = _squared(selected)
@@ -109,6 +113,13 @@ def left_by(
         tails=tails(squared / max(scale, 1e-9) ** 2, components, fit.gross[0]),
         steps=start.steps or (telling_steps(fit) if beyond and not repeated else None),
     )
+
+
+def _nests(fit: RobustFit) -> list[Depends]:
+    """Return what fixed nests say where they contradict the model: something moves in time."""
+    chance = chance_of_nests(fit)
+    variable = "time (frame of the instrument)"
+    return [Depends(variable, chance, "time", None, None)] if chance < LEVEL_OF_NESTS else []
 
 
 def _distinct(found: list[Depends]) -> tuple[Depends, ...]:

@@ -16,10 +16,10 @@ from service.effects.causes import Candidate
 from service.effects.cells import Cell, cell_of
 from service.effects.unnamed.cause import NAME as UNNAMED
 
-# In BIC. Odds of e^4 between two names is what one may defend (R. E. Kass, A. E. Raftery, J. American
-# Statistical Association 90, 1995, 773-795, call 6 to 10 strong). The shape of a slow curve is a formula that
-# nature need not follow, so it decides only where it is overwhelming.
-_MARGIN = 8.0
+# In BIC. A name is sure where the odds against each other one are 99 to 1 (R. E. Kass, A. E. Raftery, J.
+# American Statistical Association 90, 1995, 773-795). The shape of a slow curve is a formula that nature need
+# not follow, so it decides only where it is overwhelming.
+_MARGIN = 2.0 * float(np.log(99.0))
 _SHAPE_MARGIN = 20.0
 # Beside structure that nothing explains, what decides between two causes may be that structure: a rival must
 # then fall short by this share of all that the pick explains.

@@ -12,17 +12,23 @@ from service.identification.reference import ReferenceBlock
 from service.identification.robust import RobustFit
 
 CONTRADICTED = "The readings of the fixed nests contradict it: they moved as nothing that was found explains."
-_LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
+LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
 _SLOW = frozenset({"drift", "settling"})
 
 
 def speak_against(fit: RobustFit, cell: Cell) -> bool:
     """Return whether fixed nests contradict a model and, with it, what it says of a cell."""
-    return cell.over == "time" and any(
-        contradiction(block, result) < _LEVEL
+    return cell.over == "time" and chance_of_nests(fit) < LEVEL
+
+
+def chance_of_nests(fit: RobustFit) -> float:
+    """Return the chance that nests which stand still read as they do; 1 where none was read."""
+    chances = (
+        contradiction(block, result)
         for block, result in zip(fit.blocks, fit.results, strict=True)
         if isinstance(block, ReferenceBlock)
     )
+    return min(chances, default=1.0)
 
 
 def accused(selected: Selected, cell: Cell) -> tuple[Cause, ...]:

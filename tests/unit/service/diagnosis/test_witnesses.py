@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from service.diagnosis.start import started
 from service.diagnosis.witnesses import accused, speak_against
 from service.domain.diagnosis import Cause
 from service.effects.cells import Cell
 from service.identification.problem import build
 from service.identification.robust import robust_fit
 from tests.scenes import telling_campaign
-from tests.selections import make_selected, make_start
+from tests.selections import PRESENT, left_of, make_selected, make_start, planted
 
 JUMPED = Cell("base", "time", "jump")
 DRIFTED = Cell("base", "time", "drift")
@@ -60,3 +61,18 @@ def test_the_same_of_the_instrument_is_accused_where_it_was_tried(start, cell, c
 
 def test_what_was_found_besides_is_not_accused_again(start):
     assert accused(make_selected(start, [KICK], rivals=[KICK]), JUMPED) == ()
+
+
+@pytest.mark.parametrize(("step_mm", "left_over"), [(0.2, True), (0.0, False)])
+def test_nests_that_nothing_explains_are_left_over(step_mm, left_over):
+    campaign = planted({})
+    looks = campaign.reference
+    late = looks.time_s > np.median(looks.time_s)
+    moved = replace(looks, position_mm=looks.position_mm + step_mm * late[:, None])
+    start = started(replace(campaign, reference=moved), PRESENT, relabel=False)
+    assert not isinstance(start, str)
+
+    left = left_of(start, make_selected(start, []))
+
+    assert ("time (frame of the instrument)" in {one.variable for one in left.depends}) is left_over
+    assert left.structure is left_over
