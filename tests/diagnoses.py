@@ -6,6 +6,7 @@ from service.domain.diagnosis import (
     Cause,
     Confidence,
     Curve,
+    CurvePoints,
     Dependence,
     Described,
     Detail,
@@ -39,6 +40,16 @@ def make_curve(**changes):
         "line_band": np.full(2, 0.003),
     }
     return Curve(**{**values, **changes})
+
+
+def make_unseen_points(**changes):
+    """Two validation readings of the curve of joint 3."""
+    values = {
+        "x": np.array([-10.0, 20.0]),
+        "residual": np.array([0.013, 0.009]),
+        "standard_uncertainty": np.full(2, 0.002),
+    }
+    return CurvePoints(**{**values, **changes})
 
 
 def make_finding(**changes):

@@ -24,6 +24,7 @@ from service.diagnosis.small_findings import parted
 from service.diagnosis.spectra import finding_spectrum
 from service.diagnosis.standing import Tested, standing
 from service.diagnosis.start import NUISANCE, Start
+from service.diagnosis.unseen import Unseen, curve_with_unseen, unseen_of
 from service.diagnosis.ways import shown_of, worth_of
 from service.diagnosis.whole import Whole
 from service.diagnosis.witnesses import CONTRADICTED, accused, speak_against
@@ -66,6 +67,7 @@ class _Answer:
     whole: Whole | None  # None: the findings are all that the model is extended by
     judged: Judged  # on validation readings, where there are any
     scene: Scene  # of the extended model
+    unseen: Unseen | None  # the extended model at validation readings, where there are any
 
     @property
     def found(self) -> RobustFit:
@@ -95,7 +97,8 @@ def answered(
         contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
     )
     scene = scene_of(start.problem, tested.selected.fit)
-    return _told(_Answer(start, replace(tested, left=left), whole, judged, scene), withdrawn, without)
+    unseen = unseen_of(start, tested.selected)
+    return _told(_Answer(start, replace(tested, left=left), whole, judged, scene, unseen), withdrawn, without)
 
 
 def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | None:
@@ -212,6 +215,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     against = speak_against(answer.tested.selected.fit, cell)
     sure = helps and not scale.rivals and not shown.impossible and not against
     instead = accused(answer.tested.selected, cell) if against else ()
+    curve = finding_curve(answer.tested.selected, answer.start.scene, group)
     return Finding(
         effect=group[0].effect,
         subject=shown.subject,
@@ -226,7 +230,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         gain=gain,
         parameters=names_of(group),
         share=share,
-        curve=finding_curve(answer.tested.selected, answer.start.scene, group),
+        curve=curve_with_unseen(curve, answer.unseen, group),
         where=cell.where,
         over=cell.over,
         shape=cell.shape,

@@ -26,6 +26,8 @@ _ANGLES = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
 _LOADS = frozenset({"compliance", "compliance_nonlinear"})
 _OVER_TIME = frozenset({"base_drift", "base_shift", "instrument_drift", "thermal_growth"})
 _LEVELS = frozenset({"tool_reseating", "nest_offset"})
+# Other readings give the quantity of their curves another size or zero: they cannot stand in one picture.
+MEASURED_BY_THEIR_READINGS = _OVER_TIME | _LEVELS
 
 
 class _Way(NamedTuple):

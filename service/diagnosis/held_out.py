@@ -112,7 +112,7 @@ def on_validation(
     campaign: Campaign, fits: tuple[RobustFit, RobustFit], selected: Selected, groups: Groups
 ) -> Judged | None:
     """Judge the start and the model in the end, and single causes; None without validation readings."""
-    block = _validation_block(campaign)
+    block = validation_block(campaign)
     if block is None:
         return None
     start, end = (block.result(fit.structure, fit.values, None) for fit in fits)
@@ -135,7 +135,8 @@ def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:
     return float(np.sqrt(np.median(squared) / chi2_median(components)))
 
 
-def _validation_block(campaign: Campaign) -> Block | None:
+def validation_block(campaign: Campaign) -> Block | None:
+    """Return the validation readings; None where there are none."""
     if campaign.calibration is not None:
         points = campaign.validation
         return None if points is None or len(points) == 0 else position_block(points, campaign)

@@ -60,6 +60,15 @@ class Gain:
 
 
 @dataclass(frozen=True, slots=True)
+class CurvePoints:
+    """Further readings of a curve, k of them, as its own are."""
+
+    x: FloatArray  # (k,)
+    residual: FloatArray  # (k,)
+    standard_uncertainty: FloatArray  # (k,)
+
+
+@dataclass(frozen=True, slots=True)
 class Curve:
     """Residuals along one variable with what was fitted to them: what a page draws.
 
@@ -78,6 +87,7 @@ class Curve:
     line_x: FloatArray  # (m,) ascending
     line: FloatArray  # (m,)
     line_band: FloatArray  # (m,) half width of the 95 % band
+    unseen: CurvePoints | None = None  # validation readings, which were never fitted
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from service.domain.arrays import FloatArray
 from service.domain.diagnosis import (
     Cause,
     Curve,
+    CurvePoints,
     Dependence,
     Described,
     Detail,
@@ -173,6 +174,17 @@ def _curve(curve: Curve | None) -> Json:
         "line_x": _numbers(curve.line_x),
         "line": _numbers(curve.line),
         "line_band": _numbers(curve.line_band),
+        "unseen": _points(curve.unseen),
+    }
+
+
+def _points(points: CurvePoints | None) -> Json:
+    if points is None:
+        return None
+    return {
+        "x": _numbers(points.x),
+        "residual": _numbers(points.residual),
+        "standard_uncertainty": _numbers(points.standard_uncertainty),
     }
 
 

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.domain.diagnosis import Curve
 from service.reports.causes import printed_unit
-from service.reports.figures.canvas import AFTER, INK, MUTED, label, new_figure, page_style, to_svg
+from service.reports.figures.canvas import AFTER, INK, MUTED, NOISE, label, new_figure, page_style, to_svg
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
@@ -63,6 +63,7 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
     if not shown.x.size:
         return None
     means, limit = _means(shown), _limit(shown, whole)
+    unseen = _unseen(curve, limit)
     blind = shown.standard_uncertainty > limit
     chosen = _chosen(shown.x, ~blind)
     beyond = int(((np.abs(shown.residual) > limit) & ~blind).sum())
@@ -73,6 +74,8 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
         _line(axes, shown, line)
         if means is not None:
             _draw_means(axes, means)
+        if unseen is not None:
+            _draw_unseen(axes, unseen)
         axes.set_ylim(-limit, limit)
         axes.set_xlabel(label(shown.variable, _WIDEST_LABEL, printed_unit(shown.variable_unit)))
         axes.set_ylabel(label(shown.quantity, _TALLEST_LABEL, printed_unit(shown.quantity_unit)))
@@ -80,6 +83,8 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
         picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
     drawn, counts = bool(shown.line_x.size), _counts(shown)
     caption = " ".join(_caption(shown, chosen, blind, beyond, means))
+    if unseen is not None:
+        caption = f"{caption} {_unseen_caption(unseen)}"
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
 
 
@@ -95,6 +100,45 @@ def _finite(curve: Curve) -> Curve:
         line=curve.line[drawn],
         line_band=np.nan_to_num(curve.line_band[drawn]),
     )
+
+
+def _unseen(curve: Curve, limit: float) -> Curve | None:
+    """Return the validation readings in the place of those that were fitted; None where none says much."""
+    points = curve.unseen
+    if points is None:
+        return None
+    x, u = points.x - _BESIDE if _counts(curve) else points.x, points.standard_uncertainty
+    worth = u <= limit
+    told = replace(curve, x=x[worth], residual=points.residual[worth], standard_uncertainty=u[worth])
+    shown = _finite(told)
+    return shown if shown.x.size else None
+
+
+def _draw_unseen(axes: Axes, unseen: Curve) -> None:
+    rows, means = _chosen(unseen.x, np.ones(len(unseen.x), dtype=bool)), _means(unseen)
+    x, y = unseen.x[rows], unseen.residual[rows]
+    if means is None:
+        axes.plot(x, y, "x", color=NOISE, markersize=4.0, markeredgewidth=0.9, label="validation readings")
+        return
+    axes.plot(x, y, "x", color=NOISE, markersize=3.0, markeredgewidth=0.7, alpha=0.35)
+    axes.errorbar(
+        means.x,
+        means.value,
+        means.standard_uncertainty,
+        fmt="s",
+        color=NOISE,
+        markerfacecolor="none",
+        markersize=5.0,
+        linewidth=1.1,
+        label="means of validation readings",
+    )
+
+
+def _unseen_caption(unseen: Curve) -> str:
+    means = "" if _means(unseen) is None else ", squares their means"
+    one = len(unseen.x) == 1
+    readings = "validation reading, which was" if one else "validation readings, which were"
+    return f"Crosses{means}: {len(unseen.x):,} {readings} never fitted, in the same way."
 
 
 def _limit(curve: Curve, whole: bool) -> float:

@@ -32,6 +32,14 @@ class GainDocument(Document):
     )
 
 
+class CurvePointsDocument(Document):
+    """Further readings of a curve, as its own are."""
+
+    x: list[float | None]
+    residual: list[float | None]
+    standard_uncertainty: list[float | None]
+
+
 class CurveDocument(Document):
     """Residuals along one variable, with what was fitted to them; units stand beside."""
 
@@ -45,6 +53,9 @@ class CurveDocument(Document):
     line_x: list[float | None]
     line: list[float | None]
     line_band: list[float | None] = Field(description="Half width of the 95 % band.")
+    unseen: CurvePointsDocument | None = Field(
+        None, description="Validation readings, which were never fitted; null where there are none to draw."
+    )
 
 
 class SpectrumDocument(Document):

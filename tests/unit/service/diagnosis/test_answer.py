@@ -69,6 +69,14 @@ def test_a_finding_says_where_it_acts_over_what_and_what_it_is_worth(explained, 
     assert finding.worth.max_mm < 400.0 * np.abs(turn).max()  # no reading is farther from the axis than that
 
 
+def test_a_curve_holds_the_validation_readings_where_there_are_some(explained, campaign):
+    crossed = diagnose(replace(campaign, validation=None), START)
+
+    assert len(explained.findings[0].curve.unseen.x) > 30
+    assert crossed.findings[0].curve.unseen is None
+    assert (explained.remaining.described, explained.remaining.described_gain) == ((), None)
+
+
 def test_what_was_tried_and_not_found_says_how_large_it_could_still_be(explained):
     limits = {(one.effect, one.subject): one.upper_limit_mm for one in explained.ruled_out}
     unseen = [one.upper_limit_mm for one in explained.ruled_out if not one.visible]

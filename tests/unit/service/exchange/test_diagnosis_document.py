@@ -18,10 +18,13 @@ from tests.diagnoses import (
     make_rest,
     make_spectrum,
     make_unexplained,
+    make_unseen_points,
     make_wave,
 )
 
-WAVY = make_diagnosis(findings=(make_wave(spectrum=make_spectrum()),))
+WAVY = make_diagnosis(
+    findings=(make_wave(spectrum=make_spectrum(), curve=make_curve(unseen=make_unseen_points())),)
+)
 
 
 def printed(diagnosis):
@@ -155,6 +158,20 @@ def test_waves_of_several_orders_are_printed_by_their_order():
     assert first["spectrum"]["order"] == [1.0, 2.0, 7.25]
     assert set(first["spectrum"]) == {"order", "amplitude_deg", "standard_uncertainty_deg"}
     assert second["spectrum"] is None
+
+
+def test_a_curve_has_the_readings_that_were_never_fitted_where_there_are_some():
+    curves = make_curve(unseen=make_unseen_points()), make_curve()
+
+    document = printed(make_diagnosis(findings=[make_finding(curve=curve) for curve in curves]))
+
+    with_unseen, without = (finding["curve"]["unseen"] for finding in document["findings"])
+    assert with_unseen == {
+        "x": [-10.0, 20.0],
+        "residual": [0.013, 0.009],
+        "standard_uncertainty": [0.002, 0.002],
+    }
+    assert without is None
 
 
 def test_small_findings_have_the_document_of_findings_and_a_list_of_their_own():

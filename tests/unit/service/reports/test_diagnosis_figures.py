@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import HeldOutErrors
+from service.domain.diagnosis import CurvePoints, HeldOutErrors
 from service.reports.figures.comparison import comparison
 from service.reports.figures.error_maps import error_maps
 from service.reports.figures.gains import gains
@@ -214,3 +214,30 @@ def test_orders_are_written_as_people_read_them_and_no_more_than_fit():
     assert "amplitude [deg]" in few
     assert ">1<" in curve
     assert ">2<" not in curve
+
+
+def unseen(n, u=0.012):
+    x = np.linspace(-170.0, 170.0, n)
+    return CurvePoints(x, 0.029 * np.sin(np.radians(2.0 * x + 40.0)), np.full(n, u))
+
+
+def test_readings_that_were_never_fitted_are_crosses_and_the_caption_says_so():
+    figure = drawn(make_curve(unseen=unseen(30)))
+
+    assert ">validation readings<" in figure.picture
+    assert "Crosses: 30 validation readings, which were never fitted, in the same way." in figure.caption
+
+
+def test_many_of_them_have_means():
+    figure = drawn(make_curve(unseen=unseen(100)))
+
+    assert ">means of validation readings<" in figure.picture
+    assert "Crosses, squares their means: 100 validation readings" in figure.caption
+
+
+@pytest.mark.parametrize("points", [None, unseen(0), unseen(10, u=9.0)], ids=["none", "empty", "blind"])
+def test_without_any_worth_it_nothing_is_said_of_them(points):
+    figure = drawn(make_curve(unseen=points))
+
+    assert "validation" not in figure.picture
+    assert "validation" not in figure.caption
