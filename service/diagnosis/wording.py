@@ -31,9 +31,10 @@ def first_line(
     more = "" if others == 0 else f", and {others} more cause{'s' if others > 1 else ''}"
     surely = "" if lead.confidence == "certain" else "probably "
     rest = "" if verdict is Verdict.EXPLAINED else f" {_beside(remaining)}"
+    beside = " and what is described without a name" if remaining.described else ""
     return (
-        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it, errors on "
-        f"unseen points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
+        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it{beside}, errors "
+        f"on unseen points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
     )
 
 

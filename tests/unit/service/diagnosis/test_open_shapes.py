@@ -14,6 +14,7 @@ from service.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoi
 from service.domain.results import Statistics
 from service.identification.prediction import predict
 from tests.diagnosed_cells import make_finding
+from tests.diagnoses import make_described, make_rest
 from tests.scenes import START, telling_campaign
 from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations
@@ -114,6 +115,19 @@ def test_another_draw_of_the_noise_is_not_named(largest_after):
     before[7], after[30] = 1.30, largest_after
 
     assert _worse_at(judged(before, after)) is None
+
+
+def test_the_first_line_says_where_more_than_the_finding_makes_errors_smaller():
+    statistics = Statistics(50, 0.5, 0.5, 0.1, 1.3, 0.02)
+    rest, nothing = make_rest(make_described()), make_rest()
+
+    beside, alone = (
+        first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, left)
+        for left in (rest, nothing)
+    )
+
+    assert "with it and what is described without a name, errors on unseen points go" in beside
+    assert "with it, errors on unseen points go" in alone
 
 
 def test_the_first_line_names_the_point_that_got_worse():
