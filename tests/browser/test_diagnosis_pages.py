@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import expect
 
 from service.domain.diagnosis import NextMeasurement
-from tests.diagnosed_cells import consistent, two_findings
+from tests.diagnosed_cells import consistent, described, small_findings, two_findings
 
 PROPOSED = ((5.0, 40.0, -25.0, 0.0, 30.0, 90.0), (15.0, 45.0, -20.0, 0.0, 35.0, -90.0))
 
@@ -21,6 +21,29 @@ def test_the_message_is_seen_without_scrolling(service, tablet):
 
     expect(tablet.locator(".message")).to_be_in_viewport()
     expect(tablet.get_by_text("Explained.", exact=True)).to_be_in_viewport()
+
+
+def test_small_findings_unfold_at_a_tap_and_on_paper(service, tablet):
+    tablet.goto(service.diagnosed(service.measured_session("left arm"), small_findings()))
+    folded, amplitude = tablet.locator("details", has=tablet.locator("#finding-2")), "#finding-2 table"
+
+    expect(tablet.locator(amplitude).first).to_be_hidden()
+    folded.locator("summary").click()
+    expect(tablet.locator(amplitude).first).to_be_visible()
+    folded.locator("summary").click()
+    expect(tablet.locator(amplitude).first).to_be_hidden()
+
+    tablet.emulate_media(media="print")
+    expect(tablet.locator(amplitude).first).to_be_visible()
+
+
+def test_the_map_fits_the_tablet_and_is_told_to_those_who_cannot_see_it(service, tablet):
+    tablet.goto(service.diagnosed(service.measured_session("left arm"), described()))
+
+    expect(tablet.get_by_role("img", name="Where something acts")).to_be_visible()
+    tablet.get_by_text("The same as a table").click()
+    expect(tablet.get_by_role("cell", name="described without a name").first).to_be_visible()
+    assert tablet.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
 def test_the_list_leads_to_the_report(service, tablet):

@@ -92,7 +92,8 @@ def _cell(axes: Axes, found: CauseMap, cell: MapCell) -> None:
 
 
 def _opacity(share: float) -> float:
-    return _FAINTEST + (_DARKEST - _FAINTEST) * share
+    """Return the shade of a share: by its root, as large as the error itself, so that small ones are seen."""
+    return float(_FAINTEST + (_DARKEST - _FAINTEST) * share**0.5)
 
 
 def _text(cell: MapCell) -> str:
