@@ -87,6 +87,13 @@ class Nested:
         """Errors of every cell that is asked for."""
         return self._errors(_described)
 
+    def seen_in(self, group: Sequence[Candidate]) -> int:
+        """Return how many folds choose something of a group too."""
+        asked = {(pick.effect, pick.subject) for pick in group}
+        return sum(
+            any((pick.effect, pick.subject) in asked for pick in fold.choice.picks) for fold in self._folds
+        )
+
     def _errors(self, model: Callable[[Choice], tuple[Sequence[Candidate], Normal]]) -> FloatArray:
         result = self._fit.results[0]
         errors = np.zeros_like(result.residual)

@@ -36,6 +36,7 @@ class Judged:
 
     errors: HeldOutErrors
     gains: tuple[Gain, ...]  # per group of picks
+    seen_in: tuple[int, ...]  # per group: how many folds choose it too; none of validation readings
     site: IntArray  # (n,)
     noise_mm: float
     source: str  # "validation" or "cross_validation"
@@ -64,7 +65,8 @@ class CrossValidation:
         gains = tuple(gain_of(*errors, site) for errors in _of_groups(selected, groups))
         noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
         more = gain_of(nested.chosen, nested.described, site) if described else None
-        return Judged(held_out, gains, site, noise_mm, "cross_validation", described=more)
+        seen_in = tuple(nested.seen_in(group) for group in groups)
+        return Judged(held_out, gains, seen_in, site, noise_mm, "cross_validation", described=more)
 
     def asks_for_description(self, groups: Groups) -> bool:
         """Whether describing every cell foretells what is left out better than the choice."""
@@ -121,7 +123,7 @@ def on_validation(
     errors = HeldOutErrors(block.targets.stops.config, end.state.position_mm, start.residual, end.residual)
     beyond = _beyond(block, end, fits[1].solution.covariance)
     more = None if fits[1] is selected.fit else gain_of(found, end.residual, site)
-    return Judged(errors, gains, site, expected_noise_mm(block), "validation", beyond, more)
+    return Judged(errors, gains, (), site, expected_noise_mm(block), "validation", beyond, more)
 
 
 def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:

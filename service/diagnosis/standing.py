@@ -18,6 +18,9 @@ from service.domain.diagnosis import Cause, Gain
 
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
 _SMALL_PART = 0.2
+# Folds of five that must choose it too (stability selection: N. Meinshausen, P. Buehlmann, J. Royal
+# Statistical Society B 72(4), 2010, 417-473).
+_STEADY = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +68,10 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     """Return the findings to withdraw: all where they spoil what is left out, else single ones.
 
     The choice without a fold rests on fewer readings and may miss what all of them show: only where it does
-    harm beyond chance is it refuted. Single findings must help as they were found. While something is left
-    that nothing explains, a finding may owe its place to it: then it is tested again beside that, and all of
-    them together must explain a fair part of what is wrong.
+    harm beyond chance is it refuted. Where it does not help, a finding must be chosen by some folds too: what
+    single readings made is not. Single findings must help as they were found. While something is left that
+    nothing explains, a finding may owe its place to it: then it is tested again beside that, and all of them
+    together must explain a fair part of what is wrong.
     """
     if not groups:
         return ()
@@ -75,11 +79,14 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
     spoilt = together.interval_95_mm[1] < 0.0
     if spoilt or (left.structure and _explains_little(together, judged)):
         return tuple(range(len(groups)))
+    unsteady = together.rms_before_mm <= together.rms_after_mm
     owed = owed_to_the_rest(selected, [group for _, group in groups], left)
     return tuple(
         index
         for index, gain in enumerate(judged.gains)
-        if gain.rms_before_mm <= gain.rms_after_mm or (owed[index] and _explains_little(gain, judged))
+        if gain.rms_before_mm <= gain.rms_after_mm
+        or (owed[index] and _explains_little(gain, judged))
+        or (unsteady and judged.seen_in[index] < _STEADY)
     )
 
 

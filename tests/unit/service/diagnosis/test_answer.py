@@ -200,13 +200,13 @@ def picked():
     return selected, groups, left_of(start, selected)
 
 
-def judged(before_mm, after_mm, *without_mm, n=60):
+def judged(before_mm, after_mm, *without_mm, n=60, seen_in=(5, 5)):
     """Held-out errors of these sizes, the same noise in all of them."""
     noise = np.random.default_rng(1).standard_normal((n, 3))
     errors = HeldOutErrors(np.arange(n), np.zeros((n, 3)), before_mm * noise, after_mm * noise)
     site = np.arange(n)
     gains = tuple(gain_of(size * noise, after_mm * noise, site) for size in without_mm)
-    return Judged(errors, gains, site, 0.01, "cross_validation")
+    return Judged(errors, gains, seen_in, site, 0.01, "cross_validation")
 
 
 def test_findings_that_help_stay(picked):
@@ -224,6 +224,12 @@ def test_findings_that_spoil_what_is_left_out_together_are_all_withdrawn(picked)
 def test_what_fewer_readings_do_not_show_is_not_refuted(picked):
     """The folds chose nothing, or as much that helps as that does not."""
     assert _useless(*picked[:2], judged(0.02, 0.02, 0.06, 0.07), picked[2]) == ()
+
+
+@pytest.mark.parametrize(("after_mm", "useless"), [(0.02, (1,)), (0.0195, ())])
+def test_what_hardly_a_fold_chooses_goes_where_the_choice_does_not_help(picked, after_mm, useless):
+    """Single readings made it: without them nobody would have found it."""
+    assert _useless(*picked[:2], judged(0.02, after_mm, 0.06, 0.07, seen_in=(2, 1)), picked[2]) == useless
 
 
 def test_beside_something_large_that_nothing_explains_a_small_help_is_not_claimed(picked):

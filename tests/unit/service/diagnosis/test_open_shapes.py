@@ -97,7 +97,7 @@ def judged(before_mm, after_mm):
     errors = HeldOutErrors(
         np.arange(1, n + 1), np.zeros((n, 3)), np.outer(before_mm, [1, 0, 0]), np.outer(after_mm, [1, 0, 0])
     )
-    return Judged(errors, (), np.arange(n), 0.02, "validation")
+    return Judged(errors, (), (), np.arange(n), 0.02, "validation")
 
 
 def test_a_point_that_is_far_worse_than_any_before_is_named():
