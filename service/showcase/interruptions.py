@@ -13,7 +13,7 @@ import contextlib
 import json
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -63,9 +63,17 @@ class Tally:
 
 
 async def interrupt(
-    tally: Tally, kills: int, seed: int, folder: Path, poses: int = 20, scenario: str = "lrmate-tilted"
+    tally: Tally,
+    kills: int,
+    seed: int,
+    folder: Path,
+    wanted: Mapping[str, Any],
+    scenario: str = "lrmate-tilted",
 ) -> None:
-    """Kill the service `kills` times; what was seen is in `tally`, also where something breaks the run."""
+    """Kill the service `kills` times in sessions as `wanted`, as REST takes it.
+
+    What was seen is in `tally`, also where something breaks the run.
+    """
     rng = np.random.default_rng(seed)
     async with standing_cell(scenario, seed, 0, folder / "cell.log") as cell_file:
         (folder / "cell.toml").write_text(cell_file, encoding="utf-8")
@@ -74,7 +82,7 @@ async def interrupt(
         try:
             async with httpx.AsyncClient(base_url=service.url, timeout=_ANSWER_S, trust_env=False) as http:
                 while tally.kills < kills:
-                    await _Session(http, service, tally, rng).run(kills, poses, seed)
+                    await _Session(http, service, tally, rng).run(kills, wanted, seed)
         finally:
             await service.kill()
 
@@ -90,9 +98,9 @@ class _Session:
         self._tally = tally
         self._rng = rng
 
-    async def run(self, kills: int, poses: int, seed: int) -> None:
-        wanted = {"name": "interrupted", "poses": poses, "seed": seed + self._tally.sessions}
-        created = await self._http.post("/api/v1/ballbar-sessions", json=wanted)
+    async def run(self, kills: int, wanted: Mapping[str, Any], seed: int) -> None:
+        session = {"name": "interrupted", "seed": seed + self._tally.sessions, **wanted}
+        created = await self._http.post("/api/v1/ballbar-sessions", json=session)
         created.raise_for_status()
         self._tally.sessions += 1
         person = PersonAtTablet(self._http, created.json()["id"], f"tablet-{self._tally.sessions}")
@@ -175,7 +183,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         tally = Tally()
         try:
-            asyncio.run(interrupt(tally, wanted.kills, wanted.seed, folder, wanted.poses, wanted.scenario))
+            session = {"poses": wanted.poses}
+            asyncio.run(interrupt(tally, wanted.kills, wanted.seed, folder, session, wanted.scenario))
         finally:
             text = json.dumps(report(tally), indent=1)
             (folder / "interruptions.json").write_text(text + "\n", encoding="utf-8")

@@ -4,12 +4,13 @@ A handful of kills; `python -m service.showcase.interruptions` makes two hundred
 """
 
 from service.showcase.interruptions import Tally, interrupt, report
+from tests.integration.web.ballbar_bench import PLACE
 
 
 async def test_a_killed_service_loses_and_doubles_nothing_and_moves_nothing(tmp_path):
     tally = Tally()
 
-    await interrupt(tally, 5, seed=1, folder=tmp_path, poses=13)
+    await interrupt(tally, 5, seed=1, folder=tmp_path, wanted={"poses": 13, "placements": [PLACE]})
 
     assert report(tally)["pass"], report(tally)
     assert tally.kills == 5

@@ -2,13 +2,16 @@
 
 import json
 
+from tests.integration.web.ballbar_bench import PLACE
 from tests.studies.erring_operator.__main__ import main
+
+ROBOT = ("lrmate-tilted", 3, {"poses": 6, "placements": [PLACE]})
 
 
 def test_nothing_moves_that_must_not_in_a_few_random_sessions(tmp_path, capsys):
     asked = ["--sessions", "2", "--robots", "1", "--deeds", "8", "--processes", "1", "--seed", "5"]
 
-    status = main([*asked, "--out", str(tmp_path)])
+    status = main([*asked, "--out", str(tmp_path)], [ROBOT])
 
     found = json.loads((tmp_path / "erring_operator.json").read_text())
     assert found["sessions"] == 2

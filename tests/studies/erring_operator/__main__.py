@@ -18,11 +18,11 @@ from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 
-from tests.studies.erring_operator.study import Wanted, study
+from tests.studies.erring_operator.study import ROBOTS, Robot, Wanted, study
 from tests.studies.erring_operator.tally import report
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, robots: Sequence[Robot] = ROBOTS) -> int:
     """Run from the command line; exit status 1 where something moved that must not, or was lost."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     for item in fields(Wanted):
@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = vars(parser.parse_args(arguments))
     out = given.pop("out")
     with tempfile.TemporaryDirectory(prefix="truepose-") as folder:
-        tally = study(Wanted(**given), Path(folder))
+        tally = study(Wanted(**given), robots, Path(folder))
     text = json.dumps(report(tally), indent=1) + "\n"
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)

@@ -1,24 +1,26 @@
 """The whole study, on a few processes."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from tests.studies.erring_operator.random_session import run_sessions
 from tests.studies.erring_operator.tally import Tally, joined
 from tests.studies.taken_up.begun import Begun, begin
 
-ROBOTS = (
-    ("lrmate-tilted", 3, 8),
-    ("irb120-tilted", 0, 16),
-    ("lrmate-tilted", 1, 16),
-    ("irb120-tilted", 2, 16),
-    ("irb120-tilted", 4, 8),
-    ("lrmate-tilted", 5, 16),
-)  # scenario, seed, poses of the session
+Robot: TypeAlias = tuple[str, int, Mapping[str, Any]]  # scenario, seed, what is wanted of its session
+ROBOTS: tuple[Robot, ...] = (
+    ("lrmate-tilted", 3, {"poses": 8}),
+    ("irb120-tilted", 0, {"poses": 16}),
+    ("lrmate-tilted", 1, {"poses": 16}),
+    ("irb120-tilted", 2, {"poses": 16}),
+    ("irb120-tilted", 4, {"poses": 8}),
+    ("lrmate-tilted", 5, {"poses": 16}),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,20 +35,19 @@ class Wanted:
     processes: int = 2
 
 
-def study(wanted: Wanted, folder: Path) -> Tally:
+def study(wanted: Wanted, robots: Sequence[Robot], folder: Path) -> Tally:
     """Walk the robots' sessions rightly, then run the random ones."""
     # Not forked: an event loop and its threads do not survive that.
     with ProcessPoolExecutor(wanted.processes, mp_context=get_context("spawn")) as pool:
-        robots = range(wanted.robots)
-        begun = list(pool.map(_begin, robots, [folder] * wanted.robots))
+        begun = list(pool.map(_begin, range(wanted.robots), robots, [folder] * wanted.robots))
         parts = range(wanted.processes)
         tallies = [pool.submit(_run, wanted, part, begun, folder) for part in parts]
         return joined([tally.result() for tally in tallies])
 
 
-def _begin(number: int, folder: Path) -> Begun:
-    scenario, seed, poses = ROBOTS[number]
-    return asyncio.run(begin(scenario, seed, {"poses": poses, "seed": seed}, folder / f"robot-{number}"))
+def _begin(number: int, robot: Robot, folder: Path) -> Begun:
+    scenario, seed, session = robot
+    return asyncio.run(begin(scenario, seed, {"seed": seed, **session}, folder / f"robot-{number}"))
 
 
 def _run(wanted: Wanted, part: int, begun: Sequence[Begun], folder: Path) -> Tally:
