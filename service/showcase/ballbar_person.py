@@ -19,6 +19,8 @@ _PERSON: Final = "demo"
 _AGAIN_S: Final = 0.1  # between two attempts to reach a service that does not answer
 _PATIENCE_S: Final = 90.0  # until a service that was killed is there again, on a busy machine
 _TRIES: Final = 400  # to have a length stored before its step is skipped
+_ADVICE: Final = "skip with that reason"  # where two balls are too close together or too far apart
+_ADVISED: Final = 20  # times, until it is followed
 _LOOK_S: Final = 0.02
 _UNREADABLE: Final = "The length is out of range."
 Session: TypeAlias = dict[str, Any]  # as the service shows it
@@ -138,14 +140,19 @@ class PersonAtTablet:
     async def _read(self, step: dict[str, Any]) -> None:
         """Attach the ballbar and press the button until the length is kept."""
         await self._attach(step)
+        advised = 0
         for _ in range(_TRIES):
             session = await self.session()
             if session["step"] is None or session["step"]["id"] != step["id"] or session["suspicion"]:
                 return
             if session["state"] != "running":
                 return
-            if (await self.act("store", step["id"])).is_success:
+            answer = await self.act("store", step["id"])
+            if answer.is_success:
                 return
+            advised += _ADVICE in answer.text
+            if advised == _ADVISED:
+                break
             await asyncio.sleep(_LOOK_S)
         (await self.act("skip", step["id"], reason=_UNREADABLE)).raise_for_status()
 
