@@ -18,7 +18,7 @@ async def main(usb: str, readings: int) -> None:
         seen["readings"] = []
         for _ in range(readings):
             seen["readings"].append(asdict(await driver.read()))
-            await asyncio.sleep(0.05)
+            await asyncio.sleep(0.2)
     except DriverError as error:
         seen["error"] = [type(error).__name__, str(error)]
     await driver.close()
