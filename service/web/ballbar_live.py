@@ -94,8 +94,10 @@ class _Mailbox:
 
     async def take(self) -> str:
         """Return what is there, the situation first; a comment where nothing came for a second."""
+        # not wait_for: before Python 3.12 it drops a cancellation that comes together with the sample
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._filled.wait(), _HEARTBEAT_S)
+            async with asyncio.timeout(_HEARTBEAT_S):
+                await self._filled.wait()
         self._filled.clear()
         texts = [text for text in (self._situation, self._sample) if text is not None]
         self._situation = self._sample = None

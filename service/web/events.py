@@ -104,7 +104,9 @@ async def _stream(
 
 async def _happens(commit: asyncio.Event) -> bool:
     try:
-        await asyncio.wait_for(commit.wait(), _HEARTBEAT_S)
+        # not wait_for: before Python 3.12 it drops a cancellation that comes together with the commit
+        async with asyncio.timeout(_HEARTBEAT_S):
+            await commit.wait()
     except TimeoutError:
         return False
     return True

@@ -49,7 +49,9 @@ class _Lane:
             raise _FullError
         self.waiting += 1
         try:
-            await asyncio.wait_for(self.inside.acquire(), _WAIT_S)
+            # not wait_for: before Python 3.12 it drops a cancellation that comes together with the place
+            async with asyncio.timeout(_WAIT_S):
+                await self.inside.acquire()
         except TimeoutError as error:
             raise _FullError from error
         finally:

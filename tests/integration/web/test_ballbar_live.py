@@ -9,6 +9,7 @@ import httpx
 import pytest
 
 from service.app import create_app
+from service.web import ballbar_live
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
@@ -153,3 +154,16 @@ async def test_a_session_that_is_not_there_has_no_stream(client):
     refused = await client.get(f"{SESSIONS}/7/live", params={"tablet": "t"})
 
     assert refused.status_code == 404
+
+
+async def test_a_tablet_that_leaves_as_a_sample_comes_is_gone():
+    mailbox = ballbar_live._Mailbox()
+    taking = asyncio.create_task(mailbox.take())
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+
+    mailbox.put_sample("a length")
+    taking.cancel()
+    await asyncio.wait({taking})
+
+    assert taking.cancelled()

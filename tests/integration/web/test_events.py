@@ -7,6 +7,7 @@ import httpx
 import pytest
 
 from service.app import create_app
+from service.web import events as streams
 from tests.integration.web.bench import session_request
 from tests.integration.web.listening import listening
 
@@ -104,7 +105,7 @@ async def test_last_event_id_0_tells_everything_from_the_first(client):
 async def test_a_bounded_stream_ends_by_itself(client):
     number = await planned(client)
 
-    told = await events(client, session_id=number, stop_after_s=0.2)
+    told = await events(client, session_id=number, stop_after_s=1.0)
 
     assert [kind for _, kind, _ in told] == ["session.state"]
 
@@ -124,3 +125,16 @@ async def test_a_last_event_id_that_is_no_number_is_refused(client):
 
     assert refused.status_code == 422
     assert "Last-Event-ID" in refused.json()["detail"]
+
+
+async def test_a_client_that_leaves_as_something_happens_is_gone():
+    commit = asyncio.Event()
+    waiting = asyncio.create_task(streams._happens(commit))
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+
+    commit.set()
+    waiting.cancel()
+    await asyncio.wait({waiting})
+
+    assert waiting.cancelled()

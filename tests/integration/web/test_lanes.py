@@ -117,6 +117,26 @@ async def test_who_sends_slowly_takes_no_place():
     await asyncio.gather(*senders, return_exceptions=True)
 
 
+async def test_who_leaves_as_a_place_comes_free_does_not_go_in():
+    lane = lanes._Lane(1, 1)
+    inside = []
+
+    async def go_in():
+        async with lane.place():
+            inside.append("late")
+
+    async with lane.place():
+        waiting = asyncio.create_task(go_in())
+        while not lane.waiting:
+            await asyncio.sleep(0)
+    waiting.cancel()
+    await asyncio.wait({waiting})
+
+    assert waiting.cancelled()
+    assert inside == []
+    assert not lane.inside.locked()
+
+
 async def test_bodies_together_have_a_limit_that_an_act_does_not_feel(client, held, asking, monkeypatch):
     monkeypatch.setattr(lanes, "_BODIES_BYTES", 2**20)
     asking(LOOK, 1, content=b" " * 2**20)
