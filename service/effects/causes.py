@@ -139,6 +139,7 @@ class CellRow(NamedTuple):
     searched: Shape | None = None  # of candidates that were searched over
     function: Shape | None = None  # of random functions
     plural: str = ""  # subject of several that share it: "joints", "links"; "": each stands alone
+    at: str = "joint"  # what its subject is one of, where the subject is the place
 
 
 @dataclass(frozen=True, slots=True)

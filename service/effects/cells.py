@@ -49,21 +49,27 @@ _CELLS = {
         "additional compliance near zero torque, relative",
         plural="joints",
     ),
-    "link_bending": CellRow(_OF_SUBJECT, "load", "line", "displacement at the tool", plural="links"),
+    "link_bending": CellRow(
+        _OF_SUBJECT, "load", "line", "displacement at the tool", plural="links", at="link"
+    ),
     "payload": CellRow("tool", "load", "line", "mass by which the tool differs"),
-    "link_mass": CellRow(_OF_SUBJECT, "load", "line", "mass by which the link differs", plural="links"),
+    "link_mass": CellRow(
+        _OF_SUBJECT, "load", "line", "mass by which the link differs", plural="links", at="link"
+    ),
     "base_compliance": CellRow("base", "load", "line", "tilt of the base per moment"),
     "thermal_growth": CellRow("links", "temperature", "line", "relative growth of lengths per kelvin"),
     "base_drift": CellRow("base", "time", "drift", "speed of the translation", searched="settling"),
     "base_shift": CellRow("base", "time", "jump", "length of the translation"),
     "instrument_drift": CellRow("tracker", "time", "drift", "speed of the translation", searched="settling"),
-    "instrument_scale": CellRow(_OF_SUBJECT, "range", "line", "share by which lengths are off"),
-    "nest_offset": CellRow(_OF_SUBJECT, "constant", "group", "distance from the certified place"),
+    "instrument_scale": CellRow(
+        _OF_SUBJECT, "range", "line", "share by which lengths are off", at="instrument"
+    ),
+    "nest_offset": CellRow(_OF_SUBJECT, "constant", "group", "distance from the certified place", at="nest"),
     "tool_reseating": CellRow(
         "tool", "mounting", "group", "standard deviation from one mounting to the next"
     ),
     "ballbar_zero": CellRow("ballbar", "constant", "group", "constant error of a length"),
-    "fixture_shift": CellRow(_OF_SUBJECT, "time", "jump", "length of the translation"),
+    "fixture_shift": CellRow(_OF_SUBJECT, "time", "jump", "length of the translation", at="placement"),
     "label_swap": CellRow("readings", "constant", "group", "share of the readings"),
     "outliers": CellRow("readings", "constant", "group", "share of the readings"),
 }
@@ -78,7 +84,7 @@ _KIN = (
 )
 _UNHEARD = CellRow(_OF_SUBJECT, "constant", "group")  # of what another version named
 _APART = frozenset({"constant", "direction"})  # that two cells share such a variable says little
-_ALL_JOINTS = frozenset({"", "joints"})
+_ALL_JOINTS = frozenset({"joint", "joints"})
 _SHAPES: dict[str, Shape] = {shape: shape for shape in get_args(Shape)}
 
 
@@ -94,7 +100,7 @@ def cell_of(candidate: Candidate) -> Cell:
 
 
 def named_cell(effect: str, subject: str) -> Cell:
-    """Return the cell of a cause by its name; of one that is searched over, before it is."""
+    """Return the cell of a cause by its name, before anything is searched; without a subject, that of any."""
     if effect != UNNAMED:
         return _formatted(_CELLS.get(effect, _UNHEARD), subject, 0.0)
     where, over, shape = subject.split(", ")
@@ -111,7 +117,7 @@ def place_of(cause: Cause) -> tuple[str, str] | None:
 
 
 def _formatted(row: CellRow, subject: str, variant: float) -> Cell:
-    told = {"subject": subject, "variant": variant}
+    told = {"subject": subject or row.at, "variant": variant}
     return Cell(row.where.format(**told), row.over.format(**told), row.shape)
 
 
@@ -136,7 +142,7 @@ def alike(one: Cell, other: Cell) -> bool:
     """Whether two cells leave similar residuals: the same place, the same variable, or kin."""
     if one.over == other.over and one.over not in _APART:
         return True
-    if {_kind(one.where), _kind(other.where)} <= {"joint", *_ALL_JOINTS}:
+    if {_kind(one.where), _kind(other.where)} <= _ALL_JOINTS:
         return one.where == other.where or bool(_ALL_JOINTS & {one.where, other.where})
     words = [words_of(cell) for cell in (one, other)]
     return one.where == other.where or any(kin & words[0] and kin & words[1] for kin in _KIN)

@@ -43,6 +43,7 @@ def test_a_sceptic_asks_for_causes_that_act_alike(found, other):
         (("joint_gain", "joint 2"), ("joint_gain", "joint 2")),  # itself
         (("outliers", "readings"), ("thermal_growth", "links")),
         (("nest_offset", "nest 1"), ("backlash", "joint 2")),
+        (("backlash", "joints"), ("fixture_shift", "")),
     ],
 )
 def test_nobody_asks_for_causes_that_act_otherwise(found, other):
@@ -80,9 +81,10 @@ def test_the_measurement_that_separates_both_is_named_first():
     assert answer.rivals[0].separated_by == "about both"
 
 
+@pytest.mark.parametrize(("effect", "subject"), [("ballbar_zero", "ballbar"), ("fixture_shift", "")])
 @pytest.mark.parametrize(("quantity", "asked"), [("position", 0), ("length", 1)])
-def test_where_no_ballbar_was_nobody_asks_for_its_zero(quantity, asked):
-    unseen = entry("ballbar_zero", "ballbar", visible=False)
+def test_where_no_ballbar_was_nobody_asks_for_what_it_does(quantity, asked, effect, subject):
+    unseen = entry(effect, subject, visible=False)
 
     answer = answered(finding("thermal_growth", "links"), (unseen,), quantity=quantity)
 
