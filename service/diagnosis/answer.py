@@ -9,6 +9,7 @@ from service import __version__
 from service.diagnosis.curves import finding_curve, remaining_curve
 from service.diagnosis.doubts import better_families
 from service.diagnosis.evidence import described
+from service.diagnosis.gathered import gathered
 from service.diagnosis.groups import names_of
 from service.diagnosis.held_out import CrossValidation, Judged, on_validation
 from service.diagnosis.left import Left
@@ -87,7 +88,7 @@ def answered(
     judging = CrossValidation(first)
     tested, withdrawn = standing(start, selected, judging, propose, without)
     tell(0.85, "judging on readings that were not seen, and putting it into words")
-    tested = replace(tested, left=_with_doubts(tested))
+    tested = replace(tested, left=_with_doubts(start, tested))
     whole = _whole(start, tested, judging)
     judged = _judged(start, tested, judging, whole)
     left = replace(
@@ -132,8 +133,8 @@ def _worse_at(judged: Judged) -> WorstPoint | None:
     return worst if worst.after_mm > limit_mm else None
 
 
-def _with_doubts(tested: Tested) -> Left:
-    """Add the families that tell the story of a finding better than its name."""
+def _with_doubts(start: Start, tested: Tested) -> Left:
+    """Add the families that tell the story of a finding better than its name, and what bad readings share."""
     selected, left = tested.selected, tested.left
     together: dict[Cause, tuple[Candidate, ...]] = {}
     for subject, group in tested.groups:
@@ -142,6 +143,8 @@ def _with_doubts(tested: Tested) -> Left:
     better = tuple(
         one for group in together.values() for one in better_families(selected, group, tested.families)
     )
+    shared = gathered(start.scene, left.tails.bad)
+    better += (shared.depends,) if shared else ()
     known = {one.variable for one in left.depends}
     new = {one.variable: one for one in better if one.variable not in known}
     return replace(left, depends=(*left.depends, *new.values()))

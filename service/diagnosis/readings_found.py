@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from service.diagnosis.gains import gain_of
+from service.diagnosis.gathered import gathered
 from service.diagnosis.held_out import Judged
 from service.diagnosis.left import Left
 from service.diagnosis.selection import Selected
@@ -68,10 +69,14 @@ def _bad(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[
         return ()
     shown = _shown("outliers", "readings", int(bad.sum()), len(bad), start)
     finding = _finding("outliers", shown, _chance(selected, bad), _bad_gain(start, selected, judged))
-    if float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) < _FAR_MM:
+    far = float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) >= _FAR_MM
+    if not (far or left.structure):
         return (finding,)
-    swapped = tuple(Cause("label_swap", subject) for subject in _pairs(start))
-    return (replace(finding, confidence=Confidence.LIKELY, confusable_with=swapped),)
+    swapped = tuple(Cause("label_swap", subject) for subject in _pairs(start)) if far else ()
+    shared = gathered(start.scene, bad)
+    sentence = f"{finding.sentence} {shared.sentence}" if shared else finding.sentence
+    doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)
+    return (doubted,)
 
 
 def _pairs(start: Start) -> tuple[str, ...]:

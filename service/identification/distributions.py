@@ -43,3 +43,16 @@ def f_exceeded(ratio: Numbers, above: Numbers, below: Numbers) -> FloatArray:
 def normal_exceeded(deviate: Numbers) -> FloatArray:
     """Return the chance that a standard normal variate is larger."""
     return np.asarray(ndtr(np.negative(deviate)))
+
+
+def so_many_drawn(reached: int, drawn: int, marked: int, total: int) -> float:
+    """Return the chance that at least `reached` of `drawn` out of `total` are `marked`: hypergeometric."""
+    count = np.arange(reached, min(drawn, marked) + 1)
+    log_chance = _log_ways(marked, count) + _log_ways(total - marked, drawn - count) - _log_ways(total, drawn)
+    return float(np.exp(log_chance).sum())
+
+
+def _log_ways(total: Numbers, chosen: Numbers) -> FloatArray:
+    """Return the logarithm of the ways to choose; minus infinity where there is none."""
+    left_over = np.subtract(total, chosen)
+    return np.asarray(gammaln(np.add(total, 1.0)) - gammaln(np.add(chosen, 1.0)) - gammaln(left_over + 1.0))

@@ -14,7 +14,7 @@ from service.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from service.identification.prediction import predict
 from tests.scenes import START, telling_campaign
 from tests.selections import left_of, make_selected, make_start, planted
-from tests.synthetic import NOISE_MM, configurations
+from tests.synthetic import NOISE_MM, configurations, shifted
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")
@@ -289,3 +289,49 @@ def test_an_answer_without_numbers_names_robot_and_quantity(campaign):
 
     assert (found.robot, found.quantity, found.start_effects) == ("ABB IRB 120", "position", START)
     assert found.message == "Nothing can be said."
+
+
+def off_at(rows):
+    """What is said where some readings of a sound robot are off by 0.3 mm."""
+    return diagnose(shifted(with_unseen({}), rows, 0.3), START)
+
+
+def test_bad_readings_that_fall_anywhere_are_certain():
+    diagnosis = off_at(np.array([3, 17, 28, 44, 58, 71]))
+    (finding,) = diagnosis.findings
+
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    assert (finding.effect, finding.confidence) == ("outliers", Confidence.CERTAIN)
+    assert finding.sentence.endswith("or measure them again.")
+
+
+def test_bad_readings_that_gather_are_not_certain_and_what_they_share_is_left():
+    """A nest that came loose in one mounting is no reflector that was not seated."""
+    points = with_unseen({}).calibration
+    loose = np.flatnonzero((points.nest == 2) & (points.stops.attachment == 3))
+
+    diagnosis = off_at(loose)
+    (finding,) = diagnosis.findings
+
+    assert diagnosis.verdict is Verdict.PARTLY_EXPLAINED
+    assert (finding.effect, finding.confidence) == ("outliers", Confidence.LIKELY)
+    assert "read at nest 2 in mounting 3 of the tool" in finding.sentence
+    assert [one.variable for one in diagnosis.remaining.depends_on] == ["nest and attachment of the tool"]
+
+
+def test_bad_readings_beside_what_nothing_explains_are_not_certain():
+    """One more than is wrong gets no weight here: it is what the model lacks."""
+    slight = with_unseen({"joint_gain": {"gain_4": 2e-4}})
+    wrong = np.array([3, 17, 28, 44, 58, 71])
+
+    diagnosis = diagnose(
+        shifted(slight, wrong, 1.0),
+        START,
+        without=("joint_gain", "joint_harmonics", "joint_coupling", "unnamed"),
+    )
+    (finding,) = diagnosis.findings
+
+    assert diagnosis.remaining.structure
+    assert (finding.effect, finding.confidence) == ("outliers", Confidence.LIKELY)
+    assert finding.details[0].value > len(wrong)
+    assert finding.gain.interval_95_mm[0] > 0.0

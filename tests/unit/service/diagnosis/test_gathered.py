@@ -1,0 +1,87 @@
+"""Bad readings that gather are told by what they share; those that fall anywhere share nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from service.diagnosis.gathered import gathered
+from tests.scenes import telling_campaign, telling_scene
+
+N = 96
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return telling_scene(campaign=telling_campaign(N))
+
+
+def some_of(readings, count):
+    """The first few of what is marked."""
+    marked = np.zeros_like(readings)
+    marked[np.flatnonzero(readings)[:count]] = True
+    return marked
+
+
+def test_readings_that_are_bad_anywhere_share_nothing_more_often_than_is_said(scene):
+    rng = np.random.default_rng(1)
+    drawn = [np.isin(np.arange(N), rng.choice(N, size, replace=False)) for size in [3, 6, 12, 24] * 100]
+
+    assert sum(gathered(scene, bad) is not None for bad in drawn) <= 8  # 4 of 400 at 1 %
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_one_or_two_bad_readings_cannot_gather(count, scene):
+    assert gathered(scene, some_of(scene.nest == 2, count)) is None
+
+
+def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
+    bad = some_of((scene.nest == 2) & (scene.stops.attachment == 3), 6)
+
+    found = gathered(scene, bad)
+
+    assert found.sentence.startswith(
+        "6 of them were read at nest 2 in mounting 3 of the tool, as 8 of all were"
+    )
+    assert found.depends.variable == "nest and attachment of the tool"
+    assert found.depends.p_value < 1e-4
+
+
+def test_bad_readings_of_one_nest_are_told_by_it(scene):
+    bad = (scene.nest == 1) & (np.arange(N) % 2 == 0)
+
+    assert gathered(scene, bad).depends.variable == "nest"
+
+
+def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene):
+    angle_deg = np.rad2deg(scene.stops.joints_rad[:, 4])
+    ends = np.quantile(angle_deg, [0.5, 0.75])
+    bad = some_of((angle_deg >= ends[0]) & (angle_deg < ends[1]), 12)
+
+    found = gathered(scene, bad)
+
+    assert (found.depends.variable, found.depends.joint) == ("angle of joint 5", 4)
+    assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as 24 of all were" in found.sentence
+
+
+def test_bad_readings_of_one_part_of_the_campaign_are_told_by_time(scene):
+    scene = replace(scene, stops=replace(scene.stops, attachment=None))
+
+    found = gathered(scene, some_of(scene.stops.time_s >= np.median(scene.stops.time_s), 12))
+
+    assert found.depends.kind == "time"
+    assert "between 24 min and 36 min after the first reading" in found.sentence
+
+
+def test_what_the_readings_of_a_stop_share_counts_once(scene):
+    three_each = replace(scene, stops=replace(scene.stops, config=np.arange(N) // 3, attachment=None))
+    two_stops = three_each.stops.config < 2  # their six readings are near in time
+
+    assert gathered(three_each, two_stops) is None
+    assert gathered(replace(scene, stops=replace(scene.stops, attachment=None)), two_stops) is not None
+
+
+def test_readings_that_tell_neither_time_nor_mounting_still_tell_their_nest(scene):
+    stops = replace(scene.stops, time_s=None, attachment=None)
+
+    assert gathered(replace(scene, stops=stops), scene.nest == 3).depends.variable == "nest"
