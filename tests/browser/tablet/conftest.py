@@ -20,9 +20,14 @@ def desk():
     return FakeDesk()
 
 
+def served(desk):
+    """Serve a desk as the service does, within a context that gives its URL."""
+    return listening(Door(desk.application(), AllowedHosts()))
+
+
 @pytest.fixture
 def url(desk):
-    with listening(Door(desk.application(), AllowedHosts())) as url:
+    with served(desk) as url:
         yield url
 
 

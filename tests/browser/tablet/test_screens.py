@@ -3,8 +3,8 @@
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet
-from tests.browser.tablet.fake_desk import ARM_BEFORE, leg, move, sample, scene, step
+from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet, served
+from tests.browser.tablet.fake_desk import ARM_BEFORE, FakeDesk, leg, move, sample, scene, step
 
 SUSPICION = {"kind": "other_pair", "asked": ["B2", "T3"], "suspected": ["B1", "T2"]}
 DOUBT = {**SUSPICION, "length_mm": 300.1004, "expected_mm": 300.42}
@@ -121,20 +121,37 @@ def shown(page, desk, screen):
     page.wait_for_timeout(120)  # the picture is fetched after the words
 
 
-@pytest.fixture(params=LAYOUTS, ids=lambda layout: f"{layout[0]['width']}-{layout[1]}")
-def any_tablet(request, chromium, url):
+def looked_at(page):
+    """Measure the screen that is shown."""
+    names = page.locator("#names")
+    return {
+        "dock": boxes(page, ".dock button"),
+        "heights": page.locator("#actions button").evaluate_all("all => all.map(b => b.offsetHeight)"),
+        "letters": names.evaluate("n => parseFloat(getComputedStyle(n).fontSize)"),
+        "capitals": names.evaluate("n => getComputedStyle(n).textTransform"),
+        "width": page.evaluate("document.documentElement.scrollWidth"),
+        "viewport": page.viewport_size["width"],
+        "covered": page.evaluate(COVERED),
+        "faint": page.evaluate(FAINT_TEXTS),
+    }
+
+
+@pytest.fixture(scope="module", params=LAYOUTS, ids=lambda layout: f"{layout[0]['width']}-{layout[1]}")
+def screens(request, chromium):
+    """Every screen of a tablet, measured in one walk through all."""
     size, language = request.param
-    with a_tablet(chromium, url, size=size, language=language) as page:
+    desk, found = FakeDesk(), {}
+    with served(desk) as url, a_tablet(chromium, url, size=size, language=language) as page:
         page.goto("/operator/3")
         page.locator("#simulated").wait_for()
-        yield page
+        for screen in SCREENS:
+            shown(page, desk, screen)
+            found[screen] = looked_at(page)
+    return found
 
 
-def test_the_controls_are_at_the_same_place_on_every_screen(desk, any_tablet):
-    found = {}
-    for screen in SCREENS:
-        shown(any_tablet, desk, screen)
-        found[screen] = boxes(any_tablet, ".dock button")
+def test_the_controls_are_at_the_same_place_on_every_screen(screens):
+    found = {screen: look["dock"] for screen, look in screens.items()}
 
     places = found["connect_leg"]
     assert [name.split()[1] for name, *_ in places] == ["back", "retry", "skip", "pause", "abort", "stop"]
@@ -143,26 +160,17 @@ def test_the_controls_are_at_the_same_place_on_every_screen(desk, any_tablet):
     assert moved == set()
 
 
-def test_main_buttons_are_large_and_names_are_readable(desk, any_tablet):
-    for screen in SCREENS:
-        shown(any_tablet, desk, screen)
-        heights = any_tablet.locator("#actions button").evaluate_all("all => all.map(b => b.offsetHeight)")
-        letters = any_tablet.locator("#names").evaluate("n => parseFloat(getComputedStyle(n).fontSize)")
-        capitals = any_tablet.locator("#names").evaluate("n => getComputedStyle(n).textTransform")
-
-        assert all(height >= 72 for height in heights), screen
-        assert (letters >= 48, capitals) == (True, "uppercase"), screen
+def test_main_buttons_are_large_and_names_are_readable(screens):
+    for screen, look in screens.items():
+        assert all(height >= 72 for height in look["heights"]), screen
+        assert (look["letters"] >= 48, look["capitals"]) == (True, "uppercase"), screen
 
 
-def test_nothing_is_cut_or_covered_and_every_text_stands_out(desk, any_tablet):
-    for screen in SCREENS:
-        shown(any_tablet, desk, screen)
-
-        assert (
-            any_tablet.evaluate("document.documentElement.scrollWidth") == any_tablet.viewport_size["width"]
-        )
-        assert any_tablet.evaluate(COVERED) == [], screen
-        assert any_tablet.evaluate(FAINT_TEXTS) == [], screen
+def test_nothing_is_cut_or_covered_and_every_text_stands_out(screens):
+    for screen, look in screens.items():
+        assert look["width"] == look["viewport"], screen
+        assert look["covered"] == [], screen
+        assert look["faint"] == [], screen
 
 
 def test_nothing_that_is_told_covers_anything(desk, chromium, url):
@@ -275,6 +283,15 @@ def test_a_pause_needs_no_reason_below_its_title(desk, tablet):
 
     expect(tablet.locator("#names")).to_have_text("PAUSED")
     expect(tablet.locator("#panel")).to_be_hidden()
+
+
+@pytest.fixture(params=LAYOUTS, ids=lambda layout: f"{layout[0]['width']}-{layout[1]}")
+def any_tablet(request, chromium, url):
+    size, language = request.param
+    with a_tablet(chromium, url, size=size, language=language) as page:
+        page.goto("/operator/3")
+        page.locator("#simulated").wait_for()
+        yield page
 
 
 def test_no_advice_pushes_anything_away(desk, any_tablet):
