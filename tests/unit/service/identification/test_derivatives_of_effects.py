@@ -1,4 +1,4 @@
-"""Positions and orientations of every effect, each of its candidates included, against central differences.
+"""Positions and orientations of every effect, candidates of its own included, against central differences.
 
 Loads are held where derivatives hold them: measured torques stand in the rows, and weights then keep the
 levers of the undeflected arm. What remains is smooth, so that central differences at steps of 1e-4 widths
@@ -27,19 +27,18 @@ ANOTHER_START = {
 OF_BALLBARS = {"ballbar_zero", "fixture_shift"}
 WITHOUT_PARAMETERS = {"label_swap", "outliers"}
 ON_POSITIONS = [name for name in CAUSES if name not in OF_BALLBARS | WITHOUT_PARAMETERS]
-MOST_CANDIDATES = 15  # of causes that search over a grid, evenly from the first to the last
+MOST = 24  # candidates of a search over a grid, waves of a joint: evenly from the first to the last
 
 
-def some(candidates):
-    picked = np.unique(np.linspace(0, len(candidates) - 1, MOST_CANDIDATES).astype(int))
-    return [candidates[k] for k in picked] if len(candidates) > MOST_CANDIDATES else list(candidates)
+def some(many):
+    picked = np.unique(np.linspace(0, len(many) - 1, MOST).astype(int))
+    return [many[k] for k in picked] if len(many) > MOST else list(many)
 
 
 def extended(problem, cause, scene):
     """The problem with the parameters of every candidate, each parameter once."""
-    specs = {
-        spec.name: spec for candidate in some(CAUSES[cause].candidates(scene)) for spec in candidate.specs
-    }
+    candidates = some(CAUSES[cause].candidates(scene))
+    specs = {spec.name: spec for candidate in candidates for spec in some(candidate.specs)}
     structure = problem.structure.extended(cause, tuple(specs.values()))
     return replace(problem, structure=structure, start=np.append(problem.start, np.zeros(len(specs))))
 
