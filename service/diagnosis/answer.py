@@ -12,7 +12,7 @@ from service.diagnosis.evidence import described
 from service.diagnosis.gathered import gathered
 from service.diagnosis.groups import names_of
 from service.diagnosis.held_out import CrossValidation, Judged, on_validation
-from service.diagnosis.left import Left
+from service.diagnosis.left import Depends, Left
 from service.diagnosis.line_orders import with_known_orders
 from service.diagnosis.next_measurements import next_measurements
 from service.diagnosis.open_shapes import with_open_shapes
@@ -144,7 +144,8 @@ def _with_doubts(start: Start, tested: Tested) -> Left:
         one for group in together.values() for one in better_families(selected, group, tested.families)
     )
     shared = gathered(start.scene, left.tails.bad)
-    better += (shared.depends,) if shared else ()
+    if shared:
+        better += (Depends(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None),)
     known = {one.variable for one in left.depends}
     new = {one.variable: one for one in better if one.variable not in known}
     return replace(left, depends=(*left.depends, *new.values()))

@@ -6,13 +6,11 @@ they are not bad one by one.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from service.diagnosis.left import Depends
 from service.domain.arrays import BoolArray, FloatArray, IntArray
 from service.effects.causes import Scene, varied
 from service.effects.names import joint_subject
@@ -23,10 +21,19 @@ _LEVEL = 0.01  # chance that bad readings which fell anywhere gather, over every
 _PARTS = 4  # of the campaign, or of a joint's range, with as many readings in each
 
 
+class On(NamedTuple):
+    """A variable that readings may depend on, in the words of the families."""
+
+    variable: str
+    kind: str
+    joint: int | None = None  # 0-based
+
+
 class Gathered(NamedTuple):
     """What bad readings share."""
 
-    depends: Depends  # what they depend on
+    on: On
+    p_value: float  # corrected for everything that they may share
     sentence: str
 
 
@@ -34,7 +41,7 @@ class _Shared(NamedTuple):
     """What some readings have in common."""
 
     words: str
-    depends: Depends
+    on: On
     readings: BoolArray  # (n,)
     by_stop: bool  # all readings of a stop have it in common: they count once
 
@@ -51,7 +58,7 @@ def gathered(scene: Scene, bad: BoolArray) -> Gathered | None:
         f"{(bad & shared.readings).sum()} of them were read {shared.words}, as {shared.readings.sum()} of "
         "all were: what they share may be their cause."
     )
-    return Gathered(replace(shared.depends, p_value=p_value), sentence)
+    return Gathered(shared.on, p_value, sentence)
 
 
 def _chance(config: IntArray, bad: BoolArray, shared: _Shared) -> float:
@@ -77,32 +84,28 @@ def _nests(scene: Scene) -> Iterator[_Shared]:
     """Yield nests, mountings of the tool, and each nest in each mounting."""
     mounting, nests = scene.stops.attachment, np.unique(scene.nest).tolist()
     for nest in nests:
-        yield _Shared(f"at nest {nest}", _on("nest", "nest"), scene.nest == nest, by_stop=False)
+        yield _Shared(f"at nest {nest}", On("nest", "nest"), scene.nest == nest, by_stop=False)
     if mounting is None:
         return
     for number in np.unique(mounting).tolist():
         words, mounted = f"in mounting {number} of the tool", mounting == number
-        yield _Shared(words, _on("attachment of the tool", "attachment"), mounted, by_stop=True)
+        yield _Shared(words, On("attachment of the tool", "attachment"), mounted, by_stop=True)
         for nest in nests:
-            both = _on("nest and attachment of the tool", "attachment")
+            both = On("nest and attachment of the tool", "attachment")
             yield _Shared(f"at nest {nest} {words}", both, mounted & (scene.nest == nest), by_stop=False)
 
 
 def _times(time_s: FloatArray) -> Iterator[_Shared]:
     for low, high, within in _parts(time_s):
         words = f"between {spoken(low)} and {spoken(high)} after the first reading"
-        yield _Shared(words, _on("time", "time"), within, by_stop=True)
+        yield _Shared(words, On("time", "time"), within, by_stop=True)
 
 
 def _angles(joint: int, turn_deg: FloatArray) -> Iterator[_Shared]:
     name = joint_subject(joint)
     for low, high, within in _parts(turn_deg):
         words = f"with {name} between {low:.0f} and {high:.0f} deg"
-        yield _Shared(words, _on(f"angle of {name}", "angle", joint), within, by_stop=True)
-
-
-def _on(variable: str, kind: str, joint: int | None = None) -> Depends:
-    return Depends(variable, 1.0, kind, joint, None)
+        yield _Shared(words, On(f"angle of {name}", "angle", joint), within, by_stop=True)
 
 
 def _parts(values: FloatArray) -> Iterator[tuple[float, float, BoolArray]]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from service.diagnosis.angle_steps import AngleSteps, telling_steps, with_steps
+from service.diagnosis.gathered import gathered
 from service.diagnosis.scene import scene_of
 from service.diagnosis.single_readings import swapped_labels
 from service.domain.campaign import Campaign, PointReadings
@@ -59,9 +60,11 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
         corrected = with_steps(corrected, fitted, steps)
         problem, fitted = _fitted(corrected, chosen)
     status, message = verdict.judge(corrected, problem, fitted, fitted)
+    scene = scene_of(problem, fitted)
     if status in _UNUSABLE:
-        return message
-    return Start(corrected, problem, fitted, scene_of(problem, fitted), chosen, campaign, steps)
+        shared = gathered(scene, fitted.gross[0]) if status is Status.OUTLIERS_DOMINATE else None
+        return f"{message} {shared.sentence}" if shared else message
+    return Start(corrected, problem, fitted, scene, chosen, campaign, steps)
 
 
 def _fitted(campaign: Campaign, effects: tuple[str, ...]) -> tuple[Problem, RobustFit]:

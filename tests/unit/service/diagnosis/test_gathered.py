@@ -43,14 +43,14 @@ def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
     assert found.sentence.startswith(
         "6 of them were read at nest 2 in mounting 3 of the tool, as 8 of all were"
     )
-    assert found.depends.variable == "nest and attachment of the tool"
-    assert found.depends.p_value < 1e-4
+    assert found.on.variable == "nest and attachment of the tool"
+    assert found.p_value < 1e-4
 
 
 def test_bad_readings_of_one_nest_are_told_by_it(scene):
     bad = (scene.nest == 1) & (np.arange(N) % 2 == 0)
 
-    assert gathered(scene, bad).depends.variable == "nest"
+    assert gathered(scene, bad).on.variable == "nest"
 
 
 def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene):
@@ -60,7 +60,7 @@ def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene)
 
     found = gathered(scene, bad)
 
-    assert (found.depends.variable, found.depends.joint) == ("angle of joint 5", 4)
+    assert (found.on.variable, found.on.joint) == ("angle of joint 5", 4)
     assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as 24 of all were" in found.sentence
 
 
@@ -69,7 +69,7 @@ def test_bad_readings_of_one_part_of_the_campaign_are_told_by_time(scene):
 
     found = gathered(scene, some_of(scene.stops.time_s >= np.median(scene.stops.time_s), 12))
 
-    assert found.depends.kind == "time"
+    assert found.on.kind == "time"
     assert "between 24 min and 36 min after the first reading" in found.sentence
 
 
@@ -84,4 +84,4 @@ def test_what_the_readings_of_a_stop_share_counts_once(scene):
 def test_readings_that_tell_neither_time_nor_mounting_still_tell_their_nest(scene):
     stops = replace(scene.stops, time_s=None, attachment=None)
 
-    assert gathered(replace(scene, stops=stops), scene.nest == 3).depends.variable == "nest"
+    assert gathered(replace(scene, stops=stops), scene.nest == 3).on.variable == "nest"

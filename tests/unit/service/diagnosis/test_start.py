@@ -8,6 +8,7 @@ import pytest
 from service.diagnosis.start import NUISANCE, Start, started
 from tests.scenes import START, telling_campaign
 from tests.selections import planted
+from tests.synthetic import shifted
 
 SWAPPED = [10, 40]
 
@@ -75,3 +76,25 @@ def test_too_few_configurations_are_said_in_a_sentence():
 
     assert isinstance(sentence, str)
     assert "5" in sentence
+
+
+def with_wild(campaign, rows):
+    """The campaign with readings off by a millimetre or so, each in a direction of its own."""
+    return shifted(campaign, rows, np.random.default_rng(2).normal(0.0, 1.0, (len(rows), 3)))
+
+
+def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
+    of_nest_2 = np.flatnonzero(campaign.calibration.nest == 2)
+
+    message = started(with_wild(campaign, of_nest_2), START, relabel=True)
+
+    assert "no model can be trusted" in message
+    assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in message
+
+
+def test_too_many_wild_readings_anywhere_share_nothing(campaign):
+    anywhere = np.random.default_rng(5).choice(80, 26, replace=False)
+
+    assert started(with_wild(campaign, anywhere), START, relabel=True).endswith(
+        "the order of the rows first."
+    )
