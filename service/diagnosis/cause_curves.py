@@ -27,6 +27,7 @@ from service.domain.arrays import FloatArray
 from service.domain.campaign import Stops
 from service.domain.diagnosis import Curve
 from service.effects.causes import Candidate, Scene
+from service.effects.cells import cell_of
 from service.effects.joint_harmonics import is_whole, order_of_wave
 from service.effects.ports import Rows, Term
 from service.effects.registry import effect_named
@@ -35,6 +36,7 @@ from service.identification.evaluation import rows_of
 _DRAWN = 200  # points of a line
 _PER_WAVE = 12  # points of each wave in it
 _Z95 = 1.96
+_PERIODIC = frozenset({"wave", "curve"})
 _LOADS = frozenset({"compliance", "compliance_nonlinear"})
 
 
@@ -77,7 +79,12 @@ def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     told = seen(selected, of_joint(selected, joint) / np.rad2deg(1.0), effect_of(selected, names), axis.known)
     if told is None:
         return None
-    line, band = _line(weights, *values_of(selected, names))
+    values, covariance = values_of(selected, names)
+    line, band = _line(weights, values, covariance)
+    cell = cell_of(group[0])
+    if cell.over.startswith("angle") and cell.shape in _PERIODIC:
+        # Its mean is the zero of the joint: other parameters carry it, and it is no part of the shape.
+        _, band = _line(weights - weights.mean(axis=1, keepdims=True), values, covariance)
     quantity = f"error of joint {joint + 1}", "deg"
     return _curve(axis, quantity, told, line_x, (np.rad2deg(line), np.rad2deg(band)))
 

@@ -41,6 +41,19 @@ def test_a_gain_is_a_line_through_zero_with_a_band_that_opens():
     assert curve.line_band == pytest.approx(1.96 * spread * np.abs(curve.line_x))
 
 
+def test_the_band_of_a_wave_is_that_of_its_shape_its_mean_is_the_zero_of_the_joint():
+    selected, curve = curve_of(
+        {"joint_harmonics": {"wave_4_1_sin": 1e-3}}, ("joint_harmonics", "joint 4", "wave_4_1_sin")
+    )
+
+    rows = [selected.fit.structure.index_of(name) for name in selected.picks[0].names]
+    angle = np.deg2rad(curve.line_x)
+    about_mean = np.stack([wave - wave.mean() for wave in (np.sin(angle), np.cos(angle))])
+    covariance = selected.fit.solution.covariance[np.ix_(rows, rows)]
+    spread = np.sqrt(np.einsum("km,kl,lm->m", about_mean, covariance, about_mean))
+    assert curve.line_band == pytest.approx(1.96 * np.rad2deg(spread))
+
+
 @pytest.mark.parametrize(
     ("planted", "picked"),
     [
