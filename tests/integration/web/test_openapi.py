@@ -83,7 +83,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share"}
-    ratios |= {"tail_degrees_of_freedom"}
+    ratios |= {"tail_degrees_of_freedom", "order"}
     ratios |= {"value", "standard_uncertainty", "amplitude", "amplitude_standard_uncertainty", "difference"}
     ratios |= {"x", "residual", "line_x", "line", "line_band"}
     units = re.compile(r"_(mm|deg|s|c|kg|mm_s|deg_s|s_per_reading)$")
