@@ -88,11 +88,11 @@ def answered(
     judging = CrossValidation(first)
     tested, withdrawn = standing(start, selected, judging, propose, without)
     tell(0.85, "judging on readings that were not seen, and putting it into words")
-    tested = replace(tested, left=_with_doubts(start, tested))
+    tested = replace(tested, left=_with_doubts(tested))
     whole = _whole(start, tested, judging)
     judged = _judged(start, tested, judging, whole)
     left = replace(
-        tested.left,
+        _with_shared(start, tested.left),
         worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
         worse_at=_worse_at(judged),
         contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
@@ -133,8 +133,8 @@ def _worse_at(judged: Judged) -> WorstPoint | None:
     return worst if worst.after_mm > limit_mm else None
 
 
-def _with_doubts(start: Start, tested: Tested) -> Left:
-    """Add the families that tell the story of a finding better than its name, and what bad readings share."""
+def _with_doubts(tested: Tested) -> Left:
+    """Add the families that tell the story of a finding better than its name."""
     selected, left = tested.selected, tested.left
     together: dict[Cause, tuple[Candidate, ...]] = {}
     for subject, group in tested.groups:
@@ -143,12 +143,18 @@ def _with_doubts(start: Start, tested: Tested) -> Left:
     better = tuple(
         one for group in together.values() for one in better_families(selected, group, tested.families)
     )
-    shared = gathered(start.scene, left.tails.bad)
-    if shared:
-        better += (Depends(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None),)
     known = {one.variable for one in left.depends}
     new = {one.variable: one for one in better if one.variable not in known}
     return replace(left, depends=(*left.depends, *new.values()))
+
+
+def _with_shared(start: Start, left: Left) -> Left:
+    """Add what bad readings share. No description holds it: they have no weight in it."""
+    shared = gathered(start.scene, left.tails.bad)
+    if shared is None or shared.on.variable in {one.variable for one in left.depends}:
+        return left
+    added = Depends(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
+    return replace(left, depends=(*left.depends, added))
 
 
 def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:

@@ -317,6 +317,8 @@ def test_bad_readings_that_gather_are_not_certain_and_what_they_share_is_left():
     assert (finding.effect, finding.confidence) == ("outliers", Confidence.LIKELY)
     assert "read at nest 2 in mounting 3 of the tool" in finding.sentence
     assert [one.variable for one in diagnosis.remaining.depends_on] == ["nest and attachment of the tool"]
+    assert diagnosis.remaining.described == ()
+    assert np.array_equal(diagnosis.errors.before_mm, diagnosis.errors.after_mm)
 
 
 def test_bad_readings_beside_what_nothing_explains_are_not_certain():
