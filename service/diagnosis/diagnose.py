@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from service.diagnosis.answer import answered, unanswerable
+from service.diagnosis.jump_moments import with_exact_moments
 from service.diagnosis.line_orders import with_lines_between
 from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
@@ -63,6 +64,7 @@ def diagnose(
     first = chosen(pooled(start.fit, propose(start.fit)))
     selected = select(first, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
     selected = with_lines_between(start.fit, selected, propose, start.scene)
+    selected = with_exact_moments(start.fit, selected, propose, start.scene)
     tell(0.6, "judging on points that were not seen")
     answer = answered(start, first, selected, propose, without, tell)
     return replace(answer, message=f"{answer.message} {reached.sentence}".rstrip())

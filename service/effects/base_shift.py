@@ -7,7 +7,7 @@ import numpy as np
 
 from service.domain.diagnosis import Detail
 from service.effects.causes import Candidate, Fitted, Scene, Shown, varied
-from service.effects.jumps import Gap, around, gaps, jump_terms, jump_time_s, thinned
+from service.effects.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
 from service.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from service.effects.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
 from service.effects.times import spoken, without_times
@@ -45,7 +45,7 @@ class BaseShift:
         """Propose every gap between stops that has readings enough on either side."""
         proposed = (
             Candidate(NAME, "base", motion_specs(f"jump_{gap.label}", _WIDTHS), gap.middle_s)
-            for gap in thinned(_gaps(scene))
+            for gap in tried(_gaps(scene), scene.between_s)
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 

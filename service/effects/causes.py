@@ -36,6 +36,7 @@ class Scene:
     initialisation: IntArray | None = None
     placement: IntArray | None = None
     gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world
+    between_s: tuple[float, float] | None = None  # jumps: every gap there is tried; None: some, anywhere
     instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.diagnosis import Detail
 from service.effects.causes import Candidate, Fitted, Scene, Shown, varied
-from service.effects.jumps import Gap, around, gaps, jump_terms, jump_time_s, thinned
+from service.effects.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
 from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from service.effects.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
 from service.effects.times import spoken, without_times
@@ -56,7 +56,7 @@ class FixtureShift:
                 gap.middle_s,
             )
             for placement in placements
-            for gap in thinned(_gaps(scene, placement), most)
+            for gap in tried(_gaps(scene, placement), scene.between_s, most)
         )
         return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 

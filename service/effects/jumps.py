@@ -56,9 +56,13 @@ def gaps(stops: Stops, rows: BoolArray, least_readings: int) -> tuple[Gap, ...]:
     )
 
 
-def thinned(found: tuple[Gap, ...], most: int = _MOST) -> tuple[Gap, ...]:
-    """Return at most so many of the gaps, evenly chosen."""
-    return found[:: max(1, -(-len(found) // most))]
+def tried(
+    found: tuple[Gap, ...], between_s: tuple[float, float] | None, most: int = _MOST
+) -> tuple[Gap, ...]:
+    """Return the gaps at which a jump is tried: all between two moments, else at most so many, evenly."""
+    if between_s is None:
+        return found[:: max(1, -(-len(found) // most))]
+    return tuple(gap for gap in found if between_s[0] < gap.middle_s < between_s[1])
 
 
 def around(found: tuple[Gap, ...], time_s: float) -> Gap:

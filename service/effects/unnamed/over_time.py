@@ -5,7 +5,7 @@ import numpy as np
 from service.domain.arrays import FloatArray
 from service.domain.results import Unit
 from service.effects.causes import Scene, varied
-from service.effects.jumps import Gap, gaps, since, thinned
+from service.effects.jumps import Gap, gaps, since, tried
 from service.effects.names import joint_subject
 from service.effects.ports import Need, Port, PortKind, Rows, motion_port
 from service.effects.rigid_motion import COMPONENTS
@@ -31,12 +31,12 @@ def _gaps(scene: Scene) -> tuple[Gap, ...]:
 
 
 def _moments(scene: Scene) -> Variants:
-    return [(gap.label, gap.middle_s) for gap in thinned(_gaps(scene), _MOST_MOMENTS)]
+    return [(gap.label, gap.middle_s) for gap in tried(_gaps(scene), scene.between_s, _MOST_MOMENTS)]
 
 
 def _kicks(scene: Scene) -> Variants:
     """Try every moment at which the base may have jumped: at fewer, a kick would lose by that alone."""
-    return [(gap.label, gap.middle_s) for gap in thinned(_gaps(scene))]
+    return [(gap.label, gap.middle_s) for gap in tried(_gaps(scene), scene.between_s)]
 
 
 def _moment_known_to(time_s: float, scene: Scene) -> float:
