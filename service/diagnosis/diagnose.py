@@ -9,7 +9,7 @@ from service.diagnosis.line_orders import with_lines_between
 from service.diagnosis.pool import pooled
 from service.diagnosis.scene import scene_of
 from service.diagnosis.selection import chosen, select
-from service.diagnosis.start import started
+from service.diagnosis.start import stands, started
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Diagnosis
 from service.domain.last_moves import with_last_moves
@@ -65,6 +65,8 @@ def diagnose(
     selected = select(first, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
     selected = with_lines_between(start.fit, selected, propose, start.scene)
     selected = with_exact_moments(start.fit, selected, propose, start.scene)
+    if start.doubt and not (selected.picks and stands(start, selected.fit)):
+        return unanswerable(campaign, effects or (), start.doubt)
     tell(0.6, "judging on points that were not seen")
     answer = answered(start, first, selected, propose, without, tell)
     return replace(answer, message=f"{answer.message} {reached.sentence}".rstrip())

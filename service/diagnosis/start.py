@@ -16,7 +16,7 @@ from service.effects.tool_certificate import NAME as CERTIFICATE
 from service.effects.tool_certificate import certificate_specs
 from service.identification import verdict
 from service.identification.problem import Problem, automatic_effects, build
-from service.identification.robust import RobustFit, robust_fit
+from service.identification.robust import RobustFit, counted_fit, robust_fit
 
 NUISANCE = (REFERENCE, CERTIFICATE)  # effects that a diagnosis needs and no model keeps
 _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)
@@ -33,6 +33,7 @@ class Start:
     effects: tuple[str, ...]
     written: Campaign  # as it was measured
     steps: AngleSteps | None = None  # of the joint angles, by which its readings weigh
+    doubt: str = ""  # so many readings do not fit the others that a cause must be found for it to stand
 
 
 def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | str:
@@ -61,10 +62,21 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
         problem, fitted = _fitted(corrected, chosen)
     status, message = verdict.judge(corrected, problem, fitted, fitted)
     scene = scene_of(problem, fitted)
+    if status is Status.OUTLIERS_DOMINATE:
+        shared = gathered(scene, fitted.gross[0])
+        doubt = f"{message} {shared.sentence}" if shared else message
+        counted = counted_fit(problem.structure, problem.blocks, problem.start)
+        return Start(corrected, problem, counted, scene_of(problem, counted), chosen, campaign, steps, doubt)
     if status in _UNUSABLE:
-        shared = gathered(scene, fitted.gross[0]) if status is Status.OUTLIERS_DOMINATE else None
-        return f"{message} {shared.sentence}" if shared else message
+        return message
     return Start(corrected, problem, fitted, scene, chosen, campaign, steps)
+
+
+def stands(start: Start, fitted: RobustFit) -> bool:
+    """Whether with what was found the readings fit one another."""
+    extended = replace(start.problem, structure=fitted.structure)
+    status, _ = verdict.judge(start.campaign, extended, fitted, fitted)
+    return status not in _UNUSABLE
 
 
 def _fitted(campaign: Campaign, effects: tuple[str, ...]) -> tuple[Problem, RobustFit]:

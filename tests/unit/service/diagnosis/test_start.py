@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from service.diagnosis.diagnose import diagnose
 from service.diagnosis.start import NUISANCE, Start, started
 from tests.scenes import START, telling_campaign
-from tests.selections import planted
+from tests.selections import PRESENT, planted
 from tests.synthetic import shifted
 
 SWAPPED = [10, 40]
@@ -86,15 +87,49 @@ def with_wild(campaign, rows):
 def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
     of_nest_2 = np.flatnonzero(campaign.calibration.nest == 2)
 
-    message = started(with_wild(campaign, of_nest_2), START, relabel=True)
+    doubt = started(with_wild(campaign, of_nest_2), START, relabel=True).doubt
 
-    assert "no model can be trusted" in message
-    assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in message
+    assert "no model can be trusted" in doubt
+    assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in doubt
 
 
 def test_too_many_wild_readings_anywhere_share_nothing(campaign):
     anywhere = np.random.default_rng(5).choice(80, 26, replace=False)
 
-    assert started(with_wild(campaign, anywhere), START, relabel=True).endswith(
-        "the order of the rows first."
-    )
+    doubt = started(with_wild(campaign, anywhere), START, relabel=True).doubt
+
+    assert doubt.endswith("the order of the rows first.")
+
+
+def jumped_far(after, readings=130):
+    """A campaign in which joint 3 jumped by ten times the noise: later readings fit none of the others."""
+    stops = telling_campaign(readings, seed=3).calibration.stops
+    time_s = np.sort(stops.time_s)
+    middle_s = 0.5 * (time_s[after - 1] + time_s[after])
+    return planted({"unnamed": {f"cell_jump_3_{middle_s:.0f}_turn": 6e-4}}, n=readings)
+
+
+def test_readings_that_jumped_together_are_no_wild_ones():
+    campaign = jumped_far(after=90)
+
+    start = started(campaign, PRESENT, relabel=False)
+
+    assert not isinstance(start, str)
+    assert start.doubt.startswith("40 of 130 readings do not fit the others")
+    assert not start.fit.gross[0].any()
+    found = diagnose(campaign, PRESENT)
+    assert found.verdict == "explained"
+    assert [one.subject for one in found.findings] == ["joint 3, time, jump"]
+
+
+def test_readings_that_are_wild_leave_nothing_to_say():
+    campaign = planted({}, n=90)
+    points, rng = campaign.calibration, np.random.default_rng(5)
+    moved = points.position_mm.copy()
+    moved[rng.choice(90, 32, replace=False)] += rng.normal(0.0, 3.0, (32, 3))
+
+    found = diagnose(replace(campaign, calibration=replace(points, position_mm=moved)), PRESENT)
+
+    assert found.verdict == "unexplained"
+    assert found.findings == ()
+    assert "do not fit the others: no model can be trusted" in found.message
