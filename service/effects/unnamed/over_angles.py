@@ -108,7 +108,7 @@ def _periods(key: Key) -> str:
 def _of_wobble(key: Key, size: Size, _scene: Scene) -> str:
     return (
         f"Joint {key.place[0]} wobbles: what it carries tilts by {size.amplitude:.4f} deg and shifts by "
-        f"{size.beside:.3f} mm across its turn, in {_periods(key)} per turn: its bearing runs out of true."
+        f"{size.beside:.3f} mm across its turn, in {_periods(key)} per turn, as a bearing out of true does."
     )
 
 
@@ -133,7 +133,7 @@ def _of_pair(key: Key, size: Size, _scene: Scene) -> str:
     moved, first = key.place
     return (
         f"Joint {moved} is off by a wave of the angles of joints {first} and {first + 1} together, "
-        f"{size.amplitude:.4f} deg in {_periods(key)} per turn: what joins them is out of true."
+        f"{size.amplitude:.4f} deg in {_periods(key)} per turn, as a linkage out of true does."
     )
 
 

@@ -63,8 +63,8 @@ def _of(angle: str) -> Callable[[Key, Size, Scene], str]:
     def sentence(key: Key, size: Size, _scene: Scene) -> str:
         return (
             f"The {angle} that the instrument reads is off by a wave of {key.variant} period"
-            f"{'s' if key.variant != '1' else ''} per turn, {size.amplitude:.5f} deg: its circle runs out of "
-            "true."
+            f"{'s' if key.variant != '1' else ''} per turn, {size.amplitude:.5f} deg, as of a circle that "
+            "runs out of true."
         )
 
     return sentence
