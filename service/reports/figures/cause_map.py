@@ -22,6 +22,7 @@ _WIDTH_IN, _ROW_IN = 8.0, 0.42
 _LABELS_IN = 1.5  # below the columns, and the legend
 _FEWEST_COLUMNS = 5  # the room of; cells of fewer would be as wide as the page
 _LEVEL_COLUMNS = 6  # whose names stand side by side
+_SLANTED_COLUMNS = 8  # of more, slanted labels would lie on one another
 _WIDEST_LABEL = 18  # letters
 _HALF = (0.46, 0.42)  # of a cell, beside the lines of the grid
 _DARKEST = 0.6  # opacity of a share of 1; the text on it stays readable
@@ -47,7 +48,9 @@ def _grid(axes: Axes, found: CauseMap) -> None:
     axes.set_xlim(-0.5, max(columns, _FEWEST_COLUMNS) - 0.5)
     axes.set_ylim(rows - 0.5, -0.5)
     names = [label(name, _WIDEST_LABEL) for name in found.columns]
-    if columns > _LEVEL_COLUMNS:
+    if columns > _SLANTED_COLUMNS:
+        axes.set_xticks(range(columns), names, ha="right", va="center", rotation=90, rotation_mode="anchor")
+    elif columns > _LEVEL_COLUMNS:
         axes.set_xticks(range(columns), names, rotation=40, ha="right", rotation_mode="anchor")
     else:
         axes.set_xticks(range(columns), names)
