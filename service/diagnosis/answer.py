@@ -119,7 +119,9 @@ def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole
     groups = tuple(group for _, group in tested.groups)
     end = whole.fit if whole else tested.selected.fit
     seen = on_validation(start.campaign, (start.fit, end), tested.selected, groups)
-    return seen or judging.of(tested.selected, groups, described=whole is not None)
+    if seen is None and whole is not None:
+        return judging.of(tested.selected, groups, described=True)
+    return seen or tested.judged
 
 
 def _worse_at(judged: Judged) -> WorstPoint | None:

@@ -52,12 +52,7 @@ def _is_chance(selected: Selected, group: tuple[Candidate, ...], effects: FloatA
 
 def _products_of(selected: Selected, group: tuple[Candidate, ...]) -> Products:
     pool = selected.pool
-    parts = [pool.products.rows(pool.own(pool.index_of(pick))) for pick in group]
-    return Products(
-        np.concatenate([part.columns for part in parts]),
-        np.concatenate([part.with_jacobian for part in parts]),
-        np.concatenate([part.with_residual for part in parts]),
-    )
+    return pool.products.rows(pool.rows_of([pool.index_of(pick) for pick in group]))
 
 
 # Causes that are as free as a family is: it tells the same story, and with fewer words.

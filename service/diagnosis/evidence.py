@@ -26,7 +26,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from service.diagnosis.functions import Function, most_likely
 from service.diagnosis.groups import names_of
-from service.diagnosis.normal import Normal, Products, Sums
+from service.diagnosis.normal import Normal, Sums
 from service.diagnosis.pool import Pool
 from service.domain.arrays import FloatArray, IntArray
 from service.effects.causes import Candidate
@@ -100,12 +100,8 @@ class Description:
 
     def fitted(self, pool: Pool) -> Normal:
         """Return the model of a pool with these cells fitted, to first order."""
-        products = pool.products
-        own = Products(
-            products.columns[self.rows], products.with_jacobian[self.rows], products.with_residual[self.rows]
-        )
         widths = np.array([spec.prior_width for candidate in self.candidates for spec in candidate.specs])
-        return pool.normal.beside(own, widths, names_of(self.candidates))
+        return pool.normal.beside(pool.products.rows(self.rows), widths, names_of(self.candidates))
 
 
 def described(pool: Pool, picks: Sequence[Candidate] = ()) -> Description:
@@ -147,7 +143,7 @@ def _cells(pool: Pool, picks: Sequence[Candidate]) -> list[_Cell]:
             part = believed._replace(specs=tuple(believed.specs[k] for k in kept))
             rows = [pool.starts[index] + k for k in kept]
             found.setdefault((cell.where, cell.over), []).append((part, rows))
-    own = [_Cell((pick,), np.arange(len(pick.specs)) + pool.starts[pool.index_of(pick)]) for pick in picks]
+    own = [_Cell((pick,), pool.rows_of([pool.index_of(pick)])) for pick in picks]
     others = [
         _Cell(tuple(part for part, _ in parts), np.array([row for _, rows in parts for row in rows]))
         for parts in found.values()

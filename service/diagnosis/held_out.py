@@ -17,7 +17,7 @@ from service.domain.arrays import FloatArray, IntArray
 from service.domain.campaign import Campaign
 from service.domain.diagnosis import Gain, HeldOutErrors
 from service.effects.causes import Candidate
-from service.effects.cells import cell_of
+from service.effects.cells import cell_of, of_legs
 from service.identification.distributions import chi2_median
 from service.identification.leg_problem import leg_block
 from service.identification.observations import Block, BlockResult
@@ -103,11 +103,7 @@ def _run_in_time(groups: Groups) -> bool:
     """
     cells = [cell_of(pick) for group in groups for pick in group]
     over = {cell.over for cell in cells}
-    return "time" in over and "mounting" not in over and not any(_of_legs(cell.where) for cell in cells)
-
-
-def _of_legs(where: str) -> bool:
-    return where == "ballbar" or where.startswith("placement")
+    return "time" in over and "mounting" not in over and not any(map(of_legs, cells))
 
 
 def on_validation(

@@ -50,13 +50,16 @@ class Pool:
 
     def index_of(self, pick: Candidate) -> int:
         """Return which candidate a pick was, whatever its size is now."""
-        asked = (pick.effect, pick.subject, pick.names)
-        same = ((one.effect, one.subject, one.names) == asked for one in self.all)
-        return next(index for index, found in enumerate(same) if found)
+        return next(index for index, candidate in enumerate(self.all) if candidate.same_as(pick))
 
     def rows(self, index: int) -> FloatArray:
         """Return the columns of one candidate, shape (k, m)."""
         return self.products.columns[self.own(index)]
+
+    def rows_of(self, indices: Sequence[int]) -> IntArray:
+        """Return which columns belong to some candidates, theirs in turn."""
+        owned = [np.arange(self.own(index).start, self.own(index).stop) for index in indices]
+        return np.concatenate([np.zeros(0, dtype=np.int64), *owned])
 
     def view(self, without: tuple[str, ...] = ()) -> "View":
         """Return the candidates as they stand beside the model, as if `without` had not been fitted."""
@@ -67,11 +70,10 @@ class Pool:
 
     def of(self, indices: Sequence[int]) -> "Pool":
         """Return the pool with some candidates only, each still chosen from as many."""
-        owned = [np.arange(self.own(index).start, self.own(index).stop) for index in indices]
         here = np.asarray(indices, dtype=np.int64)
         return _assembled(
             tuple(self.all[index] for index in indices),
-            self.products.rows(np.concatenate([np.zeros(0, dtype=np.int64), *owned])),
+            self.products.rows(self.rows_of(indices)),
             tuple(self.grams[index] for index in indices),
             (self.tried[here], self.shares[here]),
             (self.normal, self.fit),

@@ -74,7 +74,7 @@ def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> S
             picks = kept
             fit = refitted(start, fit, picks)
             pool = pooled(fit, (*picks, *propose(fit)))
-            if not any(_same_as(candidate, other) for candidate in choice.picks for other in kept):
+            if not any(candidate.same_as(other) for candidate in choice.picks for other in kept):
                 break
         choice = chosen(pool)
     return Selected(fit, tuple(picks), pool, choice.full)
@@ -86,10 +86,6 @@ def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
         return True
     sizes = [one.size / other.size for one, other in zip(kept, picks, strict=True)]
     return bool(np.abs(np.log(sizes)).max(initial=0.0) > _RESIZED)
-
-
-def _same_as(one: Candidate, other: Candidate) -> bool:
-    return (one.effect, one.subject, one.names) == (other.effect, other.subject, other.names)
 
 
 def chosen(pool: Pool) -> Choice:

@@ -93,8 +93,7 @@ def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left
 def _to_withdraw(start: Start, tested: Tested) -> tuple[int, ...]:
     """Return the findings that are not kept: those that do not help, and those that physics forbids."""
     useless = _useless(tested.selected, tested.groups, tested.judged, tested.left)
-    forbidden = tuple(index for index in range(len(tested.groups)) if _forbidden(start, tested, index))
-    return useless or forbidden
+    return useless or tuple(k for k in range(len(tested.groups)) if _forbidden(start, tested, k))
 
 
 def _forbidden(start: Start, tested: Tested, index: int) -> str:

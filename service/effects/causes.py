@@ -65,6 +65,10 @@ class Candidate(NamedTuple):
         """Names of its parameters."""
         return tuple(spec.name for spec in self.specs)
 
+    def same_as(self, other: "Candidate") -> bool:
+        """Whether both are the same way of the same cause, whatever their sizes are."""
+        return (self.effect, self.subject, self.names) == (other.effect, other.subject, other.names)
+
     def sized(self, factor: float) -> "Candidate":
         """Return it with all prior widths multiplied."""
         specs = tuple(spec._replace(prior_width=factor * spec.prior_width) for spec in self.specs)

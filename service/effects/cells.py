@@ -138,6 +138,11 @@ def words_of(cell: Cell) -> frozenset[str]:
     return frozenset({where, over, f"{where} {over}", cell.shape})
 
 
+def of_legs(cell: Cell) -> bool:
+    """Whether a cell is one of a ballbar or of its base: campaigns of positions have none."""
+    return bool({"ballbar", "placement"} & words_of(cell))
+
+
 def alike(one: Cell, other: Cell) -> bool:
     """Whether two cells leave similar residuals: the same place, the same variable, or kin."""
     if one.over == other.over and one.over not in _APART:

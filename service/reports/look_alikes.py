@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from service.domain.diagnosis import Cause, Diagnosis, Finding, NextMeasurement, RuledOut
-from service.effects.cells import alike, named_cell, words_of
+from service.effects.cells import alike, named_cell, of_legs
 from service.effects.unnamed.cause import NAME as UNNAMED
 from service.reports.causes import cause_words
 
@@ -51,8 +51,7 @@ def acts_alike(finding: Finding, entry: RuledOut) -> bool:
 
 def _impossible(entry: RuledOut, diagnosis: Diagnosis) -> bool:
     # What is not there cannot be what was found: a campaign of positions has no ballbar.
-    of_legs = {"ballbar", "placement"} & words_of(named_cell(entry.effect, entry.subject))
-    return diagnosis.quantity == "position" and bool(of_legs)
+    return diagnosis.quantity == "position" and of_legs(named_cell(entry.effect, entry.subject))
 
 
 def _rivals(finding: Finding, proposals: tuple[NextMeasurement, ...]) -> Iterator[Rival]:
