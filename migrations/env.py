@@ -7,7 +7,7 @@ There is no ini file: the service passes its own writer connection. From the ale
 from alembic import context
 from sqlalchemy import Connection, create_engine
 
-from service.storage.tables import metadata
+from truepose.storage.tables import metadata
 
 
 def _migrate(connection: Connection) -> None:

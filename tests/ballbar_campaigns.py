@@ -5,7 +5,9 @@ from itertools import combinations
 
 import numpy as np
 
-from service.domain.campaign import (
+from tests.robots import IRB_120
+from tests.synthetic import NESTS, configurations
+from truepose.domain.campaign import (
     Campaign,
     CupReadings,
     CupSetups,
@@ -14,10 +16,8 @@ from service.domain.campaign import (
     PointReadings,
     Stops,
 )
-from service.domain.robot import FramePlacement, Nest
-from service.kinematics.chain import forward, nominal_values
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations
+from truepose.domain.robot import FramePlacement, Nest
+from truepose.kinematics.chain import forward, nominal_values
 
 PATTERN = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1))
 LENGTH_U_MM = 0.001

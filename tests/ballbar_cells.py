@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from service.domain.cell import Cell
-from service.domain.robot import FramePlacement
-from service.exchange.shipped_robots import load_robot_with_tool
-from service.planning.ballbar.bodies import BallbarCell
-from service.planning.ballbar.fixture import base_fixture
+from truepose.domain.cell import Cell
+from truepose.domain.robot import FramePlacement
+from truepose.exchange.shipped_robots import load_robot_with_tool
+from truepose.planning.ballbar.bodies import BallbarCell
+from truepose.planning.ballbar.fixture import base_fixture
 
 LR_MATE = "fanuc-lr-mate-200ic"
 IRB_120 = "abb-irb-120"

@@ -1,6 +1,6 @@
 """Dull ballbar sessions: a plan of a few poses and what happened in them."""
 
-from service.domain.ballbar import (
+from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     EntryKind,
@@ -10,7 +10,7 @@ from service.domain.ballbar import (
     PlannedPose,
     PlannedSetup,
 )
-from service.domain.robot import FramePlacement
+from truepose.domain.robot import FramePlacement
 
 LEGS = ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 1))
 

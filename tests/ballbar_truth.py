@@ -5,10 +5,10 @@ from itertools import combinations
 
 import numpy as np
 
-from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from service.domain.ballbar import ArrivalTaken, BallbarPlan
-from service.kinematics.chain import forward, nominal_values
 from tests.ballbar_sessions import make_length
+from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
+from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
+from truepose.kinematics.chain import forward, nominal_values
 
 READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them
 
@@ -17,7 +17,7 @@ READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them
 class TrueArm:
     """The arm as it is, and where its cups came to be clamped."""
 
-    cell: object  # service.planning.ballbar.bodies.BallbarCell
+    cell: object  # truepose.planning.ballbar.bodies.BallbarCell
     errors: np.ndarray  # (4, J): alpha [rad], a [mm], theta [rad], d [mm]
 
     @staticmethod

@@ -2,8 +2,8 @@
 
 import asyncio
 
-from drivers.ballbar_bridge.protocol import BridgeReading, Hello, encode
-from simulators.instruments.endpoint import Endpoint
+from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, encode
+from truepose_simulators.instruments.endpoint import Endpoint
 
 
 def bridge_endpoint(bar, clock) -> Endpoint:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from service.domain.campaign import (
+from truepose.domain.campaign import (
     Campaign,
     CupReadings,
     CupSetups,
@@ -14,7 +14,7 @@ from service.domain.campaign import (
     PointReadings,
     Stops,
 )
-from service.domain.results import (
+from truepose.domain.results import (
     Counts,
     Identification,
     Model,
@@ -24,7 +24,7 @@ from service.domain.results import (
     Statistics,
     Status,
 )
-from service.domain.robot import FixedNest, FramePlacement, JointRow, LinkMass, Nest, Robot
+from truepose.domain.robot import FixedNest, FramePlacement, JointRow, LinkMass, Nest, Robot
 
 ELBOW = (
     JointRow(0.0, 0.0, 0.0, 300.0),

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from service.domain.diagnosis import (
+from tests import diagnoses
+from tests.builders import make_model, make_parameter
+from truepose.domain.diagnosis import (
     Cause,
     Confidence,
     Dependence,
@@ -15,9 +17,7 @@ from service.domain.diagnosis import (
     RuledOut,
     Verdict,
 )
-from service.domain.results import Statistics
-from tests import diagnoses
-from tests.builders import make_model, make_parameter
+from truepose.domain.results import Statistics
 
 NOISE_MM = 0.02
 NOTHING_LEFT = Remaining(False, (), "What is left looks like the stated noise.")

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from service.domain.diagnosis import (
+from tests.builders import make_model, make_parameter, make_statistics
+from truepose.domain.diagnosis import (
     Cause,
     Confidence,
     Curve,
@@ -22,7 +23,6 @@ from service.domain.diagnosis import (
     Verdict,
     Worth,
 )
-from tests.builders import make_model, make_parameter, make_statistics
 
 
 def make_curve(**changes):

@@ -4,15 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import BallbarPlan, PlannedPlacement
-from service.planning.ballbar.beforehand import Beforehand
-from service.planning.ballbar.poses import reachable
-from service.planning.ballbar.setups import setups
-from service.validation.connections_accounts import Accounts, begin
-from service.validation.connections_early import judge_early
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
 from tests.ballbar_truth import READING_U_MM, TrueArm
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import BallbarPlan, PlannedPlacement
+from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.planning.ballbar.poses import reachable
+from truepose.planning.ballbar.setups import setups
+from truepose.validation.connections_accounts import Accounts, begin
+from truepose.validation.connections_early import judge_early
 
 KIT = BallbarKit()
 _SIDES = ((1, 2), (1, 3), (2, 3))

@@ -1,12 +1,12 @@
 """Campaigns of a simulated cell with something hidden in it that nothing planted by name can be."""
 
-from service.exchange.campaign_folder import read_campaign
-from simulators.cell import Cell
-from simulators.clock import CellClock
-from simulators.recording.campaign import record_in
-from simulators.recording.files import write_campaign
-from simulators.recording.plan import Wishes
-from simulators.scenario_file import load_scenario
+from truepose.exchange.campaign_folder import read_campaign
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.recording.campaign import record_in
+from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.scenario_file import load_scenario
 
 
 def recorded(folder, *hidden, seed=11, configurations=100, validation=200):

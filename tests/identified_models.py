@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.domain.campaign import Stops
-from service.domain.results import Model, NestCentre, Parameter
-from service.domain.robot import FramePlacement, LinkMass
 from tests.robots import IRB_120, SEVEN_AXES
+from truepose.domain.campaign import Stops
+from truepose.domain.results import Model, NestCentre, Parameter
+from truepose.domain.robot import FramePlacement, LinkMass
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 ORIGIN_S = 500.0

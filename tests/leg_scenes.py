@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.identification.problem import build
 from tests.scenes import scene_of
 from tests.synthetic import leg_campaign
+from truepose.identification.problem import build
 
 N = 60
 PER_PLACEMENT, PER_INITIALISATION = 30, 6

@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from simulators.errors import SimulatorError
-from simulators.faults.scripted import Faults
-from simulators.instruments.length_source import Electronics
+from truepose_simulators.errors import SimulatorError
+from truepose_simulators.faults.scripted import Faults
+from truepose_simulators.instruments.length_source import Electronics
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Dull sessions and readings."""
 
-from service.domain.cell import Cell, DeviceEntry
-from service.domain.robot import FixedNest, JointRow, Nest, Robot
-from service.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan
-from service.storage.records import SessionSetup
+from truepose.domain.cell import Cell, DeviceEntry
+from truepose.domain.robot import FixedNest, JointRow, Nest, Robot
+from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan
+from truepose.storage.records import SessionSetup
 
 
 def make_setup():

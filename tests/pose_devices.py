@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from service.kinematics.pose_device import base_triangle, fourth_cup
+from truepose.kinematics.pose_device import base_triangle, fourth_cup
 
 # Tool nests in the last frame: thesis section 2.2.1 and Annex I; nest 1 on axis 6.
 NESTS = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])

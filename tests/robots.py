@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from service.domain.robot import JointRange, JointRow, LinkMass, Robot
+from truepose.domain.robot import JointRange, JointRow, LinkMass, Robot
 
 
 def _rows(*table):

@@ -5,13 +5,13 @@ from functools import cache
 
 import numpy as np
 
-from service.diagnosis.scene import scene_at
-from service.domain.campaign import FixedNestReadings
-from service.domain.robot import FixedNest
-from service.identification.evaluation import evaluate
-from service.identification.problem import build
 from tests.robots import IRB_120
 from tests.synthetic import nominal_campaign
+from truepose.diagnosis.scene import scene_at
+from truepose.domain.campaign import FixedNestReadings
+from truepose.domain.robot import FixedNest
+from truepose.identification.evaluation import evaluate
+from truepose.identification.problem import build
 
 TRACKER_MM = (2600.0, -700.0, 500.0)
 FIXED_MM = ((600.0, 500.0, 0.0), (600.0, -500.0, 0.0), (-350.0, 500.0, 0.0))

@@ -4,18 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.diagnosis.left import left_by
-from service.diagnosis.pool import pooled
-from service.diagnosis.remaining import prepared_families
-from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import Selected, chosen, refitted, select
-from service.diagnosis.start import started
-from service.effects.ports import ParameterSpec
-from service.effects.registry import CAUSES
-from service.identification.evaluation import Targets, evaluate
-from service.identification.problem import build
 from tests.scenes import telling_campaign
 from tests.synthetic import NOISE_MM
+from truepose.diagnosis.left import left_by
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.remaining import prepared_families
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.selection import Selected, chosen, refitted, select
+from truepose.diagnosis.start import started
+from truepose.effects.ports import ParameterSpec
+from truepose.effects.registry import CAUSES
+from truepose.identification.evaluation import Targets, evaluate
+from truepose.identification.problem import build
 
 # Geometry would make each fit three times as slow, and hardly a test here is about it.
 PRESENT = ("base", "joint_offset", "compliance")

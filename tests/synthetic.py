@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from service.domain.campaign import Campaign, LegReadings, PointReadings, Stops
-from service.domain.robot import FramePlacement, Nest
-from service.identification.evaluation import Targets, evaluate
-from service.identification.problem import Problem, automatic_effects, build
-from service.kinematics.chain import forward, nominal_values
 from tests.robots import IRB_120
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
+from truepose.domain.robot import FramePlacement, Nest
+from truepose.identification.evaluation import Targets, evaluate
+from truepose.identification.problem import Problem, automatic_effects, build
+from truepose.kinematics.chain import forward, nominal_values
 
 NESTS = ((0.0, 0.0, 125.0), (75.0, 93.675, 215.0), (150.0, 0.0, 125.0))
 NOISE_MM = 0.015

@@ -145,9 +145,9 @@ def test_the_search_for_machines_lets_ordinary_lines_pass(line):
 
 def test_every_driver_has_a_readme_that_says_what_was_not_tried():
     folders = {
-        _CHECKOUT / entry.value.split(":")[0].replace(".", "/")
+        _CHECKOUT / "drivers" / entry.value.split(":")[0].replace(".", "/")
         for entry in entry_points(group="truepose.drivers")
-        if entry.value.startswith("drivers.")
+        if entry.value.startswith("truepose_drivers.")
     }
 
     readmes = {module.parent / "README.md" for module in folders if module.name == "driver"}

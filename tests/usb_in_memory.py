@@ -2,9 +2,9 @@
 
 import asyncio
 
-from drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
-from drivers.usb.protocol.control import Setup
-from simulators.instruments.usb_gadget import StallError, UsbGadget
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.usb.protocol.control import Setup
+from truepose_simulators.instruments.usb_gadget import StallError, UsbGadget
 
 
 class UsbInMemory:

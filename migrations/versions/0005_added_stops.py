@@ -3,8 +3,8 @@
 import sqlalchemy as sa
 from alembic import op
 
-from migrations.append_only import drop_protected, protect
-from migrations.columns import number, recorded, reference
+from truepose.storage.migrations.append_only import drop_protected, protect
+from truepose.storage.migrations.columns import number, recorded, reference
 
 revision = "0005"
 down_revision = "0004"

@@ -3,9 +3,9 @@
 import sqlalchemy as sa
 from alembic import op
 
-from migrations.append_only import drop_protected, protect
-from migrations.columns import number
-from service.storage.chain import link_all
+from truepose.storage.chain import link_all
+from truepose.storage.migrations.append_only import drop_protected, protect
+from truepose.storage.migrations.columns import number
 
 revision = "0008"
 down_revision = "0007"

@@ -8,10 +8,10 @@ import httpx
 import pytest
 from playwright.sync_api import sync_playwright
 
-from service.app import create_app
-from service.settings import Settings
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
+from truepose.app import create_app
+from truepose.settings import Settings
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
 _PATIENCE_S = 20.0

@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.reports import DiagnosisInput, write_diagnosis_report
 from tests.diagnosed_cells import ENDINGS, two_findings
+from truepose.reports import DiagnosisInput, write_diagnosis_report
 
 SMALLEST_LETTERS_PX = """Math.min(16, ...[...document.querySelectorAll("svg text")].map(
     (text) => text.getBoundingClientRect().height))"""

@@ -8,39 +8,39 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.abb_open_abb.driver import OpenAbbRobot
-from drivers.api import Clock
-from drivers.ballbar_bridge.driver import BridgedBallbar
-from drivers.ballbar_hid.driver import HidBallbar
-from drivers.cell_clock.driver import CellClock
-from drivers.cell_hands.driver import CellHands
-from drivers.heidenhain_nd.driver import HeidenhainCounter
-from drivers.leica_emscon.driver import LaserTracker
-from drivers.mitutoyo_usb_itn.driver import UsbItnGauge
-from drivers.monotonic_clock import MonotonicClock
-from drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
-from drivers.transports.hid import HidOverUsb
-from drivers.transports.link import Link
-from drivers.transports.memory import MemoryEnd, MemoryLink
-from drivers.transports.usb import UsbPort
-from simulators.cell import Cell
-from simulators.clock import CellClock as SimulatedClock
-from simulators.instruments.ballbar_hid import HidBallbarGadget
-from simulators.instruments.cell_clock import clock_endpoint
-from simulators.instruments.endpoint import Endpoint
-from simulators.instruments.hands import hands_endpoint
-from simulators.instruments.leica_emscon import tracker_endpoint
-from simulators.instruments.length_source import Electronics
-from simulators.instruments.nd28x import nd28x_endpoint
-from simulators.instruments.open_abb import MotionProgram
-from simulators.instruments.open_abb_server import robot_endpoint
-from simulators.instruments.usb_itn import UsbItnGadget
-from simulators.instruments.usbip import usbip_endpoint
-from simulators.scenario_file import load_scenario
-from simulators.tracker import seen_from
 from tests.bridge_server import bridge_endpoint
 from tests.length_sources import FakeBar, FakeHands
 from tests.usb_in_memory import UsbInMemory
+from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
+from truepose_drivers.api import Clock
+from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
+from truepose_drivers.ballbar_hid.driver import HidBallbar
+from truepose_drivers.cell_clock.driver import CellClock
+from truepose_drivers.cell_hands.driver import CellHands
+from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
+from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
+from truepose_drivers.transports.hid import HidOverUsb
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.transports.usb import UsbPort
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock as SimulatedClock
+from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.cell_clock import clock_endpoint
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.hands import hands_endpoint
+from truepose_simulators.instruments.leica_emscon import tracker_endpoint
+from truepose_simulators.instruments.length_source import Electronics
+from truepose_simulators.instruments.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.open_abb import MotionProgram
+from truepose_simulators.instruments.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.usbip import usbip_endpoint
+from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.tracker import seen_from
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from drivers.errors import ConnectFailedError, DriverError, LinkError
-from simulators.faults.kinds import BallbarTooFast
 from tests.contract.benches import registry
+from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
+from truepose_simulators.faults.kinds import BallbarTooFast
 
 ballbars = pytest.mark.parametrize("name", registry().names("ballbar"))
 

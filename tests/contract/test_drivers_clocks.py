@@ -4,8 +4,8 @@ import asyncio
 
 import pytest
 
-from drivers.api import Clock
 from tests.contract.benches import WITHOUT_A_DEVICE, registry
+from truepose_drivers.api import Clock
 
 CLOCKS = registry().names("clock")
 

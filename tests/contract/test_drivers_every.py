@@ -5,9 +5,9 @@ import socket
 
 import pytest
 
-from drivers.api import Ballbar, PointTracker, RobotController, SimulatedHands
-from drivers.errors import ConnectFailedError, DriverError, LinkError
 from tests.contract.benches import LINKS, USB_PORTS, WITHOUT_A_DEVICE, registry
+from truepose_drivers.api import Ballbar, PointTracker, RobotController, SimulatedHands
+from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
 
 DEVICES = sorted(name for name in registry().names() if registry().plugin(name).kind != "clock")
 PORTED = sorted(name for name in registry().names() if "port" in registry().plugin(name).options)

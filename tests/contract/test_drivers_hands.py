@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.errors import DeviceRefusedError
+from truepose_drivers.errors import DeviceRefusedError
 
 
 async def test_a_deed_is_done_before_the_answer_comes(bench):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from simulators.faults.kinds import IdentityChanged
 from tests.contract.benches import registry
+from truepose_simulators.faults.kinds import IdentityChanged
 
 WITHOUT_LOSS = {"leica_emscon": "777777", "abb_open_abb": "120-7", "ballbar_hid": "BAR-9"}
 AFTER_A_RECONNECTION = {**WITHOUT_LOSS, "mitutoyo_usb_itn": "70099999"}

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.api import MotionLimits
-from drivers.errors import ConnectionLostError, DriverError, LinkError, TargetRefusedError
-from simulators.faults.kinds import RobotRefuses
 from tests.contract.benches import registry
+from truepose_drivers.api import MotionLimits
+from truepose_drivers.errors import ConnectionLostError, DriverError, LinkError, TargetRefusedError
+from truepose_simulators.faults.kinds import RobotRefuses
 
 robots = pytest.mark.parametrize("name", registry().names("robot"))
 TARGET_RAD = tuple(map(math.radians, (10.0, -20.123456, 15.0, 30.0, 40.0, -50.0)))

@@ -5,9 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from drivers.errors import BeamBrokenError, ConnectionLostError, NotInitialisedError, ReflectorNotFoundError
-from simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut
 from tests.contract.benches import registry
+from truepose_drivers.errors import (
+    BeamBrokenError,
+    ConnectionLostError,
+    NotInitialisedError,
+    ReflectorNotFoundError,
+)
+from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut
 
 trackers = pytest.mark.parametrize("name", registry().names("tracker"))
 RADIUS_MM = 10.0

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
-from simulators.faults.wire import (
+from truepose_drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
+from truepose_simulators.faults.wire import (
     BallbarFrozen,
     BallbarInches,
     BallbarKeyPressed,

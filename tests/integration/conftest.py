@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.storage.database import Database
+from truepose.storage.database import Database
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import tomllib
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
-from drivers.registry import ENTRY_POINT_GROUP, load_registry
+from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
 
 _PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 

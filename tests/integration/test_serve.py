@@ -14,15 +14,15 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.app.server import _listening, _url
 from tests.integration.web.bench import CELL
+from truepose.app.server import _listening, _url
 
 PATIENCE_S = 120  # with a process that starts or ends, on a busy machine
 SERVE = """
 import sys
 from pathlib import Path
-from service.app import serve
-from service.settings import Settings
+from truepose.app import serve
+from truepose.settings import Settings
 
 cell_file = Path(sys.argv[3]) if len(sys.argv) > 3 else None
 sys.exit(serve(Settings(sys.argv[1], port=int(sys.argv[2]), cell_file=cell_file, simulated_pace=0)))
@@ -107,7 +107,7 @@ def test_an_address_that_stands_for_all_is_told_as_one_that_answers():
 
 
 def test_a_host_that_is_none_is_one_sentence_and_status_2():
-    serving = "from service.app import serve; from service.settings import Settings; import sys;"
+    serving = "from truepose.app import serve; from truepose.settings import Settings; import sys;"
     serving += "sys.exit(serve(Settings(allowed_hosts=('cell3:8000',))))"
 
     refused = subprocess.run([sys.executable, "-c", serving], capture_output=True, text=True, check=False)
@@ -272,7 +272,7 @@ def readings_until(client, count):
 
 
 def test_the_service_is_ready_without_the_libraries_of_the_worker():
-    script = "import sys, service.app; print(sorted({'scipy', 'matplotlib', 'plotly'} & set(sys.modules)))"
+    script = "import sys, truepose.app; print(sorted({'scipy', 'matplotlib', 'plotly'} & set(sys.modules)))"
 
     found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
 

@@ -53,7 +53,7 @@ async def _service(folder, name):
     log = folder / f"{name}.log"
     with log.open("wb") as errors, tempfile.TemporaryDirectory(dir=folder) as fresh:
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "service", "serve", "--port", "0"),
+            *(sys.executable, "-m", "truepose", "serve", "--port", "0"),
             *("--database", f"sqlite:///{fresh}/truepose.db"),
             stdout=asyncio.subprocess.PIPE,
             stderr=errors,

@@ -9,12 +9,12 @@ import statistics
 import time
 from dataclasses import dataclass
 
-from service.storage.database import Database
-from service.storage.library import VERSION
-from service.storage.readings import ReadingRepository
-from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
+from truepose.storage.database import Database
+from truepose.storage.library import VERSION
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.sessions import SessionRepository
 
 WRITERS = 16
 

@@ -20,11 +20,11 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.errors import DriverError, DriverFaultError
-from drivers.guard import guarded
 from tests.studies.wires.gauges import Bar, Bridge, Cable, Counter
 from tests.studies.wires.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
 from tests.studies.wires.spoiling import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
+from truepose_drivers.errors import DriverError, DriverFaultError
+from truepose_drivers.guard import guarded
 
 RUNS = 20_000
 BENCHES = {

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import httpx
 import numpy as np
 
-from service.showcase.killed_service import KilledService
-from service.storage.chain import linked_hash
-from service.storage.database import Database
-from service.storage.documents import to_document
-from service.storage.sessions import SessionRepository
 from tests.integration.web.bench import CELL, session_request
 from tests.measured_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
+from truepose.showcase.killed_service import KilledService
+from truepose.storage.chain import linked_hash
+from truepose.storage.database import Database
+from truepose.storage.documents import to_document
+from truepose.storage.sessions import SessionRepository
 
 _AT_A_TIME = 20_000
 _ADDRESS = 'host = "127.0.0.1"\nport = 9'

@@ -15,18 +15,18 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from service.storage.arrival import verify_left
-from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.database import Database
-from service.storage.errors import StorageError
-from service.storage.guard import Guard
-from service.storage.library import LIBRARY
-from service.storage.readings import ReadingRepository
-from service.storage.sessions import SessionRepository
-from service.storage.tables import metadata
 from tests.ballbar_sessions import make_ballbar_plan, measured
 from tests.measured_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
+from truepose.storage.arrival import verify_left
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.database import Database
+from truepose.storage.errors import StorageError
+from truepose.storage.guard import Guard
+from truepose.storage.library import LIBRARY
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.sessions import SessionRepository
+from truepose.storage.tables import metadata
 
 _ENOUGH = 100_000  # rows: pages that point at each other have no end
 _PARTS = ("", "-wal", ".seal")

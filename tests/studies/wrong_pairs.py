@@ -17,10 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from service.exchange.cell_file import simulated_cell
-from service.planning.ballbar.plan import ballbar_plan
-from service.storage.records import SessionSetup
-from service.validation.connections_early import refuted_stops
 from tests.studies.wrong_pairs_cell import KIT, TrueRobot, in_range
 from tests.studies.wrong_pairs_session import (
     HARM_MM,
@@ -30,6 +26,10 @@ from tests.studies.wrong_pairs_session import (
     Site,
     whole_session,
 )
+from truepose.exchange.cell_file import simulated_cell
+from truepose.planning.ballbar.plan import ballbar_plan
+from truepose.storage.records import SessionSetup
+from truepose.validation.connections_early import refuted_stops
 
 SCENARIOS = ("irb120-tilted", "lrmate-tilted", "irb120-everyday", "lrmate-everyday")
 POSES = (6, 8, 10, 24, 64)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from service.domain.artefacts import BallbarKit
-from simulators.cell import Cell
-from simulators.clock import CellClock
-from simulators.scenario_file import load_scenario
+from truepose.domain.artefacts import BallbarKit
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.scenario_file import load_scenario
 
 KIT = BallbarKit()
 RANGE_MM = KIT.range_mm

@@ -5,15 +5,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from service.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from service.analysis.precalibration import precalibrate
-from service.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
-from service.planning.ballbar.beforehand import known_beforehand
-from service.validation.connections import judge_leg, judge_pose
-from service.validation.connections_accounts import begin
-from service.validation.connections_early import judge_early
 from tests.ballbar_sessions import make_length
 from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
+from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
+from truepose.analysis.precalibration import precalibrate
+from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
+from truepose.planning.ballbar.beforehand import known_beforehand
+from truepose.validation.connections import judge_leg, judge_pose
+from truepose.validation.connections_accounts import begin
+from truepose.validation.connections_early import judge_early
 
 _NOISE = {"reading_u_mm": KIT.reading_u_mm, "zero_u_mm": KIT.zero_u_mm}
 _FOLLOWS = 0.5  # having taken B for A, takes A for B

@@ -7,13 +7,13 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from drivers.abb_open_abb.driver import PLUGIN as ROBOT
-from drivers.cell_clock.driver import PLUGIN as CLOCK
-from drivers.leica_emscon.driver import PLUGIN as TRACKER
-from service.exchange.cell_file import simulated_cell
-from service.planning.work_space import WorkSpace
-from service.sequencing.cell import SessionCell
 from tests.unit.service.sequencing.fakes import ListJournal
+from truepose.exchange.cell_file import simulated_cell
+from truepose.planning.work_space import WorkSpace
+from truepose.sequencing.cell import SessionCell
+from truepose_drivers.abb_open_abb.driver import PLUGIN as ROBOT
+from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK
+from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
 
 _LIMIT = 1 << 24  # bytes of one answer of the truth endpoint
 
@@ -72,7 +72,17 @@ class Bench:
 async def bench(scenario: str, seed: int, *arguments: str) -> AsyncIterator[Bench]:
     """Start the simulators at pace 0, with further arguments, and end them again."""
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "simulators", scenario, "--seed", str(seed), "--pace", "0", *arguments),
+        *(
+            sys.executable,
+            "-m",
+            "truepose_simulators",
+            scenario,
+            "--seed",
+            str(seed),
+            "--pace",
+            "0",
+            *arguments,
+        ),
         stdout=asyncio.subprocess.PIPE,
     )
     assert process.stdout is not None

@@ -5,10 +5,10 @@ import asyncio
 import httpx
 import pytest
 
-from service.exchange.campaign_zip import read_campaign_zip
-from service.showcase.ballbar_person import PersonAtTablet
-from service.showcase.killed_service import KilledService, standing_cell
 from tests.integration.web.ballbar_bench import PLACEMENT
+from truepose.exchange.campaign_zip import read_campaign_zip
+from truepose.showcase.ballbar_person import PersonAtTablet
+from truepose.showcase.killed_service import KilledService, standing_cell
 
 
 @pytest.fixture

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.cli import main
-from service.exchange.campaign_folder import write_campaign
 from tests.synthetic import measured, nominal_campaign
+from truepose.cli import main
+from truepose.exchange.campaign_folder import write_campaign
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
 COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.exchange.campaign_folder import read_campaign
-from service.exchange.model_file import read_model
-from service.exchange.result_documents import identification_document
-from service.identification import identify, predict
-from service.showcase.demo import DemoSize, run_demo
-from service.storage.lock import ServiceLock
 from tests.system.processes_left import descendants, named, running_after
+from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.model_file import read_model
+from truepose.exchange.result_documents import identification_document
+from truepose.identification import identify, predict
+from truepose.showcase.demo import DemoSize, run_demo
+from truepose.storage.lock import ServiceLock
 
 SCENARIO = "irb120-tilted"
 SMALL = DemoSize(calibration=25, validation=40)
@@ -163,7 +163,7 @@ def started_demo(out):
     """A demo as a process, whose standard error can be waited for."""
     # Whoever runs the tests in the background has SIGINT ignored, and children inherit that.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    command = [sys.executable, "-m", "service", "demo", "--out", str(out), "--seed", "6"]
+    command = [sys.executable, "-m", "truepose", "demo", "--out", str(out), "--seed", "6"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     signal.signal(signal.SIGINT, before)
     try:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from service.domain.campaign import Campaign
-from service.exchange.campaign_folder import write_campaign
 from tests.synthetic import measured, nominal_campaign
+from truepose.domain.campaign import Campaign
+from truepose.exchange.campaign_folder import write_campaign
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
 KEYS = {

@@ -7,9 +7,9 @@ from pathlib import Path
 import httpx
 import pytest
 
-import service.exchange
-from service.app import create_app
-from service.settings import Settings
+import truepose.exchange
+from truepose.app import create_app
+from truepose.settings import Settings
 
 # A clean robot whose base is pushed when about half of the configurations are measured: they take from 580 s
 # to 1,850 s of cell time. Readings scatter by 0.03 mm, so a push by 0.3 mm is plain.
@@ -26,7 +26,7 @@ subject = "base"
 amplitude = {PUSH_MM}
 from_s = {PUSHED_AT_S}
 """
-SHIPPED = Path(service.exchange.__file__).parent / "cells" / "simulated.toml"
+SHIPPED = Path(truepose.exchange.__file__).parent / "cells" / "simulated.toml"
 SESSION = {
     "name": "pushed",
     "role": "calibration",

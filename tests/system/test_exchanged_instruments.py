@@ -9,9 +9,9 @@ from importlib.resources import files
 import httpx
 import pytest
 
-from service.showcase.ballbar_person import PersonAtTablet
-from service.showcase.killed_service import KilledService
 from tests.integration.web.ballbar_bench import WANTED
+from truepose.showcase.ballbar_person import PersonAtTablet
+from truepose.showcase.killed_service import KilledService
 
 DRIVERS = {
     "emscon": "leica_emscon",
@@ -66,7 +66,7 @@ class Exchanged:
 
 
 def cell_file(announced):
-    table = (files("service.exchange") / "cells" / "simulated.toml").read_text(encoding="utf-8")
+    table = (files("truepose.exchange") / "cells" / "simulated.toml").read_text(encoding="utf-8")
     own_bar = 'name = "ballbar, simulated"\nserial_number = "SIM-0001"'
     lines = ['robot = "abb-irb-120"', table.replace('name = "ballbar, simulated"', own_bar)]
     for told in announced:
@@ -80,7 +80,7 @@ def cell_file(announced):
 @asynccontextmanager
 async def simulated_devices():
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "simulators", "irb120-clean", "--seed", "3", "--pace", "0"),
+        *(sys.executable, "-m", "truepose_simulators", "irb120-clean", "--seed", "3", "--pace", "0"),
         stdout=asyncio.subprocess.PIPE,
     )
     try:

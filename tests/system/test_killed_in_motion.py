@@ -12,9 +12,9 @@ import httpx
 import numpy as np
 import pytest
 
-from drivers.abb_open_abb.protocol import LogReader
-from service.showcase.ballbar_person import PersonAtTablet
-from service.showcase.killed_service import KilledService
+from truepose.showcase.ballbar_person import PersonAtTablet
+from truepose.showcase.killed_service import KilledService
+from truepose_drivers.abb_open_abb.protocol import LogReader
 
 DRIVERS = {"robot": "abb_open_abb", "ballbar": "heidenhain_nd", "hands": "cell_hands", "clock": "cell_clock"}
 LIMITS = "[limits]\ntool_speed_mm_s = 20.0\norientation_speed_deg_s = 3.0\n"
@@ -43,7 +43,8 @@ async def standing_cell(folder, server):
     scenario = folder / "irb120-watched.toml"
     scenario.write_text(f'extends = "irb120-clean"\n[arm]\nserver = "{server}"\n')
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "simulators", str(scenario), "--pace", "1"), stdout=asyncio.subprocess.PIPE
+        *(sys.executable, "-m", "truepose_simulators", str(scenario), "--pace", "1"),
+        stdout=asyncio.subprocess.PIPE,
     )
     try:
         endpoints = {}

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from service.showcase.cell_run import CellRequest
-from service.showcase.night_cases import (
+from truepose.showcase.cell_run import CellRequest
+from truepose.showcase.night_cases import (
     Check,
     NightCase,
     night_cases,
@@ -17,8 +17,8 @@ from service.showcase.night_cases import (
     wavy_gear_case,
     wrong_axis_case,
 )
-from service.showcase.nightly import run_nightly
-from simulators.scenario_file import shipped_scenarios
+from truepose.showcase.nightly import run_nightly
+from truepose_simulators.scenario_file import shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[2]
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
-from drivers.transports.tcp import TcpLink
-from service.domain.session import SessionState
-from service.planning.session_plans import plan_calibration, plan_validation
-from service.sequencing.runner import SessionRunner
 from tests.system.session_bench import Bench, bench
 from tests.unit.service.sequencing.operators import PatientOperator
+from truepose.domain.session import SessionState
+from truepose.planning.session_plans import plan_calibration, plan_validation
+from truepose.sequencing.runner import SessionRunner
+from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from truepose_drivers.transports.tcp import TcpLink
 
 SCENARIO = "irb120-tilted"
 

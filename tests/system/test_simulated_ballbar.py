@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError
-from drivers.registry import load_registry
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, LinkError
+from truepose_drivers.registry import load_registry
 
 # 5 sigma of the bar's noise (0.51 um), twice since two instruments are compared, and a step of 0.1 um
 SAME_MM = 5.0 * math.sqrt(2.0) * 0.00051 + 0.0001
@@ -42,7 +42,7 @@ class StartedCell:
 @pytest.fixture(params=["0", "1"], ids=["pace 0", "pace 1"])
 async def cell(request):
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "simulators", "lrmate-clean", "--seed", "4", "--pace", request.param,
+        sys.executable, "-m", "truepose_simulators", "lrmate-clean", "--seed", "4", "--pace", request.param,
         stdout=asyncio.subprocess.PIPE,
     )  # fmt: skip
     announced = [json.loads(await process.stdout.readline()) for _ in range(9)]

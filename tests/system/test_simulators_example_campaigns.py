@@ -6,12 +6,12 @@ import json
 import numpy as np
 import pytest
 
-from simulators.physics.arm import CarriedMass
-from simulators.physics.effects import Conditions
-from simulators.physics.equilibrium import find_rest
-from simulators.physics.plant import Plant
-from simulators.physics.rigid import cross_matrix
-from simulators.physics.robots import ARMS
+from truepose_simulators.physics.arm import CarriedMass
+from truepose_simulators.physics.effects import Conditions
+from truepose_simulators.physics.equilibrium import find_rest
+from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.rigid import cross_matrix
+from truepose_simulators.physics.robots import ARMS
 
 
 def read_rows(path):

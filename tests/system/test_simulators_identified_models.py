@@ -16,15 +16,15 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from service.domain.results import Unit
-from service.effects.registry import EFFECTS
-from service.exchange.model_file import write_model
-from service.identification import predict
-from simulators.model_file import load_model
-from simulators.physics.effects.registry import REALISED
-from simulators.recording.__main__ import main
 from tests.identified_models import EXTENSIONS, ROBOTS, extended, model_of, parameters_of, stops_and_nests
 from tests.robots import IRB_120
+from truepose.domain.results import Unit
+from truepose.effects.registry import EFFECTS
+from truepose.exchange.model_file import write_model
+from truepose.identification import predict
+from truepose_simulators.model_file import load_model
+from truepose_simulators.physics.effects.registry import REALISED
+from truepose_simulators.recording.__main__ import main
 
 LIMIT_MM = 1e-3
 # Effects that are no part of the arm's equation of motion: they place it.

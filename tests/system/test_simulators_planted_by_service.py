@@ -5,9 +5,9 @@ import json
 
 import pytest
 
-from service.app.errors import ScenarioRefusedError
-from service.app.simulation import running_simulation
-from service.domain.cell import PlantedEffect, SimulatedCell
+from truepose.app.errors import ScenarioRefusedError
+from truepose.app.simulation import running_simulation
+from truepose.domain.cell import PlantedEffect, SimulatedCell
 
 
 async def ask(endpoint, **request):

@@ -1,4 +1,4 @@
-"""`python -m simulators` as whoever starts it sees it."""
+"""`python -m truepose_simulators` as whoever starts it sees it."""
 
 import json
 import random
@@ -36,7 +36,7 @@ class Simulators:
 
     def __init__(self, *arguments):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "simulators", *arguments],
+            [sys.executable, "-m", "truepose_simulators", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -74,7 +74,7 @@ def start():
 
 def run(*arguments):
     return subprocess.run(
-        [sys.executable, "-m", "simulators", *arguments],
+        [sys.executable, "-m", "truepose_simulators", *arguments],
         capture_output=True,
         text=True,
         timeout=START_S,

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 
-from service.exchange.campaign_folder import read_campaign
-from simulators.recording import Wishes, record, write_campaign
-from simulators.recording.__main__ import main
-from simulators.scenario_file import load_scenario
+from truepose.exchange.campaign_folder import read_campaign
+from truepose_simulators.recording import Wishes, record, write_campaign
+from truepose_simulators.recording.__main__ import main
+from truepose_simulators.scenario_file import load_scenario
 
 
 def rows(path):
@@ -20,7 +20,7 @@ def rows(path):
 
 
 def identified(folder):
-    command = [sys.executable, "-m", "service", "identify", str(folder), "--json"]
+    command = [sys.executable, "-m", "truepose", "identify", str(folder), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
@@ -116,7 +116,7 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path, capsys):
 
 
 def test_the_recorder_is_a_command(tmp_path):
-    command = [sys.executable, "-m", "simulators.recording", "irb120-clean", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "truepose_simulators.recording", "irb120-clean", "--out", str(tmp_path)]
 
     done = subprocess.run([*command, "--configurations", "12"], capture_output=True, text=True, check=False)
 

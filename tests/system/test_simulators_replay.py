@@ -10,15 +10,15 @@ import sys
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.exchange.model_file import read_model
-from service.exchange.point_files import read_points_to_predict
-from service.identification import predict
-from service.planning.session_plans import plan_validation
-from service.sequencing.runner import SessionRunner
-from simulators.recording.__main__ import main
 from tests.system.session_bench import bench
 from tests.unit.service.sequencing.operators import PatientOperator
+from truepose.domain.campaign import Stops
+from truepose.exchange.model_file import read_model
+from truepose.exchange.point_files import read_points_to_predict
+from truepose.identification import predict
+from truepose.planning.session_plans import plan_validation
+from truepose.sequencing.runner import SessionRunner
+from truepose_simulators.recording.__main__ import main
 
 GEARED = """extends = "irb120-clean"
 [[effect]]
@@ -43,7 +43,7 @@ EFFECTS = "base,geometry,compliance,joint_gain,joint_harmonics"
 
 def truepose(*arguments):
     return subprocess.run(
-        [sys.executable, "-m", "service", *map(str, arguments)], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "truepose", *map(str, arguments)], capture_output=True, text=True, check=False
     )
 
 
@@ -167,7 +167,7 @@ async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared):
 
 
 def test_the_command_announces_the_models_cell_and_it_stands_where_predicted(geared):
-    command = [sys.executable, "-m", "service", "simulate", "--pace", "0", "--model", geared / "model.json"]
+    command = [sys.executable, "-m", "truepose", "simulate", "--pace", "0", "--model", geared / "model.json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         endpoints = {}
         while "hands" not in endpoints:  # the last one: nobody is left who would write into a closed pipe

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.abb_open_abb.protocol import LogReader
-from simulators.cell import Cell
-from simulators.clock import CellClock
-from simulators.instruments.open_abb import MotionProgram
-from simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
-from simulators.scenario import ArmSetup
-from simulators.scenario_file import load_scenario
+from truepose_drivers.abb_open_abb.protocol import LogReader
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.instruments.open_abb import MotionProgram
+from truepose_simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.scenario import ArmSetup
+from truepose_simulators.scenario_file import load_scenario
 
 PATIENCE_S = 5.0
 # Replies cross the loopback in well under a millisecond: what has not come by then does not come.

@@ -3,13 +3,13 @@ from pathlib import Path
 
 import pytest
 
-import simulators
-from simulators.errors import ScenarioError
-from simulators.faults.kinds import BeamBroken, FixedNestMoved
-from simulators.physics.effects import EFFECTS, PlantedChange
-from simulators.physics.plant import PlantSizes
-from simulators.scenario import Scenario
-from simulators.scenario_file import load_scenario, shipped_scenarios
+import truepose_simulators
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.faults.kinds import BeamBroken, FixedNestMoved
+from truepose_simulators.physics.effects import EFFECTS, PlantedChange
+from truepose_simulators.physics.plant import PlantSizes
+from truepose_simulators.scenario import Scenario
+from truepose_simulators.scenario_file import load_scenario, shipped_scenarios
 
 
 @pytest.fixture
@@ -165,7 +165,7 @@ def test_details_of_a_planted_change_are_read_and_checked(write):
 
 
 def test_the_readme_lists_every_effect():
-    readme = (Path(simulators.__file__).with_name("README.md")).read_text(encoding="utf-8")
+    readme = (Path(truepose_simulators.__file__).with_name("README.md")).read_text(encoding="utf-8")
     section = readme.split("## Effects", 1)[1].split("\n## ", 1)[0]
 
     listed = re.findall(r"^\| `([a-z_]+)` \|", section, re.MULTILINE)

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from simulators.cell import Cell
-from simulators.clock import CellClock
-from simulators.instruments.leica_emscon import tracker_endpoint
-from simulators.scenario_file import load_scenario
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.instruments.leica_emscon import tracker_endpoint
+from truepose_simulators.scenario_file import load_scenario
 
 
 @pytest.fixture

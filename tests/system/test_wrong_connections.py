@@ -8,8 +8,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from service.validation.connections import judge_leg, judge_pose
 from tests.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from truepose.validation.connections import judge_leg, judge_pose
 
 STOPS = 100
 

@@ -6,10 +6,10 @@ with the load. A package brings it as `BROUGHT`; inside the service it would be 
 
 import numpy as np
 
-from service.domain.arrays import FloatArray
-from service.effects.causes import Candidate, CellRow, Fitted, NamedCause, Scene, Shown
-from service.effects.names import joint_name, joint_of, joint_subject
-from service.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.domain.arrays import FloatArray
+from truepose.effects.causes import Candidate, CellRow, Fitted, NamedCause, Scene, Shown
+from truepose.effects.names import joint_name, joint_of, joint_subject
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "friction_windup"
 _WIDTH = 3e-8  # rad/(N mm): what 10 N m of load would then leave, 0.02 deg, is more than most gears show

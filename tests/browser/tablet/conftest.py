@@ -4,11 +4,11 @@ import contextlib
 
 import pytest
 
-from service.web.door.hosts import AllowedHosts
-from service.web.door.middleware import Door
 from tests.browser.tablet.fake_desk import FakeDesk
 from tests.browser.tablet.wire import wire_to
 from tests.integration.web.listening import listening
+from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.middleware import Door
 
 PORTRAIT = {"width": 800, "height": 1280}
 LANDSCAPE = {"width": 1280, "height": 800}

@@ -12,9 +12,9 @@ import time
 from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
-from drivers.api import MotionGuard
-from service.sequencing.notices import motion_notice
-from service.web.tablet import routes
+from truepose.sequencing.notices import motion_notice
+from truepose.web.tablet import routes
+from truepose_drivers.api import MotionGuard
 
 ALL_ACTS = ["store", "retry", "skip", "back", "pause", "stop", "abort", "confirm", "answer", "resume"]
 CUPS = {"B1": (380.0, -150.0, 60.0), "B2": (640.0, 0.0, 60.0), "B3": (380.0, 150.0, 60.0)}

@@ -3,12 +3,12 @@
 import pytest
 from playwright.sync_api import expect
 
-from drivers.api import MotionGuard
-from service.sequencing.notices import motion_notice
 from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move
 from tests.browser.tablet.test_screens import shown
 from tests.browser.tablet.test_stop_is_there import NOTICES, OUT_OF_REACH
+from truepose.sequencing.notices import motion_notice
+from truepose_drivers.api import MotionGuard
 
 ASKING = ("planned", "move", "interrupted", "foreign")
 SIZES = [(360, 640), (390, 844), (844, 390), (1024, 768), (800, 1280), (1440, 900)]

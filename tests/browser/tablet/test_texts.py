@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-import service.sequencing.ballbar
-import service.web.tablet
+import truepose.sequencing.ballbar
+import truepose.web.tablet
 
-HERE = Path(service.web.tablet.__file__).parent
+HERE = Path(truepose.web.tablet.__file__).parent
 LANGUAGES = {path.stem: json.loads(path.read_text("utf-8")) for path in (HERE / "texts").glob("*.json")}
 CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").glob("*.js"))
 PAGES = "".join(path.read_text("utf-8") for path in (HERE / "templates").glob("*.html"))
@@ -22,7 +22,7 @@ KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person",
 
 SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', (HERE / "static" / "reasons.js").read_text("utf-8"), re.M)
 SEQUENCING = "".join(
-    path.read_text("utf-8") for path in Path(service.sequencing.ballbar.__file__).parent.glob("*.py")
+    path.read_text("utf-8") for path in Path(truepose.sequencing.ballbar.__file__).parent.glob("*.py")
 )
 
 

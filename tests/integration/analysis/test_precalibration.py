@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.analysis.errors import NothingMeasuredError
-from service.analysis.precalibration import precalibrate
-from service.domain.artefacts import BallbarKit
-from service.planning.ballbar.plan import plan_at
-from service.storage.records import SessionSetup
 from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm
 from tests.ballbar_truth import TrueArm, measured_session
+from truepose.analysis.errors import NothingMeasuredError
+from truepose.analysis.precalibration import precalibrate
+from truepose.domain.artefacts import BallbarKit
+from truepose.planning.ballbar.plan import plan_at
+from truepose.storage.records import SessionSetup
 
 MEASURED = range(1, 13)
 

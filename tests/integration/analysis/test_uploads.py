@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import pytest
 
-from service.analysis.errors import BusyError
-from service.analysis.tasks import CampaignRead
-from service.analysis.uploads import Uploads
-from service.analysis.worker_process import TaskRefusedError, perform_in_worker
-from service.exchange.campaign_zip import write_campaign_zip
 from tests.builders import make_campaign
+from truepose.analysis.errors import BusyError
+from truepose.analysis.tasks import CampaignRead
+from truepose.analysis.uploads import Uploads
+from truepose.analysis.worker_process import TaskRefusedError, perform_in_worker
+from truepose.exchange.campaign_zip import write_campaign_zip
 
 MB = 2**20
 READ_ONE = """
 import sys
 from pathlib import Path
-from service.analysis.tasks import ReadCampaignTask
+from truepose.analysis.tasks import ReadCampaignTask
 
 ReadCampaignTask(Path(sys.argv[1]).read_bytes(), "elbow.zip").perform(None)
 print(*{"sqlalchemy", "scipy"} & sys.modules.keys())

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from service.analysis.errors import WorkerDiedError
-from service.analysis.worker_process import TaskRefusedError, perform_in_worker
-from service.domain.errors import ConfigurationError
+from truepose.analysis.errors import WorkerDiedError
+from truepose.analysis.worker_process import TaskRefusedError, perform_in_worker
+from truepose.domain.errors import ConfigurationError
 
 
 @dataclass(frozen=True)

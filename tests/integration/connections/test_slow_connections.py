@@ -7,8 +7,8 @@ import socket
 
 import pytest
 
-from service.app.connections.census import Limits
 from tests.integration.connections.conftest import TIGHT, connected, served, until_closed
+from truepose.app.connections.census import Limits
 
 GET = b"GET /3 HTTP/1.1\r\nHost: localhost\r\n\r\n"
 

@@ -24,13 +24,15 @@ _CONSECUTIVE_PORTS = 5
 
 def copy_sources(dockerfile, folder):
     """Do what the COPY instructions do."""
-    for sources, _ in dockerfile.copies():
+    for sources, destination in dockerfile.copies():
         for source in sources:
             found = CHECKOUT / source
             if found.is_dir():
-                shutil.copytree(found, folder / source, ignore=shutil.ignore_patterns("__pycache__"))
+                shutil.copytree(
+                    found, folder / destination, symlinks=True, ignore=shutil.ignore_patterns("__pycache__")
+                )
             else:
-                shutil.copy(found, folder / source)
+                shutil.copy(found, folder / destination)
     return folder
 
 

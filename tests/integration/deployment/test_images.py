@@ -7,7 +7,6 @@ import httpx
 import numpy as np
 import pytest
 
-from service.exchange.cell_file import read_cell
 from tests.integration.deployment.deployment_files import CHECKOUT, compose_file, dockerfiles
 from tests.integration.deployment.images import (
     announced,
@@ -22,6 +21,7 @@ from tests.integration.deployment.images import (
     replaced,
     running,
 )
+from truepose.exchange.cell_file import read_cell
 
 _SERVICES = compose_file()["services"]
 _ANYWHERE, _HERE = "0.0.0.0", "127.0.0.1"

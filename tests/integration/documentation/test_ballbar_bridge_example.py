@@ -4,7 +4,7 @@ import asyncio
 import sys
 from pathlib import Path
 
-from drivers.ballbar_bridge.driver import PLUGIN
+from truepose_drivers.ballbar_bridge.driver import PLUGIN
 
 BRIDGE = Path(__file__).parents[3] / "docs" / "examples" / "ballbar_bridge.py"
 

@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.effects.causes import NamedCause
-from service.effects.installed import GROUP, load_installed
-from service.effects.unnamed.kinds import Kind
-from service.effects.unnamed.table import KINDS
+from tests.checkout import SOURCES
 from tests.scenes import telling_campaign, telling_scene
+from truepose.diagnosis.diagnose import diagnose
+from truepose.effects.causes import NamedCause
+from truepose.effects.installed import GROUP, load_installed
+from truepose.effects.unnamed.kinds import Kind
+from truepose.effects.unnamed.table import KINDS
 
 _CHECKOUT = Path(__file__).parents[3]
 _PACKAGE = _CHECKOUT / "docs" / "examples" / "acme_causes"
@@ -41,7 +42,7 @@ def truepose(*arguments, beside):
     """Run the program where other packages are installed too."""
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
-        env={"PYTHONPATH": os.pathsep.join(map(str, (_CHECKOUT, *beside))), "PATH": ""},
+        env={"PYTHONPATH": os.pathsep.join(map(str, (*SOURCES, *beside))), "PATH": ""},
         capture_output=True,
         text=True,
         check=False,
@@ -52,9 +53,9 @@ def truepose(*arguments, beside):
 def test_the_package_brings_a_named_cause_and_a_kind_of_cell(tmp_path):
     folder = installed(tmp_path / "site", _ENTRIES)
     asked = (
-        "from service.effects.registry import CAUSES, unusable_causes; "
-        "from service.effects.unnamed.table import KINDS; from service.effects.cells import cell_of; "
-        "from service.effects.causes import Candidate; "
+        "from truepose.effects.registry import CAUSES, unusable_causes; "
+        "from truepose.effects.unnamed.table import KINDS; from truepose.effects.cells import cell_of; "
+        "from truepose.effects.causes import Candidate; "
         "print('friction_windup' in CAUSES, 'daily' in KINDS, unusable_causes(), "
         "*cell_of(Candidate('friction_windup', 'joint 3', ())))"
     )
@@ -68,8 +69,8 @@ def test_what_a_package_brings_can_be_asked_for_by_name(tmp_path):
     folder = installed(tmp_path / "site", _ENTRIES)
     effects = ("--effects", "base,tool,geometry,friction_windup", "--json")
 
-    done = truepose("-m", "service", "identify", _CAMPAIGN, *effects, beside=(folder, _PACKAGE))
-    without = truepose("-m", "service", "identify", _CAMPAIGN, *effects, beside=())
+    done = truepose("-m", "truepose", "identify", _CAMPAIGN, *effects, beside=(folder, _PACKAGE))
+    without = truepose("-m", "truepose", "identify", _CAMPAIGN, *effects, beside=())
 
     assert done.returncode == 0, done.stderr
     assert '"friction_3"' in done.stdout
@@ -81,8 +82,8 @@ def test_a_broken_package_costs_one_sentence_and_nothing_else(tmp_path):
     modules = {"acme": "raise RuntimeError('no licence')"}
     folder = installed(tmp_path / "site", {"acme": "acme:BROUGHT"}, modules)
 
-    done = truepose("-m", "service", "identify", _CAMPAIGN, beside=(folder,))
-    asked = truepose("-m", "service", "identify", _CAMPAIGN, "--effects", "acme", beside=(folder,))
+    done = truepose("-m", "truepose", "identify", _CAMPAIGN, beside=(folder,))
+    asked = truepose("-m", "truepose", "identify", _CAMPAIGN, "--effects", "acme", beside=(folder,))
 
     told = "loading acme:BROUGHT failed with RuntimeError: no licence."
     assert done.returncode == 0
@@ -93,14 +94,14 @@ def test_a_broken_package_costs_one_sentence_and_nothing_else(tmp_path):
 
 def test_a_name_that_truepose_has_stays_its_own(tmp_path):
     mine = (
-        "from service.effects.backlash import Backlash\n"
-        "from service.effects.causes import CellRow, NamedCause\n"
+        "from truepose.effects.backlash import Backlash\n"
+        "from truepose.effects.causes import CellRow, NamedCause\n"
         "BROUGHT = NamedCause(Backlash(), CellRow('readings', 'time', 'jump'))\n"
     )
     folder = installed(tmp_path / "site", {"backlash": "mine:BROUGHT"}, {"mine": mine})
     asked = (
-        "from service.effects.registry import CAUSES, unusable_causes; "
-        "from service.effects.cells import cell_of; from service.effects.causes import Candidate; "
+        "from truepose.effects.registry import CAUSES, unusable_causes; "
+        "from truepose.effects.cells import cell_of; from truepose.effects.causes import Candidate; "
         "print(type(CAUSES['backlash']).__name__, cell_of(Candidate('backlash', 'joint 3', ())).over, "
         "*unusable_causes())"
     )
@@ -119,7 +120,7 @@ def test_a_cause_that_fails_while_it_works_is_named(tmp_path):
     assert looks in daily
     folder = installed(tmp_path / "site", {"daily": "daily:BROUGHT"}, {"daily": daily.replace(looks, fails)})
 
-    done = truepose("-m", "service", "diagnose", _CAMPAIGN, beside=(folder,))
+    done = truepose("-m", "truepose", "diagnose", _CAMPAIGN, beside=(folder,))
 
     assert done.returncode == 2
     assert done.stderr.splitlines() == [

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import shlex
 import shutil
@@ -11,15 +12,17 @@ from pathlib import Path
 
 import pytest
 
+from tests.checkout import SOURCES
+
 _CHECKOUT = Path(__file__).parents[3]
 _FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"
 
 
 def _truepose(*arguments, cwd):
     return subprocess.run(
-        [sys.executable, "-m", "service", *map(str, arguments)],
+        [sys.executable, "-m", "truepose", *map(str, arguments)],
         cwd=cwd,
-        env={"PYTHONPATH": str(_CHECKOUT), "PATH": ""},
+        env={"PYTHONPATH": os.pathsep.join(SOURCES), "PATH": ""},
         capture_output=True,
         text=True,
         check=False,

@@ -11,7 +11,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.errors import (
+from tests.scenes import telling_scene
+from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.effects.causes import Fitted
+from truepose.effects.registry import EFFECTS
+from truepose.exchange.cell_file import read_cell
+from truepose.exchange.shipped_robots import load_robot_with_tool, read_robot_file
+from truepose.identification import identify
+from truepose.identification.derivatives import position_jacobian
+from truepose.identification.evaluation import Targets, evaluate
+from truepose.identification.problem import build
+from truepose.kinematics.chain import nominal_chain
+from truepose_drivers.errors import (
     BeamBrokenError,
     ConfigurationError,
     ConnectionLostError,
@@ -20,20 +31,9 @@ from drivers.errors import (
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
-from drivers.monotonic_clock import MonotonicClock
-from drivers.registry import ENTRY_POINT_GROUP, load_registry
-from drivers.transports.memory import MemoryLink
-from service.domain.campaign import Campaign, PointReadings, Stops
-from service.effects.causes import Fitted
-from service.effects.registry import EFFECTS
-from service.exchange.cell_file import read_cell
-from service.exchange.shipped_robots import load_robot_with_tool, read_robot_file
-from service.identification import identify
-from service.identification.derivatives import position_jacobian
-from service.identification.evaluation import Targets, evaluate
-from service.identification.problem import build
-from service.kinematics.chain import nominal_chain
-from tests.scenes import telling_scene
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
+from truepose_drivers.transports.memory import MemoryLink
 
 _EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 

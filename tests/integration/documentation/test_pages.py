@@ -38,7 +38,7 @@ def test_every_command_of_the_readme_has_the_options_that_it_names(row):
     command, options = row
 
     shown = subprocess.run(
-        [sys.executable, "-m", "service", command, "--help"],
+        [sys.executable, "-m", "truepose", command, "--help"],
         cwd=_CHECKOUT,
         env={"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"},
         capture_output=True,

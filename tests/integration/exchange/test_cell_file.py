@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from service.domain.artefacts import Artefact, BallbarKit, Bars
-from service.domain.cell import CertifiedLength, PlantedEffect, SimulatedCell
-from service.exchange.cell_file import read_cell, simulated_cell
-from service.exchange.errors import (
+from truepose.domain.artefacts import Artefact, BallbarKit, Bars
+from truepose.domain.cell import CertifiedLength, PlantedEffect, SimulatedCell
+from truepose.exchange.cell_file import read_cell, simulated_cell
+from truepose.exchange.errors import (
     BadValueError,
     InputFileError,
     MissingEntryError,

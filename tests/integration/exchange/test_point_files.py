@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from service.domain.campaign import LegReadings, PointReadings
-from service.exchange.campaign_folder import campaign_files
-from service.exchange.errors import BadValueError, MissingEntryError, MissingFileError, WrongUnitError
-from service.exchange.point_files import (
+from tests.builders import make_ballbar_campaign
+from truepose.domain.campaign import LegReadings, PointReadings
+from truepose.exchange.campaign_folder import campaign_files
+from truepose.exchange.errors import BadValueError, MissingEntryError, MissingFileError, WrongUnitError
+from truepose.exchange.point_files import (
     read_points_to_predict,
     read_validation_file,
     write_predictions,
 )
-from tests.builders import make_ballbar_campaign
 
 TABLES = campaign_files(make_ballbar_campaign())
 

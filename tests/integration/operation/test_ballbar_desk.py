@@ -5,25 +5,25 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import EntryKind, LedgerEntry
-from service.domain.cell import DeviceEntry
-from service.domain.session import SessionState
-from service.operation.ballbar_plans import BallbarWish
-from service.operation.ballbar_sessions import BallbarDesk
-from service.operation.devices import MountedDevice, Rack
-from service.operation.errors import DeviceInUseError
-from service.sequencing.ballbar import control
-from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
-from service.sequencing.ballbar.situation import situation
-from service.sequencing.errors import NotNowError, PlanRefusedError
-from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.errors import KeyReusedError
-from service.storage.records import RequestKey, SessionSetup
-from service.storage.sessions import SessionRepository
 from tests.ballbar_cells import domain_cell
 from tests.ballbar_sessions import make_ballbar_plan, measured
 from tests.integration.web.bench import Bench
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import EntryKind, LedgerEntry
+from truepose.domain.cell import DeviceEntry
+from truepose.domain.session import SessionState
+from truepose.operation.ballbar_plans import BallbarWish
+from truepose.operation.ballbar_sessions import BallbarDesk
+from truepose.operation.devices import MountedDevice, Rack
+from truepose.operation.errors import DeviceInUseError
+from truepose.sequencing.ballbar import control
+from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
+from truepose.sequencing.ballbar.situation import situation
+from truepose.sequencing.errors import NotNowError, PlanRefusedError
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.errors import KeyReusedError
+from truepose.storage.records import RequestKey, SessionSetup
+from truepose.storage.sessions import SessionRepository
 
 
 class FakeRunner:

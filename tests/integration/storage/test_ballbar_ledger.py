@@ -5,22 +5,22 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import text
 
-from service.domain.ballbar import (
+from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
+from tests.measured_sessions import make_plan, make_setup
+from truepose.domain.ballbar import (
     EntryKind,
     LedgerEntry,
     PoseForecast,
     PreCalibration,
     Suspicion,
 )
-from service.domain.session import SessionState
-from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.errors import ConflictError, KeyReusedError
-from service.storage.events import EventRepository
-from service.storage.library import LIBRARY
-from service.storage.records import ActAnswer, Page, RequestKey
-from service.storage.sessions import SessionRepository
-from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
-from tests.measured_sessions import make_plan, make_setup
+from truepose.domain.session import SessionState
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.errors import ConflictError, KeyReusedError
+from truepose.storage.events import EventRepository
+from truepose.storage.library import LIBRARY
+from truepose.storage.records import ActAnswer, Page, RequestKey
+from truepose.storage.sessions import SessionRepository
 
 
 @pytest.fixture

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from service.domain.ballbar import EntryKind
-from service.sequencing.ballbar import step_ids
-from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_setup
 from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
+from truepose.domain.ballbar import EntryKind
+from truepose.sequencing.ballbar import step_ids
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.sessions import SessionRepository
 
 PLAN = make_plan((1, 2, 3, 12), precalibrate_after=2)
 

@@ -10,23 +10,23 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import create_engine, inspect, text
 
-from service.storage.database import Database
-from service.storage.errors import (
+from truepose.storage.database import Database
+from truepose.storage.errors import (
     DatabaseAddressError,
     DatabaseInUseError,
     ForeignDatabaseError,
     NewerSchemaError,
     StorageUnavailableError,
 )
-from service.storage.library import LIBRARY
-from service.storage.schema import migration_config, newest_revision
-from service.storage.tables import metadata
+from truepose.storage.library import LIBRARY
+from truepose.storage.schema import migration_config, newest_revision
+from truepose.storage.tables import metadata
 
 WRITES_UNTIL_KILLED = textwrap.dedent("""
     import asyncio, sys
-    from service.storage.database import Database
-    from service.storage.readings import ReadingRepository
-    from service.storage.sessions import SessionRepository
+    from truepose.storage.database import Database
+    from truepose.storage.readings import ReadingRepository
+    from truepose.storage.sessions import SessionRepository
     from tests.measured_sessions import make_plan, make_point, make_setup
 
     async def main():
@@ -91,7 +91,7 @@ def test_a_second_service_on_the_same_database_is_refused(database, database_url
 
 
 def test_a_second_service_in_another_process_is_refused(database, database_url):
-    script = f"from service.storage.database import Database; Database({database_url!r})"
+    script = f"from truepose.storage.database import Database; Database({database_url!r})"
 
     second = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
 

@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from service.storage.arrival import verify_left
-from service.storage.database import Database
-from service.storage.errors import DamagedDatabaseError, DatabaseAddressError
-from service.storage.guard import Guard
-from service.storage.library import LIBRARY
-from service.storage.readings import ReadingRepository
-from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_plan, make_point, make_setup
+from truepose.storage.arrival import verify_left
+from truepose.storage.database import Database
+from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
+from truepose.storage.guard import Guard
+from truepose.storage.library import LIBRARY
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.sessions import SessionRepository
 
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
 PROTECTED = """

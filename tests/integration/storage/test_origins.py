@@ -4,22 +4,22 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.ballbar import EntryKind, LedgerEntry
-from service.domain.cell import SimulatedCell
-from service.storage.ballbar_ledger import BallbarLedger
-from service.storage.campaigns import CampaignRepository, NewCampaign
-from service.storage.diagnoses import DiagnosisRepository
-from service.storage.documents import to_document
-from service.storage.jobs import JobRepository
-from service.storage.records import CampaignSummary, JobKind, Page
-from service.storage.results import ResultRepository
-from service.storage.rows import add_row
-from service.storage.sessions import SessionRepository
-from service.storage.tables import diagnoses
 from tests.ballbar_sessions import make_ballbar_plan, measured
 from tests.builders import make_identification, make_model
 from tests.diagnoses import make_diagnosis
 from tests.measured_sessions import make_plan, make_setup
+from truepose.domain.ballbar import EntryKind, LedgerEntry
+from truepose.domain.cell import SimulatedCell
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.diagnoses import DiagnosisRepository
+from truepose.storage.documents import to_document
+from truepose.storage.jobs import JobRepository
+from truepose.storage.records import CampaignSummary, JobKind, Page
+from truepose.storage.results import ResultRepository
+from truepose.storage.rows import add_row
+from truepose.storage.sessions import SessionRepository
+from truepose.storage.tables import diagnoses
 
 REAL = make_setup()
 SIMULATED = replace(REAL, cell=replace(REAL.cell, simulated=SimulatedCell("irb120-tilted", 0)))

@@ -5,16 +5,16 @@ import json
 import pytest
 from sqlalchemy import text
 
-from service.domain.session import PlannedStop, Progress, SessionState, StopSkipped
-from service.storage.added_stops import AddedStopsRepository
-from service.storage.errors import ConflictError, KeyReusedError, NotFoundError
-from service.storage.events import EventRepository
-from service.storage.jobs import JobRepository
-from service.storage.journal import StoredJournal
-from service.storage.readings import ReadingRepository
-from service.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
-from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_fixed_nest, make_plan, make_point, make_setup
+from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
+from truepose.storage.added_stops import AddedStopsRepository
+from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
+from truepose.storage.events import EventRepository
+from truepose.storage.jobs import JobRepository
+from truepose.storage.journal import StoredJournal
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
+from truepose.storage.sessions import SessionRepository
 
 
 @pytest.fixture

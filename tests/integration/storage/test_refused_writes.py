@@ -9,12 +9,12 @@ import textwrap
 
 import pytest
 
-from service.storage.database import Database
-from service.storage.errors import ConflictError, StorageUnavailableError
-from service.storage.library import LIBRARY
-from service.storage.records import Page
-from service.storage.sessions import SessionRepository
 from tests.measured_sessions import make_plan, make_setup
+from truepose.storage.database import Database
+from truepose.storage.errors import ConflictError, StorageUnavailableError
+from truepose.storage.library import LIBRARY
+from truepose.storage.records import Page
+from truepose.storage.sessions import SessionRepository
 
 
 async def add(database, name="first"):
@@ -171,7 +171,7 @@ async def test_a_database_in_whose_place_another_file_lies_is_not_written_over_i
     assert await names(database) == ["first", "second"]
 
 
-OPENS = "import sys; from service.storage.database import Database; Database(sys.argv[1])"
+OPENS = "import sys; from truepose.storage.database import Database; Database(sys.argv[1])"
 
 
 def open_elsewhere(url):
@@ -200,9 +200,9 @@ async def test_a_database_that_was_written_anew_is_locked_as_well(database):
 
 FILLS = textwrap.dedent("""
     import asyncio, resource, sys
-    from service.storage.database import Database
-    from service.storage.errors import StorageUnavailableError
-    from service.storage.sessions import SessionRepository
+    from truepose.storage.database import Database
+    from truepose.storage.errors import StorageUnavailableError
+    from truepose.storage.sessions import SessionRepository
     from tests.measured_sessions import make_plan, make_setup
 
     async def main():

@@ -2,7 +2,7 @@
 
 import asyncio
 
-from drivers.api import (
+from truepose_drivers.api import (
     BallbarReading,
     DeviceIdentity,
     DriverPlugin,
@@ -10,8 +10,8 @@ from drivers.api import (
     JointReading,
     TrackerReading,
 )
-from drivers.errors import ConnectFailedError, DeviceRefusedError, NotInitialisedError
-from drivers.registry import DriverRegistry
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NotInitialisedError
+from truepose_drivers.registry import DriverRegistry
 
 CELL = """
 name = "bench"

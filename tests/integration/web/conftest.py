@@ -5,10 +5,10 @@ import asyncio
 import httpx
 import pytest
 
-from service.analysis.worker_process import perform_in_worker
-from service.app import create_app
-from service.settings import Settings
 from tests.integration.web.bench import CELL, Bench
+from truepose.analysis.worker_process import perform_in_worker
+from truepose.app import create_app
+from truepose.settings import Settings
 
 
 @pytest.fixture

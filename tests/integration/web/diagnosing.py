@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import httpx
 
-from service.app import create_app
-from service.exchange.campaign_zip import read_campaign_zip
 from tests.diagnoses import make_diagnosis
 from tests.integration.web.conftest import asking
+from truepose.app import create_app
+from truepose.exchange.campaign_zip import read_campaign_zip
 
 
 class Diagnostician:

@@ -2,11 +2,11 @@
 
 import pytest
 
-from service.exchange.campaign_zip import read_campaign_zip
 from tests.diagnoses import make_diagnosis
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
+from truepose.exchange.campaign_zip import read_campaign_zip
 
 SESSIONS = "/api/v1/sessions"
 MORE = {

@@ -8,11 +8,11 @@ import time
 import httpx
 import pytest
 
-from service.app import create_app
-from service.web import ballbar_live
 from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
+from truepose.app import create_app
+from truepose.web import ballbar_live
 
 
 @pytest.fixture

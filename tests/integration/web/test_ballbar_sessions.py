@@ -5,10 +5,10 @@ import asyncio
 import httpx
 import pytest
 
-from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS, WANTED, Tablet
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
+from truepose.app import create_app
 
 
 @pytest.fixture

@@ -8,11 +8,11 @@ from datetime import date
 
 import pytest
 
-from service.analysis.uploads import Uploads
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from tests.builders import make_campaign
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
+from truepose.analysis.uploads import Uploads
+from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 
 CAMPAIGNS = "/api/v1/campaigns"
 ZIP = {"Content-Type": "application/zip"}

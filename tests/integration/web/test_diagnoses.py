@@ -2,12 +2,12 @@
 
 import pytest
 
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
-from service.exchange.diagnosis_document import diagnosis_document
 from tests.builders import make_campaign, make_robot
 from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
+from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.exchange.diagnosis_document import diagnosis_document
 
 DIAGNOSES = "/api/v1/diagnoses"
 ZIP = {"Content-Type": "application/zip"}

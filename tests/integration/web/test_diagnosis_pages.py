@@ -6,11 +6,11 @@ from datetime import date
 
 import pytest
 
-from service.domain.cell import SimulatedCell
-from service.exchange.campaign_zip import write_campaign_zip
-from service.web.diagnosis_pages import measured_words
 from tests.builders import make_campaign
 from tests.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
+from truepose.domain.cell import SimulatedCell
+from truepose.exchange.campaign_zip import write_campaign_zip
+from truepose.web.diagnosis_pages import measured_words
 
 HOSTILE = "<script>alert('x')</script>"
 

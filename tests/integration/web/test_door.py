@@ -5,10 +5,10 @@ import contextlib
 import pytest
 from fastapi.responses import HTMLResponse
 
-from service.web.application import create_application
-from service.web.door.hosts import AllowedHosts
-from service.web.door.judgement import PAGES
 from tests.routes import METHODS, addresses_of, asked, paths_of
+from truepose.web.application import create_application
+from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.judgement import PAGES
 
 APP = create_application("test", contextlib.nullcontext, AllowedHosts(["cell3.shop", "https://proxy.shop"]))
 ADDRESSES = addresses_of(APP)

@@ -6,10 +6,10 @@ import json
 import httpx
 import pytest
 
-from service.app import create_app
-from service.web import events as streams
 from tests.integration.web.bench import session_request
 from tests.integration.web.listening import listening
+from truepose.app import create_app
+from truepose.web import events as streams
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ import contextlib
 import httpx
 import pytest
 
-from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
+from truepose.app import create_app
 
 SESSION = "/api/v1/sessions/1"
 NAMED = CELL.replace('driver = "fake_tracker"', 'driver = "fake_tracker"\nserial_number = "390003"')

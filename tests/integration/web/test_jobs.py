@@ -7,12 +7,13 @@ import httpx
 import numpy as np
 import pytest
 
-from service.analysis.errors import WorkerDiedError
-from service.analysis.tasks import IdentifyTask, PlanTask
-from service.analysis.worker_process import TaskRefusedError
-from service.app import create_app
-from service.domain.campaign import Campaign
-from service.domain.results import (
+from tests.builders import make_campaign
+from truepose.analysis.errors import WorkerDiedError
+from truepose.analysis.tasks import IdentifyTask, PlanTask
+from truepose.analysis.worker_process import TaskRefusedError
+from truepose.app import create_app
+from truepose.domain.campaign import Campaign
+from truepose.domain.results import (
     Counts,
     Identification,
     Model,
@@ -22,10 +23,9 @@ from service.domain.results import (
     Status,
     Validation,
 )
-from service.domain.robot import FramePlacement
-from service.domain.session import PlannedStop
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
-from tests.builders import make_campaign
+from truepose.domain.robot import FramePlacement
+from truepose.domain.session import PlannedStop
+from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
 PAIR = NominalAndIdentified(STATISTICS, STATISTICS)

@@ -8,10 +8,10 @@ import httpx
 import pytest
 from fastapi.responses import StreamingResponse
 
-from service.web import lanes
-from service.web.application import create_application
-from service.web.lanes import Lanes
 from tests.routes import paths_of
+from truepose.web import lanes
+from truepose.web.application import create_application
+from truepose.web.lanes import Lanes
 
 APP = create_application("test", contextlib.nullcontext)
 PAUSE, LOOK = "/api/v1/sessions/1/pause", "/api/v1/sessions"

@@ -6,11 +6,11 @@ import contextlib
 import httpx
 import pytest
 
-from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
 from tests.integration.web.conftest import asking
+from truepose.app import create_app
 
 SESSIONS = "/api/v1/sessions"
 TIGHT = "[limits]\njoints_deg = [[-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5]]\n"

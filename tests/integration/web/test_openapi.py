@@ -11,11 +11,11 @@ from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.specs.openapi.checks import positive_data_acceptance
 
-from service.app import create_app
-from service.settings import Settings
-from service.web.application import create_application
 from tests.integration.web.bench import CELL, Bench
 from tests.integration.web.listening import listening
+from truepose.app import create_app
+from truepose.settings import Settings
+from truepose.web.application import create_application
 
 DOCUMENT = create_application("test", contextlib.nullcontext).openapi()
 # Streams do not end by themselves; `test_events.py` and `test_ballbar_live.py` are about them.

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from service.web.limits import JSON_LIMIT_BYTES
 from tests.integration.web.bench import session_request
+from truepose.web.limits import JSON_LIMIT_BYTES
 
 SESSIONS = "/api/v1/sessions"
 

@@ -5,9 +5,9 @@ import time
 import httpx
 import pytest
 
-from service.app import create_app
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.listening import listening
+from truepose.app import create_app
 
 CONFIRM, PERSON = "/api/v1/sessions/1/confirm", {"person": "Mallory"}
 

@@ -6,9 +6,9 @@ import threading
 import httpx
 import pytest
 
-from service.app import create_app
-from service.web import sessions as sessions_web
 from tests.integration.web.bench import Bench, session_request, stops
+from truepose.app import create_app
+from truepose.web import sessions as sessions_web
 
 SESSIONS = "/api/v1/sessions"
 

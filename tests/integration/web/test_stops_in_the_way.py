@@ -4,13 +4,13 @@ from math import radians
 
 import pytest
 
-from drivers.errors import ConnectionLostError
-from service.app import create_app
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request, stops
 from tests.integration.web.conftest import asking
 from tests.integration.web.test_sessions import connected
+from truepose.app import create_app
+from truepose_drivers.errors import ConnectionLostError
 
 SESSIONS = "/api/v1/sessions"
 BELOW = [0.0, 90.0, 0.0, 0.0, 90.0, 0.0]  # the tool looks down from the outstretched arm

@@ -12,8 +12,8 @@ from typing import Any
 
 import httpx
 
-from simulators.faults.kinds import IdentityChanged
 from tests.studies.taken_up.onlooked_cell import OnlookedCell
+from truepose_simulators.faults.kinds import IdentityChanged
 
 Session = dict[str, Any]
 _API = "/api/v1"

@@ -16,17 +16,17 @@ from typing import Any
 
 import httpx
 
-from service.showcase.ballbar_person import PersonAtTablet, Session, present_step
-from service.showcase.errors import ShowcaseError
-from service.showcase.killed_service import KilledService
-from service.showcase.ledger_check import faults
-from service.storage.arrival import verify_left
 from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
+from truepose.showcase.ballbar_person import PersonAtTablet, Session, present_step
+from truepose.showcase.errors import ShowcaseError
+from truepose.showcase.killed_service import KilledService
+from truepose.showcase.ledger_check import faults
+from truepose.storage.arrival import verify_left
 
 _ANSWER_S = 60.0
 _PATIENCE_S = 900.0  # for a session, on a busy machine

@@ -15,13 +15,13 @@ from typing import Any
 
 import httpx
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.arrival import verify_left
-from service.storage.database import Database
 from tests.integration.web.bench import CELL, Bench, FakeRobot, session_request
 from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
+from truepose.app import create_app
+from truepose.settings import Settings
+from truepose.storage.arrival import verify_left
+from truepose.storage.database import Database
 
 TRACKER_FAULTS = ("full", *FAULTS)
 _STOPS = 12

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from service.showcase.ballbar_person import PersonAtTablet
-from service.storage.library import LIBRARY
 from tests.studies.taken_up.onlooked_cell import standing
 from tests.studies.taken_up.service_here import ServiceHere
+from truepose.showcase.ballbar_person import PersonAtTablet
+from truepose.storage.library import LIBRARY
 
 _STEPS_BETWEEN = 4
 _ENDED = {"finished", "aborted", "failed"}

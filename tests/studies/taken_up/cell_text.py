@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from simulators.instruments.endpoint import Address
+from truepose_simulators.instruments.endpoint import Address
 
 _DRIVERS = {
     "open_abb": "abb_open_abb",

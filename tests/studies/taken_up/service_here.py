@@ -7,12 +7,12 @@ from typing import Any
 
 import httpx
 
-from service.app.composition import open_context, program_version
-from service.settings import Settings
-from service.web.application import create_application
-from simulators.instruments.endpoint import Address
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
+from truepose.app.composition import open_context, program_version
+from truepose.settings import Settings
+from truepose.web.application import create_application
+from truepose_simulators.instruments.endpoint import Address
 
 _ANSWER_S = 300.0  # choosing poses takes half a minute, on a busy machine more
 

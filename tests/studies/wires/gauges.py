@@ -3,13 +3,15 @@
 import math
 from dataclasses import replace
 
-from drivers.ballbar_bridge.driver import BridgedBallbar
-from drivers.ballbar_bridge.protocol import BridgeReading, Hello
-from drivers.ballbar_bridge.protocol import encode as encode_line
-from drivers.ballbar_hid.driver import HidBallbar
-from drivers.ballbar_hid.protocol import BarIdentity, BarReading, Status, encode_bar, encode_reading
-from drivers.heidenhain_nd.driver import HeidenhainCounter
-from drivers.heidenhain_nd.protocol import (
+from tests.studies.wires.hostile_link import HostileLink, HostileUsb, Silence
+from truepose.sequencing.ballbar.live import live_state
+from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
+from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello
+from truepose_drivers.ballbar_bridge.protocol import encode as encode_line
+from truepose_drivers.ballbar_hid.driver import HidBallbar
+from truepose_drivers.ballbar_hid.protocol import BarIdentity, BarReading, Status, encode_bar, encode_reading
+from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
+from truepose_drivers.heidenhain_nd.protocol import (
     COUNTS_PER_INCH,
     COUNTS_PER_MM,
     MM_PER_INCH,
@@ -22,11 +24,9 @@ from drivers.heidenhain_nd.protocol import (
     printed_line,
     value_line,
 )
-from drivers.mitutoyo_usb_itn.driver import UsbItnGauge
-from drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Value, encode
-from drivers.monotonic_clock import MonotonicClock
-from service.sequencing.ballbar.live import live_state
-from tests.studies.wires.hostile_link import HostileLink, HostileUsb, Silence
+from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
+from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Value, encode
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 _TOLERANCE_MM = 2e-4  # a step of an inch display
 _RANGE_MM = 1.0

@@ -7,7 +7,7 @@ that waits longer hears what comes behind it.
 from collections import deque
 from dataclasses import dataclass
 
-from drivers.errors import ConnectionLostError
+from truepose_drivers.errors import ConnectionLostError
 
 STALL_S = 0.05  # longer than any gap by which a driver might tell the end of a reply
 

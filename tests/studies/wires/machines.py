@@ -5,13 +5,23 @@ import math
 
 import numpy as np
 
-from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
-from drivers.abb_open_abb.protocol import Code, Reply, ReplyStatus, decode_request, encode_reply, rapid_number
-from drivers.cell_clock.driver import CellClock
-from drivers.cell_hands.driver import CellHands
-from drivers.errors import DeviceRefusedError, NotInitialisedError
-from drivers.leica_emscon.driver import LaserTracker
-from drivers.leica_emscon.protocol import (
+from tests.studies.wires.hostile_link import HostileLink
+from truepose.domain.robot import JointRange
+from truepose.sequencing.watchful_robot import WatchfulRobot
+from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from truepose_drivers.abb_open_abb.protocol import (
+    Code,
+    Reply,
+    ReplyStatus,
+    decode_request,
+    encode_reply,
+    rapid_number,
+)
+from truepose_drivers.cell_clock.driver import CellClock
+from truepose_drivers.cell_hands.driver import CellHands
+from truepose_drivers.errors import DeviceRefusedError, NotInitialisedError
+from truepose_drivers.leica_emscon.driver import LaserTracker
+from truepose_drivers.leica_emscon.protocol import (
     RESULTS,
     Answer,
     Command,
@@ -24,14 +34,11 @@ from drivers.leica_emscon.protocol import (
     encode,
     exchange,
 )
-from drivers.leica_emscon.protocol import (
+from truepose_drivers.leica_emscon.protocol import (
     decode_request as decode_command,
 )
-from drivers.leica_emscon.protocol.settings import LengthUnit
-from drivers.monotonic_clock import MonotonicClock
-from service.domain.robot import JointRange
-from service.sequencing.watchful_robot import WatchfulRobot
-from tests.studies.wires.hostile_link import HostileLink
+from truepose_drivers.leica_emscon.protocol.settings import LengthUnit
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 _RANGES = tuple(
     JointRange(math.radians(low), math.radians(high))

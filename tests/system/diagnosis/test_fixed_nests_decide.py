@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.diagnosis.witnesses import CONTRADICTED
-from service.domain.diagnosis import Confidence
-from service.exchange.campaign_folder import read_campaign
-from simulators.recording.campaign import record
-from simulators.recording.files import write_campaign
-from simulators.recording.plan import Wishes
-from simulators.scenario_file import load_scenario
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.witnesses import CONTRADICTED
+from truepose.domain.diagnosis import Confidence
+from truepose.exchange.campaign_folder import read_campaign
+from truepose_simulators.recording.campaign import record
+from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.scenario_file import load_scenario
 
 AT_S = 1400.0
 SHIFT_MM, TURN_RAD = 0.3, 1e-4

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.domain.diagnosis import Verdict
-from simulators.physics.effects.effect import Deflection
-from simulators.physics.rigid import move
 from tests.hidden_causes import recorded
+from truepose.diagnosis.diagnose import diagnose
+from truepose.domain.diagnosis import Verdict
+from truepose_simulators.physics.effects.effect import Deflection
+from truepose_simulators.physics.rigid import move
 
 
 class Creeping:

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.showcase.diagnosis_report.__main__ import main
-from service.showcase.diagnosis_report.cases import FOR_INFORMATION, REALISTIC
-from service.showcase.diagnosis_report.study import trial_of
-from service.showcase.diagnosis_report.trials import Trial, record_trial, run_trials
-from service.showcase.diagnosis_report.workers import outcomes_of, worker_processes
-from service.showcase.errors import NothingHappenedError, RecorderFailedError
+from truepose.showcase.diagnosis_report.__main__ import main
+from truepose.showcase.diagnosis_report.cases import FOR_INFORMATION, REALISTIC
+from truepose.showcase.diagnosis_report.study import trial_of
+from truepose.showcase.diagnosis_report.trials import Trial, record_trial, run_trials
+from truepose.showcase.diagnosis_report.workers import outcomes_of, worker_processes
+from truepose.showcase.errors import NothingHappenedError, RecorderFailedError
 
 
 def bad_readings(seed, size=50):

@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-from simulators.recording.campaign import record
-from simulators.recording.files import write_campaign
-from simulators.recording.plan import Wishes
-from simulators.scenario_file import load_scenario
+from truepose_simulators.recording.campaign import record
+from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.plan import Wishes
+from truepose_simulators.scenario_file import load_scenario
 
 HOUR_S = 3600.0
 DAY_H, MONTH_H = 24.0, 720.0
@@ -26,7 +26,7 @@ from_s = {}
 
 def truepose(*arguments):
     done = subprocess.run(
-        [sys.executable, "-m", "service", *map(str, arguments)], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "truepose", *map(str, arguments)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
     return done

@@ -5,14 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import Campaign
-from service.domain.errors import ConfigurationError, UnknownEffectError
-from service.domain.results import Status
-from service.domain.robot import FramePlacement, Nest, WorldRegistration
-from service.identification import identify, predict
-from service.identification.problem import automatic_effects, build
-from service.identification.rows import taken
-from service.kinematics.frames import rotation_xyz
 from tests.robots import IRB_120
 from tests.synthetic import (
     NESTS,
@@ -24,6 +16,14 @@ from tests.synthetic import (
     shifted,
     with_joints,
 )
+from truepose.domain.campaign import Campaign
+from truepose.domain.errors import ConfigurationError, UnknownEffectError
+from truepose.domain.results import Status
+from truepose.domain.robot import FramePlacement, Nest, WorldRegistration
+from truepose.identification import identify, predict
+from truepose.identification.problem import automatic_effects, build
+from truepose.identification.rows import taken
+from truepose.kinematics.frames import rotation_xyz
 
 
 def names_of(answer):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from service.domain.results import Status
-from service.exchange.campaign_folder import read_campaign
-from service.identification import identify
+from truepose.domain.results import Status
+from truepose.exchange.campaign_folder import read_campaign
+from truepose.identification import identify
 
 # README of each folder: RMS on the same split, level 2 or 3. Within 3 per cent: another prior and another
 # weighting of orientations than the baseline's move these figures by that much.

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.domain.campaign import LegReadings
-from service.domain.errors import ConfigurationError
-from service.domain.results import Status
-from service.domain.robot import FramePlacement, Nest, Robot
-from service.exchange.model_file import model_from_text, model_text
-from service.identification import identify, predict, predict_lengths
-from service.identification.evaluation import Targets, evaluate
-from service.identification.problem import automatic_effects, build
-from service.identification.setting import setting_of
-from service.kinematics.chain import nominal_chain
-from service.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, configurations, leg_campaign, measured, nominal_campaign
+from truepose.domain.campaign import LegReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Status
+from truepose.domain.robot import FramePlacement, Nest, Robot
+from truepose.exchange.model_file import model_from_text, model_text
+from truepose.identification import identify, predict, predict_lengths
+from truepose.identification.evaluation import Targets, evaluate
+from truepose.identification.problem import automatic_effects, build
+from truepose.identification.setting import setting_of
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 
 WALL = FramePlacement(500.0, -200.0, 1500.0, 0.0, np.pi / 2, 0.0)
 NOISE_RMS_MM = 0.015 * np.sqrt(3.0)

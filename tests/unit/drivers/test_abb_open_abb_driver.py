@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
-from drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
-from drivers.api import MotionGuard, MotionLimits, RobotController
-from drivers.errors import (
+from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
+from truepose_drivers.abb_open_abb.protocol import REPLY_RESOLUTION_DEG, decode_request
+from truepose_drivers.api import MotionGuard, MotionLimits, RobotController
+from truepose_drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
     ConnectionLostError,
@@ -18,7 +18,7 @@ from drivers.errors import (
     RemoteProtocolError,
     TargetRefusedError,
 )
-from drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
 # The longest motion of the driver's argument takes 2e4 / 1e6 s = 0.02 s at this speed.

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.ballbar_bridge.driver import BridgedBallbar
-from drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode, encode
-from drivers.errors import ConnectFailedError, ConnectionLostError, NoReplyError
-from drivers.json_lines import JsonLineError
-from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
+from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello, decode, encode
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, NoReplyError
+from truepose_drivers.json_lines import JsonLineError
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 finite = st.floats(-1000.0, 1000.0)
 

@@ -5,8 +5,8 @@ import math
 
 import pytest
 
-from drivers.ballbar_hid.driver import PLUGIN, HidBallbar
-from drivers.ballbar_hid.protocol import (
+from truepose_drivers.ballbar_hid.driver import PLUGIN, HidBallbar
+from truepose_drivers.ballbar_hid.protocol import (
     BarIdentity,
     BarReading,
     Rate,
@@ -15,7 +15,7 @@ from drivers.ballbar_hid.protocol import (
     encode_bar,
     encode_reading,
 )
-from drivers.errors import (
+from truepose_drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
     ConnectionLostError,
@@ -23,7 +23,7 @@ from drivers.errors import (
     NoReplyError,
     RemoteProtocolError,
 )
-from drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 NUMBERS = itertools.count(7)
 

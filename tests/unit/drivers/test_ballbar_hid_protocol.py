@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.ballbar_hid.protocol import (
+from truepose_drivers.ballbar_hid.protocol import (
     BAR_BYTES,
     RATE_BYTES,
     READING_BYTES,
@@ -22,7 +22,7 @@ from drivers.ballbar_hid.protocol import (
     encode_rate,
     encode_reading,
 )
-from drivers.ballbar_hid.report_descriptor import report_bytes, report_descriptor
+from truepose_drivers.ballbar_hid.report_descriptor import report_bytes, report_descriptor
 
 INPUT, FEATURE = 1, 3  # kinds of report
 READING = BarReading(0.1234, False, Status(0), 7, 8_000_000, 21.37)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.cell_clock.protocol import (
+from truepose_drivers.cell_clock.protocol import (
     Now,
     Refusal,
     Sleep,
@@ -13,7 +13,7 @@ from drivers.cell_clock.protocol import (
     decode_request,
     encode,
 )
-from drivers.json_lines import JsonLineError, LineReader
+from truepose_drivers.json_lines import JsonLineError, LineReader
 
 
 def test_requests_and_answers_have_the_published_form():

@@ -2,10 +2,10 @@
 
 import pytest
 
-from drivers.cell_hands.driver import CellHands
-from drivers.cell_hands.protocol import Done, encode
-from drivers.errors import RemoteProtocolError
-from drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.cell_hands.driver import CellHands
+from truepose_drivers.cell_hands.protocol import Done, encode
+from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 
 async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():

@@ -4,7 +4,7 @@ import inspect
 
 import pytest
 
-from drivers.leica_emscon.protocol import Answer, Command, Record, encode, exchange
+from truepose_drivers.leica_emscon.protocol import Answer, Command, Record, encode, exchange
 
 packet = pytest.importorskip("CESAPI.packet", reason="CESAPI 1.1.3 is not installed: no independent client")
 

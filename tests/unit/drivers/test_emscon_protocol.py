@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.leica_emscon.protocol import (
+from truepose_drivers.leica_emscon.protocol import (
     ELEMENTS,
     EXCHANGES,
     RESULTS,

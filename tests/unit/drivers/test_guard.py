@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.api import (
+from truepose_drivers.api import (
     BallbarReading,
     Clock,
     DeviceIdentity,
@@ -16,14 +16,14 @@ from drivers.api import (
     MotionLimits,
     TrackerReading,
 )
-from drivers.errors import (
+from truepose_drivers.errors import (
     BeamBrokenError,
     ConnectionLostError,
     DriverFaultError,
     ImplausibleReadingError,
     RemoteProtocolError,
 )
-from drivers.guard import guarded
+from truepose_drivers.guard import guarded
 
 POINT = TrackerReading((3000.0, 1.0, 2.0), (0.01, 0.01, 0.01), 0.02, 50, 1.0, 1, 10.0)
 JOINTS = JointReading((0.1, -0.2, 0.3, 0.0, 1.0, -1.0), 1e-4, 10.0)

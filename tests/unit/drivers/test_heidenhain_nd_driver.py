@@ -5,15 +5,15 @@ import math
 
 import pytest
 
-from drivers.errors import (
+from truepose_drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
     LinkError,
     NoReplyError,
     RemoteProtocolError,
 )
-from drivers.heidenhain_nd.driver import PLUGIN, HeidenhainCounter
-from drivers.heidenhain_nd.protocol import (
+from truepose_drivers.heidenhain_nd.driver import PLUGIN, HeidenhainCounter
+from truepose_drivers.heidenhain_nd.protocol import (
     Command,
     Lamps,
     Line,
@@ -25,8 +25,8 @@ from drivers.heidenhain_nd.protocol import (
     lamps_line,
     value_line,
 )
-from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 STALL = object()
 PATIENCE_S = 0.1  # the fake answers within microseconds or never

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.heidenhain_nd.protocol import (
+from truepose_drivers.heidenhain_nd.protocol import (
     DC1,
     DC3,
     STX,

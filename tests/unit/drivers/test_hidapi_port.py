@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -9,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
-from drivers.transports.hid import HidapiPort
-from drivers.transports.usb_address import LocalUsb
+from tests.checkout import CHECKOUT, SOURCES
 from tests.unit.drivers.umockdev_ballbar import write_device
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.transports.hid import HidapiPort
+from truepose_drivers.transports.usb_address import LocalUsb
 
-CHECKOUT = Path(__file__).parents[3]
 BAR = LocalUsb(0x1209, 0x0001)
 REPORT = bytes([1, *range(16)])
 
@@ -32,7 +33,7 @@ def read_through_hidapi(folder: Path, usb: str, readings: int, deviations_mm: li
         text=True,
         timeout=60.0,
         check=True,
-        env={"PYTHONPATH": str(CHECKOUT), "PATH": "/usr/bin:/bin"},
+        env={"PYTHONPATH": os.pathsep.join((*SOURCES, str(CHECKOUT))), "PATH": "/usr/bin:/bin"},
     )
     return json.loads(done.stdout)
 

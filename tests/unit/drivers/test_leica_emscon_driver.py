@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.api import PointTracker
-from drivers.errors import (
+from truepose_drivers.api import PointTracker
+from truepose_drivers.errors import (
     BeamBrokenError,
     BusyError,
     ConfigurationError,
@@ -21,9 +21,9 @@ from drivers.errors import (
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
-from drivers.guard import guarded
-from drivers.leica_emscon.driver import LaserTracker, TimeOuts
-from drivers.leica_emscon.protocol import (
+from truepose_drivers.guard import guarded
+from truepose_drivers.leica_emscon.driver import LaserTracker, TimeOuts
+from truepose_drivers.leica_emscon.protocol import (
     EXCHANGES,
     RESULTS,
     Answer,
@@ -41,8 +41,8 @@ from drivers.leica_emscon.protocol import (
     encode,
     exchange,
 )
-from drivers.leica_emscon.sentences import error_for
-from drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.leica_emscon.sentences import error_for
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
 Script = dict[int, Callable[[Request], list[object]]]
 

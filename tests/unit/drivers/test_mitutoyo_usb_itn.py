@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import (
+from truepose_drivers.errors import (
     ConfigurationError,
     ConnectFailedError,
     ConnectionLostError,
@@ -14,9 +14,9 @@ from drivers.errors import (
     NoReplyError,
     RemoteProtocolError,
 )
-from drivers.mitutoyo_usb_itn.driver import PLUGIN, UsbItnGauge
-from drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Error, ReplyReader, Value, decode, encode
-from drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN, UsbItnGauge
+from truepose_drivers.mitutoyo_usb_itn.protocol import DeviceInfo, Error, ReplyReader, Value, decode, encode
+from truepose_drivers.monotonic_clock import MonotonicClock
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.abb_open_abb.protocol import (
+from truepose_drivers.abb_open_abb.protocol import (
     Code,
     LogLine,
     LogReader,

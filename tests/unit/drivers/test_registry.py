@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from drivers.api import DriverPlugin
-from drivers.errors import ConfigurationError, DriverFaultError
-from drivers.guard import GuardedTracker
-from drivers.leica_emscon.driver import PLUGIN as TRACKER
-from drivers.registry import ENTRY_POINT_GROUP, load_registry
+from truepose_drivers.api import DriverPlugin
+from truepose_drivers.errors import ConfigurationError, DriverFaultError
+from truepose_drivers.guard import GuardedTracker
+from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
+from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
 
 PYPROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
 SHIPPED = [

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from drivers.errors import ConnectFailedError, ConnectionLostError
-from drivers.transports.serial import Framing, SerialLink, _check_parity
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
+from truepose_drivers.transports.serial import Framing, SerialLink, _check_parity
 
 COUNTER = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2, xon_xoff=True)
 

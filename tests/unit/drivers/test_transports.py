@@ -6,9 +6,9 @@ import socket
 
 import pytest
 
-from drivers.errors import ConnectFailedError, ConnectionLostError
-from drivers.transports.memory import MemoryEnd, MemoryLink
-from drivers.transports.tcp import TcpLink
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
+from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
+from truepose_drivers.transports.tcp import TcpLink
 
 
 async def echo_then_hang_up(end) -> None:

@@ -8,18 +8,18 @@ import threading
 import pytest
 import usb.core
 
-from drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError, NoReplyError
-from drivers.transports.usb import UsbDevice
-from drivers.transports.usb_address import LocalUsb, RemoteUsb
-from drivers.transports.usbip_backend import UsbipBackend
-from drivers.usb.protocol import usbip
-from drivers.usb.protocol.control import Setup, decode_setup
-from drivers.usb.protocol.descriptors import Configuration, Device, Interface
-from drivers.usb.protocol.descriptors import Endpoint as UsbEndpoint
-from drivers.usb.protocol.usbip import Operation, Submit, Submitted, Unlink, Unlinked
-from simulators.instruments.endpoint import Endpoint
-from simulators.instruments.usb_gadget import StallError, StandardRequests
-from simulators.instruments.usbip import UsbipServer
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError, NoReplyError
+from truepose_drivers.transports.usb import UsbDevice
+from truepose_drivers.transports.usb_address import LocalUsb, RemoteUsb
+from truepose_drivers.transports.usbip_backend import UsbipBackend
+from truepose_drivers.usb.protocol import usbip
+from truepose_drivers.usb.protocol.control import Setup, decode_setup
+from truepose_drivers.usb.protocol.descriptors import Configuration, Device, Interface
+from truepose_drivers.usb.protocol.descriptors import Endpoint as UsbEndpoint
+from truepose_drivers.usb.protocol.usbip import Operation, Submit, Submitted, Unlink, Unlinked
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.usb_gadget import StallError, StandardRequests
+from truepose_simulators.instruments.usbip import UsbipServer
 
 STRINGS = ("Maker", "Thing", "SN-1")
 

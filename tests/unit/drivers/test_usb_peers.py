@@ -6,8 +6,9 @@ import socket
 
 import pytest
 
-from drivers.ballbar_hid.driver import PLUGIN as BALLBAR_HID
-from drivers.ballbar_hid.protocol import (
+from tests.length_sources import FakeBar, electronics
+from truepose_drivers.ballbar_hid.driver import PLUGIN as BALLBAR_HID
+from truepose_drivers.ballbar_hid.protocol import (
     BarIdentity,
     BarReading,
     Rate,
@@ -17,12 +18,11 @@ from drivers.ballbar_hid.protocol import (
     encode_bar,
     encode_reading,
 )
-from drivers.ballbar_hid.report_descriptor import report_descriptor
-from drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
-from simulators.instruments.ballbar_hid import HidBallbarGadget
-from simulators.instruments.usb_itn import UsbItnGadget
-from simulators.instruments.usbip import usbip_endpoint
-from tests.length_sources import FakeBar, electronics
+from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
+from truepose_drivers.mitutoyo_usb_itn.driver import PLUGIN as USB_ITN
+from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.usbip import usbip_endpoint
 
 usbip = pytest.importorskip("usbip", reason="usbip is not installed: no independent host and device")
 device = pytest.importorskip("usbip.device")

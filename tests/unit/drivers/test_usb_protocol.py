@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.errors import RemoteProtocolError
-from drivers.usb.protocol import usbip
-from drivers.usb.protocol.control import Setup, decode_setup, encode_setup
-from drivers.usb.protocol.descriptors import (
+from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.usb.protocol import usbip
+from truepose_drivers.usb.protocol.control import Setup, decode_setup, encode_setup
+from truepose_drivers.usb.protocol.descriptors import (
     Configuration,
     DescriptorError,
     Device,
@@ -24,7 +24,7 @@ from drivers.usb.protocol.descriptors import (
     encode_languages,
     encode_string,
 )
-from drivers.usb.protocol.usbip import (
+from truepose_drivers.usb.protocol.usbip import (
     DeviceRecord,
     Operation,
     Submit,

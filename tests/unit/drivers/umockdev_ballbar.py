@@ -7,7 +7,7 @@ reads a device node. What the device sends is a script of times and bytes.
 import struct
 from pathlib import Path
 
-from drivers.ballbar_hid.protocol import (
+from truepose_drivers.ballbar_hid.protocol import (
     BarIdentity,
     BarReading,
     Rate,
@@ -16,7 +16,7 @@ from drivers.ballbar_hid.protocol import (
     encode_rate,
     encode_reading,
 )
-from drivers.ballbar_hid.report_descriptor import report_descriptor
+from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
 
 _USB = "/devices/pci0000:00/0000:00:14.0/usb1/1-1"
 _INTERFACE = f"{_USB}/1-1:1.0"

@@ -5,8 +5,8 @@ import json
 import sys
 from dataclasses import asdict
 
-from drivers.ballbar_hid.driver import PLUGIN
-from drivers.errors import DriverError
+from truepose_drivers.ballbar_hid.driver import PLUGIN
+from truepose_drivers.errors import DriverError
 
 
 async def main(usb: str, readings: int) -> None:

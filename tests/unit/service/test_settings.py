@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from service.settings import Settings, data_folder
+from truepose.settings import Settings, data_folder
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
-from simulators.physics.effects import PlantedChange
-from simulators.physics.equilibrium import NoEquilibriumError
-from simulators.physics.rigid import move
-from simulators.robot import SpeedLimits, TargetOutOfRangeError
-from simulators.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
-from simulators.tracker import seen_from
+from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
+from truepose_simulators.physics.effects import PlantedChange
+from truepose_simulators.physics.equilibrium import NoEquilibriumError
+from truepose_simulators.physics.rigid import move
+from truepose_simulators.robot import SpeedLimits, TargetOutOfRangeError
+from truepose_simulators.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
+from truepose_simulators.tracker import seen_from
 
 LIMITS = SpeedLimits(500.0, 0.349)
 

@@ -5,15 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from simulators.__main__ import main
-from simulators.cell import Cell
-from simulators.clock import CellClock
-from simulators.errors import ScenarioError
-from simulators.instruments.open_abb import MotionProgram
-from simulators.model_file import load_model
-from simulators.physics.effects import PlantedChange
-from simulators.scenario_file import load_scenario
 from tests.unit.simulators.model_documents import model_document, robot_document
+from truepose_simulators.__main__ import main
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.instruments.open_abb import MotionProgram
+from truepose_simulators.model_file import load_model
+from truepose_simulators.physics.effects import PlantedChange
+from truepose_simulators.scenario_file import load_scenario
 
 SEVENTH = {"joint": 7, "alpha_deg": 90.0, "a_mm": 0.0, "theta_offset_deg": 0.0, "d_mm": 80.0}
 

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.errors import ScenarioError
-from simulators.everyday import EverydaySizes
-from simulators.physics.effects import EFFECTS, PlantedChange
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.everyday import EverydaySizes
+from truepose_simulators.physics.effects import EFFECTS, PlantedChange
 
 ROWS = np.random.default_rng(2).uniform(-1.2, 1.2, (40, 6))
 

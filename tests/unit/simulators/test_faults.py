@@ -1,7 +1,7 @@
 import pytest
 
-from simulators.errors import ScenarioError
-from simulators.faults.kinds import (
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.faults.kinds import (
     BeamBroken,
     FixedNestMoved,
     IdentityChanged,
@@ -11,7 +11,7 @@ from simulators.faults.kinds import (
     TrackerBlinded,
     TrackerSilent,
 )
-from simulators.faults.scripted import Faults
+from truepose_simulators.faults.scripted import Faults
 
 
 def test_a_beam_is_broken_for_as_many_readings_as_stated():

@@ -4,12 +4,12 @@ import os
 
 import pytest
 
-from simulators.errors import ModelError, ReplayError, ScenarioError
-from simulators.input_file import read_file, read_text
-from simulators.model_file import load_model
-from simulators.recording.ballbar_plan import read_plan
-from simulators.recording.measured_table import read_table
-from simulators.scenario_file import load_scenario
+from truepose_simulators.errors import ModelError, ReplayError, ScenarioError
+from truepose_simulators.input_file import read_file, read_text
+from truepose_simulators.model_file import load_model
+from truepose_simulators.recording.ballbar_plan import read_plan
+from truepose_simulators.recording.measured_table import read_table
+from truepose_simulators.scenario_file import load_scenario
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@ import json
 import numpy as np
 import pytest
 
-from simulators.errors import ModelError
-from simulators.model_file import load_model
 from tests.unit.simulators.model_documents import AT_THE_WORLD, model_document, robot_document
+from truepose_simulators.errors import ModelError
+from truepose_simulators.model_file import load_model
 
 
 @pytest.fixture

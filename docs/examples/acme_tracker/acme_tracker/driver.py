@@ -3,8 +3,8 @@
 from typing import Literal
 
 from acme_tracker.protocol import LineReader, Reply, decode, encode
-from drivers import options as option
-from drivers.api import (
+from truepose_drivers import options as option
+from truepose_drivers.api import (
     Clock,
     DeviceIdentity,
     DriverPlugin,
@@ -13,15 +13,15 @@ from drivers.api import (
     TrackerReading,
     Vector,
 )
-from drivers.errors import (
+from truepose_drivers.errors import (
     BeamBrokenError,
     NoReplyError,
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
-from drivers.monotonic_clock import MonotonicClock
-from drivers.transports.link import Link, drain
-from drivers.transports.tcp import TcpLink
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.tcp import TcpLink
 
 _ANSWER_TIMEOUT_S = 10.0  # wall time
 

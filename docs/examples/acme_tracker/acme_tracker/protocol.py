@@ -6,7 +6,7 @@ Source: invented for this example; a real driver names manual, revision and sect
 import math
 from dataclasses import dataclass
 
-from drivers.errors import DeviceRefusedError, RemoteProtocolError
+from truepose_drivers.errors import DeviceRefusedError, RemoteProtocolError
 
 LONGEST_LINE_BYTES = 1000  # more without an end of line is no answer of this instrument
 

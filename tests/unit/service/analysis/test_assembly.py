@@ -5,14 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from service.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
-from service.analysis.errors import NothingMeasuredError, SessionsDifferError
-from service.domain.campaign import Campaign
-from service.domain.cell import Conditions, DeviceEntry, SimulatedCell
-from service.domain.robot import FramePlacement
-from service.domain.session import Registration
-from service.storage.records import SessionSetup
 from tests.measured_sessions import make_fixed_nest, make_point, make_setup
+from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
+from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
+from truepose.domain.campaign import Campaign
+from truepose.domain.cell import Conditions, DeviceEntry, SimulatedCell
+from truepose.domain.robot import FramePlacement
+from truepose.domain.session import Registration
+from truepose.storage.records import SessionSetup
 
 
 def measured(number=1, points=None, **changes):

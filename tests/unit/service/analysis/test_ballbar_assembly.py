@@ -5,21 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.analysis.ballbar_assembly import (
+from tests.ballbar_sessions import make_length
+from tests.measured_sessions import make_setup
+from truepose.analysis.ballbar_assembly import (
     Counting,
     LegKept,
     SetupKept,
     SideKept,
     assemble_ballbar_campaign,
 )
-from service.analysis.errors import NothingMeasuredError
-from service.domain.artefacts import Artefact, BallbarKit
-from service.domain.ballbar import ArrivalTaken
-from service.domain.cell import SimulatedCell
-from service.domain.robot import Nest
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
-from tests.ballbar_sessions import make_length
-from tests.measured_sessions import make_setup
+from truepose.analysis.errors import NothingMeasuredError
+from truepose.domain.artefacts import Artefact, BallbarKit
+from truepose.domain.ballbar import ArrivalTaken
+from truepose.domain.cell import SimulatedCell
+from truepose.domain.robot import Nest
+from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 
 ARRIVAL = ArrivalTaken((0.1, 0.2), (0.1001, 0.2001), (1, -1), 50.0)
 LEGS = (

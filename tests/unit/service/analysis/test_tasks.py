@@ -4,13 +4,13 @@ import dataclasses
 
 import pytest
 
-from service.analysis.errors import NothingMeasuredError
-from service.analysis.tasks import PlanTask, held_out
-from service.domain.errors import ConfigurationError
-from service.exchange.cell_file import simulated_cell
-from service.storage.records import SessionSetup
 from tests.builders import make_campaign
 from tests.measured_sessions import make_plan, make_setup
+from truepose.analysis.errors import NothingMeasuredError
+from truepose.analysis.tasks import PlanTask, held_out
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.cell_file import simulated_cell
+from truepose.storage.records import SessionSetup
 
 
 def quiet(fraction, doing):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.app.connections.census import Census, Limits
+from truepose.app.connections.census import Census, Limits
 
 
 class FakeConnection:

@@ -1,6 +1,6 @@
 import logging
 
-from service.app.connections.log_lines import FewRepeats
+from truepose.app.connections.log_lines import FewRepeats
 
 
 def written(records):
@@ -14,7 +14,7 @@ def written(records):
     return lines
 
 
-def line(text, *said, name="service.sequencing"):
+def line(text, *said, name="truepose.sequencing"):
     return logging.LogRecord(name, logging.WARNING, "", 0, text, said, None)
 
 

@@ -4,8 +4,6 @@ import math
 
 import pytest
 
-from service.cli.diagnosis_text import diagnosis_lines, errors_table
-from service.domain.diagnosis import Gain, Remaining
 from tests.diagnoses import (
     make_described,
     make_diagnosis,
@@ -14,6 +12,8 @@ from tests.diagnoses import (
     make_unexplained,
     make_wave,
 )
+from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
+from truepose.domain.diagnosis import Gain, Remaining
 
 
 def test_the_first_line_is_the_message_however_long():

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.angle_steps import step_of
-from service.diagnosis.start import started
-from service.diagnosis.wording import remaining_sentence
 from tests.scenes import telling_campaign
 from tests.selections import PRESENT, left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
+from truepose.diagnosis.angle_steps import step_of
+from truepose.diagnosis.start import started
+from truepose.diagnosis.wording import remaining_sentence
 
 N = 100
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.answer import _verdict, unanswerable
-from service.diagnosis.diagnose import diagnose
-from service.diagnosis.gains import gain_of
-from service.diagnosis.held_out import Judged
-from service.diagnosis.standing import _useless
-from service.domain.diagnosis import Confidence, HeldOutErrors, Verdict
-from service.identification.prediction import predict
 from tests.scenes import START, telling_campaign
 from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations, shifted
+from truepose.diagnosis.answer import _verdict, unanswerable
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.gains import gain_of
+from truepose.diagnosis.held_out import Judged
+from truepose.diagnosis.standing import _useless
+from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
+from truepose.identification.prediction import predict
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")

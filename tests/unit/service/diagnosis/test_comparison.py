@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.amplitudes import Variant
-from service.diagnosis.comparison import DatedDiagnosis, Sighting, compare
-from service.domain.diagnosis import Confidence, Detail, RuledOut
 from tests.diagnoses import make_diagnosis, make_finding, make_wave
+from truepose.diagnosis.amplitudes import Variant
+from truepose.diagnosis.comparison import DatedDiagnosis, Sighting, compare
+from truepose.domain.diagnosis import Confidence, Detail, RuledOut
 
 SPRING, SUMMER, AUTUMN = "2026-03-03", "2026-06-14", "2026-10-02"
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.curves import finding_curve, remaining_curve
-from service.diagnosis.left import Depends
-from service.diagnosis.ways import of_joint, seen
 from tests.robots import IRB_120
 from tests.scenes import ORIGIN_S, telling_campaign
 from tests.selections import make_selected, make_start, proposed
+from truepose.diagnosis.curves import finding_curve, remaining_curve
+from truepose.diagnosis.left import Depends
+from truepose.diagnosis.ways import of_joint, seen
 
 GAIN = ("joint_gain", "joint 4")
 

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import proposed
-from service.diagnosis.evidence import described
-from service.diagnosis.functions import most_likely
-from service.diagnosis.pool import pooled
-from service.diagnosis.scene import scene_of
-from service.effects.cells import cell_of
-from service.identification.evaluation import Targets, evaluate
 from tests.scenes import telling_campaign
 from tests.selections import make_start, planted, select_from
 from tests.synthetic import configurations
+from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.evidence import described
+from truepose.diagnosis.functions import most_likely
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.effects.cells import cell_of
+from truepose.identification.evaluation import Targets, evaluate
 
 WAVES = {
     "joint_harmonics": {

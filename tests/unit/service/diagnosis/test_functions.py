@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from service.diagnosis.functions import chance, most_likely
-from service.diagnosis.normal import Sums
+from truepose.diagnosis.functions import chance, most_likely
+from truepose.diagnosis.normal import Sums
 
 
 def waves(angle, highest=30):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.gathered import gathered
 from tests.scenes import telling_campaign, telling_scene
+from truepose.diagnosis.gathered import gathered
 
 N = 96
 

@@ -1,7 +1,7 @@
 """Which picks make one finding."""
 
-from service.diagnosis.groups import grouped
-from service.effects.causes import Candidate
+from truepose.diagnosis.groups import grouped
+from truepose.effects.causes import Candidate
 
 
 def pick(effect, subject, variant=0.0):

@@ -6,20 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import proposed as every_cause
-from service.diagnosis.folds import Nested, as_found, partition
-from service.diagnosis.gains import gain_of
-from service.diagnosis.groups import grouped
-from service.diagnosis.held_out import CrossValidation, on_validation
-from service.diagnosis.pool import pooled
-from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import chosen
-from service.diagnosis.start import started
-from service.identification.problem import position_block
-from service.identification.robust import fit
 from tests.scenes import START, telling_campaign
 from tests.selections import make_start, planted, select_from
 from tests.synthetic import NOISE_MM, configurations
+from truepose.diagnosis.diagnose import proposed as every_cause
+from truepose.diagnosis.folds import Nested, as_found, partition
+from truepose.diagnosis.gains import gain_of
+from truepose.diagnosis.groups import grouped
+from truepose.diagnosis.held_out import CrossValidation, on_validation
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.selection import chosen
+from truepose.diagnosis.start import started
+from truepose.identification.problem import position_block
+from truepose.identification.robust import fit
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 

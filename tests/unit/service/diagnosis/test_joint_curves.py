@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.diagnosis.pool import pooled
-from service.diagnosis.scene import scene_of
-from service.diagnosis.screening import screen
-from service.diagnosis.selection import reselected
-from service.diagnosis.start import started
-from service.effects.registry import CAUSES
 from tests.scenes import START, telling_campaign
 from tests.selections import planted, select_from
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.screening import screen
+from truepose.diagnosis.selection import reselected
+from truepose.diagnosis.start import started
+from truepose.effects.registry import CAUSES
 
 
 def lines(joint, count, seed, size_deg):

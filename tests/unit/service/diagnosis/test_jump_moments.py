@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import proposed
-from service.diagnosis.jump_moments import with_exact_moments
-from service.diagnosis.scene import scene_of
 from tests.selections import make_start, select_from
 from tests.synthetic import NOISE_MM
+from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.jump_moments import with_exact_moments
+from truepose.diagnosis.scene import scene_of
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.start import started
 from tests.scenes import START, telling_campaign
 from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations
+from truepose.diagnosis.start import started
 
 # The median of 80 squared radii has a relative standard deviation of 0.12, its root half of that.
 SPREAD = 4 * 0.06

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.line_orders import with_known_orders, with_lines_between
-from service.diagnosis.scene import scene_of
-from service.domain.diagnosis import Detail
-from service.effects.registry import CAUSES
 from tests.selections import make_selected, make_start, select_from
+from truepose.diagnosis.line_orders import with_known_orders, with_lines_between
+from truepose.diagnosis.scene import scene_of
+from truepose.domain.diagnosis import Detail
+from truepose.effects.registry import CAUSES
 
 N = 120
 SIZE_RAD = 4e-4

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.actions import action_for
-from service.diagnosis.left import Depends, Left
-from service.diagnosis.next_measurements import next_measurements
-from service.diagnosis.single_readings import Tails
-from service.domain.diagnosis import Cause, Confidence, Finding
-from service.domain.robot import JointRange
-from service.effects.registry import CAUSES
 from tests.robots import IRB_120
 from tests.scenes import telling_campaign
 from tests.selections import make_selected, make_start
 from tests.synthetic import configurations
+from truepose.diagnosis.actions import action_for
+from truepose.diagnosis.left import Depends, Left
+from truepose.diagnosis.next_measurements import next_measurements
+from truepose.diagnosis.single_readings import Tails
+from truepose.domain.diagnosis import Cause, Confidence, Finding
+from truepose.domain.robot import JointRange
+from truepose.effects.registry import CAUSES
 
 GAIN = ("joint_gain", "joint 4")
 COUPLING = ("joint_coupling", "joint 4")

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.answer import _worse_at
-from service.diagnosis.diagnose import diagnose
-from service.diagnosis.held_out import Judged
-from service.diagnosis.open_shapes import with_open_shapes
-from service.diagnosis.wording import first_line, remaining_sentence
-from service.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
-from service.domain.results import Statistics
-from service.identification.prediction import predict
 from tests.diagnosed_cells import make_finding
 from tests.diagnoses import make_described, make_rest
 from tests.scenes import START, telling_campaign
 from tests.selections import left_of, make_selected, make_start, planted
 from tests.synthetic import NOISE_MM, configurations
+from truepose.diagnosis.answer import _worse_at
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.held_out import Judged
+from truepose.diagnosis.open_shapes import with_open_shapes
+from truepose.diagnosis.wording import first_line, remaining_sentence
+from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
+from truepose.domain.results import Statistics
+from truepose.identification.prediction import predict
 
 GAP_DEG = (-40.0, 30.0)  # of joint 1
 # Two waves of which one stands for another in a gap, and a third that no whole order has.

@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.places import (
+from tests.robots import IRB_120
+from tests.scenes import telling_campaign
+from tests.selections import make_selected, make_start, planted
+from truepose.diagnosis.places import (
     drawn,
     filling,
     joint_limits,
@@ -13,13 +16,10 @@ from service.diagnosis.places import (
     moved_alone,
     one_period,
 )
-from service.domain.robot import JointRange
-from service.identification.rows import taken
-from service.kinematics.chain import forward, nominal_values
-from service.kinematics.gravity import gravity_torques
-from tests.robots import IRB_120
-from tests.scenes import telling_campaign
-from tests.selections import make_selected, make_start, planted
+from truepose.domain.robot import JointRange
+from truepose.identification.rows import taken
+from truepose.kinematics.chain import forward, nominal_values
+from truepose.kinematics.gravity import gravity_torques
 
 LIMIT_RAD = 0.5
 LIMITS = tuple(JointRange(-LIMIT_RAD, LIMIT_RAD) for _ in range(6))

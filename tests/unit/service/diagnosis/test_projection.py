@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from service.diagnosis.counted import design_effect
-from service.diagnosis.normal import normal_of, products_of
-from service.domain.campaign import Stops
-from service.identification.robust import fit
 from tests.selections import make_selected, make_start
+from truepose.diagnosis.counted import design_effect
+from truepose.diagnosis.normal import normal_of, products_of
+from truepose.domain.campaign import Stops
+from truepose.identification.robust import fit
 
 GAIN = ("joint_gain", "joint 4")
 NAMES = ("first", "second", "third", "fourth", "fifth", "sixth")

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.families import families, terms_of
-from service.diagnosis.normal import normal_of
-from service.diagnosis.remaining import as_random_effect, prepared_families, structured
 from tests.selections import make_start
+from truepose.diagnosis.families import families, terms_of
+from truepose.diagnosis.normal import normal_of
+from truepose.diagnosis.remaining import as_random_effect, prepared_families, structured
 
 DRAWS = 40
 LEVEL = 0.05

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from service.diagnosis.pool import pooled
-from service.diagnosis.rivals import weighed
-from service.domain.diagnosis import Cause
 from tests.scenes import ORIGIN_S
 from tests.selections import make_selected, make_start
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.rivals import weighed
+from truepose.domain.diagnosis import Cause
 
 GAIN = ("joint_gain", "joint 4")
 SLOW_WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

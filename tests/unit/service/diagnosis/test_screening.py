@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from service.diagnosis.pool import pooled
-from service.diagnosis.screening import screen
-from service.effects.ports import ParameterSpec
 from tests.selections import make_selected, make_start, proposed
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.screening import screen
+from truepose.effects.ports import ParameterSpec
 
 GAINS = [("joint_gain", f"joint {joint}") for joint in (2, 4, 5)]
 COUPLING = ("joint_coupling", "joint 6")

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import proposed
-from service.diagnosis.pool import pooled
-from service.diagnosis.scene import scene_of
-from service.diagnosis.screening import Screened
-from service.diagnosis.selection import best_of, chosen, refitted, reselected, select
 from tests.selections import make_selected, make_start, select_from
+from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.screening import Screened
+from truepose.diagnosis.selection import best_of, chosen, refitted, reselected, select
 
 BACKLASH = {"gap_3": 4e-4}
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.places import drawn, measured_ranges
-from service.diagnosis.separation import reading_variance, separation
-from service.domain.diagnosis import Cause
-from service.identification.derivatives import position_jacobian
-from service.identification.trial import candidate_terms, trial_derivatives, tried
 from tests.scenes import START
 from tests.selections import make_selected, make_start
+from truepose.diagnosis.places import drawn, measured_ranges
+from truepose.diagnosis.separation import reading_variance, separation
+from truepose.domain.diagnosis import Cause
+from truepose.identification.derivatives import position_jacobian
+from truepose.identification.trial import candidate_terms, trial_derivatives, tried
 
 GAIN = ("joint_gain", "joint 4")
 WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.single_readings import swapped_labels, tails
 from tests.selections import make_start
+from truepose.diagnosis.single_readings import swapped_labels, tails
 
 N = 300
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from service.diagnosis.small_findings import parted
-from service.domain.diagnosis import Gain
 from tests.diagnoses import make_finding, make_wave
+from truepose.diagnosis.small_findings import parted
+from truepose.domain.diagnosis import Gain
 
 LEAD = make_finding(gain=Gain(0.100, 0.060, (0.03, 0.05)))
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.spectra import finding_spectrum
 from tests.selections import make_selected, make_start
+from truepose.diagnosis.spectra import finding_spectrum
 
 WAVES = {
     "joint_harmonics": {

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.diagnosis.start import NUISANCE, Start, started
 from tests.scenes import START, telling_campaign
 from tests.selections import PRESENT, planted
 from tests.synthetic import shifted
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.start import NUISANCE, Start, started
 
 SWAPPED = [10, 40]
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.curves import finding_curve
-from service.diagnosis.start import started
-from service.diagnosis.unseen import curve_with_unseen, unseen_of
 from tests.scenes import telling_campaign
 from tests.selections import PRESENT, make_selected, planted
 from tests.synthetic import configurations
+from truepose.diagnosis.curves import finding_curve
+from truepose.diagnosis.start import started
+from truepose.diagnosis.unseen import curve_with_unseen, unseen_of
 
 EFFECTS = {"joint_gain": {"gain_4": 1e-3}, "backlash": {"gap_2": np.deg2rad(0.02)}}
 UNSEEN = 40

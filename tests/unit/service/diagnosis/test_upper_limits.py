@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.pool import pooled
-from service.diagnosis.upper_limits import upper_limits_mm
 from tests.selections import make_start, proposed
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.upper_limits import upper_limits_mm
 
 GAP = ("backlash", "joint 3")
 WAVE = ("joint_harmonics", "joint 6", "wave_6_2_sin")

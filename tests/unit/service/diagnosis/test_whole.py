@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import proposed
-from service.diagnosis.evidence import described
-from service.diagnosis.groups import names_of
-from service.diagnosis.pool import pooled
-from service.diagnosis.scene import scene_of
-from service.diagnosis.selection import refitted
-from service.diagnosis.ways import effect_of, worth_of
-from service.diagnosis.whole import Whole
 from tests.selections import make_start, select_from
+from truepose.diagnosis.diagnose import proposed
+from truepose.diagnosis.evidence import described
+from truepose.diagnosis.groups import names_of
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.selection import refitted
+from truepose.diagnosis.ways import effect_of, worth_of
+from truepose.diagnosis.whole import Whole
 
 CURVE = {
     f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.start import started
-from service.diagnosis.witnesses import accused, speak_against
-from service.domain.diagnosis import Cause
-from service.effects.cells import Cell
-from service.identification.problem import build
-from service.identification.robust import robust_fit
 from tests.scenes import telling_campaign
 from tests.selections import PRESENT, left_of, make_selected, make_start, planted
+from truepose.diagnosis.start import started
+from truepose.diagnosis.witnesses import accused, speak_against
+from truepose.domain.diagnosis import Cause
+from truepose.effects.cells import Cell
+from truepose.identification.problem import build
+from truepose.identification.robust import robust_fit
 
 JUMPED = Cell("base", "time", "jump")
 DRIFTED = Cell("base", "time", "drift")

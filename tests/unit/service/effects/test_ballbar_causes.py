@@ -5,11 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.effects.causes import Fitted
-from service.effects.ports import PortKind
-from service.effects.registry import CAUSES
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
 from tests.leg_scenes import (
     CADENCE_S,
     LEG_START,
@@ -21,6 +16,11 @@ from tests.leg_scenes import (
 )
 from tests.scenes import telling_scene
 from tests.synthetic import leg_campaign
+from truepose.effects.causes import Fitted
+from truepose.effects.ports import PortKind
+from truepose.effects.registry import CAUSES
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
 
 
 def rows(campaign=None):

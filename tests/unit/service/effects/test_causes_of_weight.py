@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.domain.robot import JointRow, LinkMass, Robot
-from service.effects.causes import Fitted
-from service.effects.link_bending import beams
-from service.effects.loads import mass_specs, stated_mass, wrong_mass
-from service.effects.ports import PortKind, Rows
-from service.effects.registry import CAUSES
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
-from service.kinematics.chain import forward, nominal_chain, nominal_values
-from service.kinematics.frames import rotation_from_vector
-from service.kinematics.gravity import gravity_torques
 from tests.robots import IRB_120, SEVEN_AXES
 from tests.scenes import START, telling_campaign, telling_scene, without_masses
+from truepose.domain.campaign import Stops
+from truepose.domain.robot import JointRow, LinkMass, Robot
+from truepose.effects.causes import Fitted
+from truepose.effects.link_bending import beams
+from truepose.effects.loads import mass_specs, stated_mass, wrong_mass
+from truepose.effects.ports import PortKind, Rows
+from truepose.effects.registry import CAUSES
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
+from truepose.kinematics.chain import forward, nominal_chain, nominal_values
+from truepose.kinematics.frames import rotation_from_vector
+from truepose.kinematics.gravity import gravity_torques
 
 WEIGHT_CAUSES = ("base_compliance", "link_bending", "link_mass", "payload")
 THROUGH_SPRINGS = ("link_mass", "payload")

@@ -5,11 +5,11 @@ from typing import get_args
 
 import pytest
 
-from service.domain.diagnosis import Shape
-from service.effects.causes import Candidate
-from service.effects.cells import alike, amplitude_of, cell_of, named_cell
-from service.effects.registry import CAUSES
 from tests.scenes import telling_scene
+from truepose.domain.diagnosis import Shape
+from truepose.effects.causes import Candidate
+from truepose.effects.cells import alike, amplitude_of, cell_of, named_cell
+from truepose.effects.registry import CAUSES
 
 WHERE = re.compile(
     r"joint \d+|joints|link \d+|links|flange|base|tool|nest \d+|tracker|ballbar|placement \d+|readings"

@@ -6,16 +6,16 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.domain.errors import UnknownEffectError
-from service.domain.results import Unit
-from service.effects.compliance import compliance_prior
-from service.effects.geometry import is_parallel_to_previous
-from service.effects.names import joint_name, joint_of, nest_name, nest_port_index
-from service.effects.ports import PortKind, Rows, Setting
-from service.effects.registry import EFFECTS, effect_named
-from service.kinematics.chain import nominal_chain
 from tests.robots import IRB_120, SEVEN_AXES
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import UnknownEffectError
+from truepose.domain.results import Unit
+from truepose.effects.compliance import compliance_prior
+from truepose.effects.geometry import is_parallel_to_previous
+from truepose.effects.names import joint_name, joint_of, nest_name, nest_port_index
+from truepose.effects.ports import PortKind, Rows, Setting
+from truepose.effects.registry import EFFECTS, effect_named
+from truepose.kinematics.chain import nominal_chain
 
 UNITS = set(get_args(Unit))
 

@@ -7,12 +7,12 @@ from types import ModuleType
 
 import pytest
 
-from service.domain.errors import ConfigurationError, InstalledCauseError
-from service.effects.causes import CellRow, NamedCause
-from service.effects.installed import GROUP, load_installed
-from service.effects.joint_gain import JointGain
-from service.effects.unnamed.table import OWN
 from tests.scenes import telling_scene
+from truepose.domain.errors import ConfigurationError, InstalledCauseError
+from truepose.effects.causes import CellRow, NamedCause
+from truepose.effects.installed import GROUP, load_installed
+from truepose.effects.joint_gain import JointGain
+from truepose.effects.unnamed.table import OWN
 
 CELL = CellRow("{subject}", "angle of {subject}", "line")
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import JointRow
-from service.effects.causes import Fitted
-from service.effects.registry import CAUSES
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
-from service.kinematics.gravity import gravity_torques
 from tests.robots import IRB_120, SEVEN_AXES
 from tests.scenes import START, telling_campaign, telling_scene, without_masses
+from truepose.domain.robot import JointRow
+from truepose.effects.causes import Fitted
+from truepose.effects.registry import CAUSES
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
+from truepose.kinematics.gravity import gravity_torques
 
 JOINT_CAUSES = ("axis_parallelism", "backlash", "compliance", "compliance_nonlinear", "joint_coupling")
 ANOTHER_START = {

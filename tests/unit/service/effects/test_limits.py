@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from service.effects.causes import SPRING, Fitted, Shown
-from service.effects.loads import stated_mass
-from service.effects.registry import CAUSES
 from tests.scenes import telling_scene
+from truepose.effects.causes import SPRING, Fitted, Shown
+from truepose.effects.loads import stated_mass
+from truepose.effects.registry import CAUSES
 
 
 def shown(cause, subject, values, relative=1e-3):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.effects.causes import norm_beyond_noise, norm_with_uncertainty
+from truepose.effects.causes import norm_beyond_noise, norm_with_uncertainty
 
 DRAWS = 1500
 

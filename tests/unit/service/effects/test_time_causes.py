@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.effects.causes import Fitted
-from service.effects.jumps import gaps
-from service.effects.ports import PortKind
-from service.effects.registry import CAUSES
-from service.effects.rigid_motion import Motion, Widths, motion_specs
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
 from tests.scenes import ORIGIN_S, START, telling_campaign, telling_scene
+from truepose.domain.campaign import Stops
+from truepose.effects.causes import Fitted
+from truepose.effects.jumps import gaps
+from truepose.effects.ports import PortKind
+from truepose.effects.registry import CAUSES
+from truepose.effects.rigid_motion import Motion, Widths, motion_specs
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
 
 DRIFTS = ("base_drift", "instrument_drift")
 FIRST_S = ORIGIN_S - 10.0  # the first look at a fixed nest

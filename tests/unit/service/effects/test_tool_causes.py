@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import Nest
-from service.effects.causes import Fitted
-from service.effects.label_swap import pair_subject
-from service.effects.ports import PortKind
-from service.effects.random_effects import deviations
-from service.effects.registry import CAUSES
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
 from tests.scenes import START, telling_campaign, telling_scene
+from truepose.domain.robot import Nest
+from truepose.effects.causes import Fitted
+from truepose.effects.label_swap import pair_subject
+from truepose.effects.ports import PortKind
+from truepose.effects.random_effects import deviations
+from truepose.effects.registry import CAUSES
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
 
 SHIFT_MM, TURN_RAD = 0.15, 1.5e-3  # widths of the seats' priors
 WIDTHS = np.repeat([SHIFT_MM, TURN_RAD], 3)

@@ -6,17 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from service.effects.causes import Fitted
-from service.effects.registry import CAUSES, needs_of
-from service.effects.unnamed.kinds import key_of
-from service.effects.unnamed.table import KINDS
-from service.identification.derivatives import position_jacobian
-from service.identification.evaluation import evaluate, rows_of
-from service.identification.problem import build
-from service.kinematics.frames import cross
 from tests.robots import IRB_120
 from tests.scenes import ORIGIN_S, START, TRACKER_MM, telling_campaign, telling_scene, without_masses
 from tests.synthetic import NESTS
+from truepose.effects.causes import Fitted
+from truepose.effects.registry import CAUSES, needs_of
+from truepose.effects.unnamed.kinds import key_of
+from truepose.effects.unnamed.table import KINDS
+from truepose.identification.derivatives import position_jacobian
+from truepose.identification.evaluation import evaluate, rows_of
+from truepose.identification.problem import build
+from truepose.kinematics.frames import cross
 
 UNNAMED = CAUSES["unnamed"]
 UP = np.array([0.0, 0.0, 1.0])

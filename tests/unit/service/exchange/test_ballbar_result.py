@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.exchange.ballbar_result import Feature, ballbar_result_from_bytes, read_ballbar_result
-from service.exchange.errors import MissingFileError, UnreadableFileError
+from truepose.exchange.ballbar_result import Feature, ballbar_result_from_bytes, read_ballbar_result
+from truepose.exchange.errors import MissingFileError, UnreadableFileError
 
 # Written by hand after the elements that a public reader looks for; the raw element's name is invented.
 RESULT = """<?xml version="1.0" encoding="utf-8"?>

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from service.domain.robot import FixedNest, FramePlacement, Nest, WorldRegistration
-from service.exchange.campaign_folder import campaign_files, campaign_from
 from tests.builders import make_ballbar_campaign, make_campaign, make_points, make_robot, make_stops
+from truepose.domain.robot import FixedNest, FramePlacement, Nest, WorldRegistration
+from truepose.exchange.campaign_folder import campaign_files, campaign_from
 
 # Half of the last digit that is written, in the domain's units, plus the rounding of degrees to radians.
 HALF_DIGIT = {

@@ -5,10 +5,10 @@ import zipfile
 
 import pytest
 
-from service.exchange.campaign_folder import campaign_files
-from service.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
-from service.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
 from tests.builders import make_ballbar_campaign, make_campaign
+from truepose.exchange.campaign_folder import campaign_files
+from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
 
 
 def archive(members, method=zipfile.ZIP_DEFLATED):

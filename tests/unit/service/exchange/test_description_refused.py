@@ -4,8 +4,9 @@ import json
 
 import pytest
 
-from service.exchange.campaign_folder import campaign_files, campaign_from
-from service.exchange.errors import (
+from tests.builders import make_ballbar_campaign, make_campaign
+from truepose.exchange.campaign_folder import campaign_files, campaign_from
+from truepose.exchange.errors import (
     BadValueError,
     MissingEntryError,
     MissingFileError,
@@ -13,7 +14,6 @@ from service.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
-from tests.builders import make_ballbar_campaign, make_campaign
 
 REQUIRED = (
     "format",

@@ -7,9 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
-from service.exchange.diagnosis_document import diagnosis_document
-from service.storage.documents import from_document, to_document
 from tests.diagnoses import (
     make_curve,
     make_described,
@@ -21,6 +18,9 @@ from tests.diagnoses import (
     make_unseen_points,
     make_wave,
 )
+from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
+from truepose.exchange.diagnosis_document import diagnosis_document
+from truepose.storage.documents import from_document, to_document
 
 WAVY = make_diagnosis(
     findings=(make_wave(spectrum=make_spectrum(), curve=make_curve(unseen=make_unseen_points())),)

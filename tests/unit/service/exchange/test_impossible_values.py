@@ -4,13 +4,13 @@ import json
 
 import pytest
 
-from service.exchange.campaign_folder import campaign_files, campaign_from
-from service.exchange.document import json_document, toml_document
-from service.exchange.errors import BadValueError, UnreadableFileError
-from service.exchange.plausible import limits_of
-from service.exchange.table import Column, read_table
-from service.exchange.table_rows import MOST_ROWS
 from tests.builders import make_ballbar_campaign, make_campaign
+from truepose.exchange.campaign_folder import campaign_files, campaign_from
+from truepose.exchange.document import json_document, toml_document
+from truepose.exchange.errors import BadValueError, UnreadableFileError
+from truepose.exchange.plausible import limits_of
+from truepose.exchange.table import Column, read_table
+from truepose.exchange.table_rows import MOST_ROWS
 
 
 def files_of(campaign=None):

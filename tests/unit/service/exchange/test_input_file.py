@@ -5,8 +5,8 @@ import socket
 
 import pytest
 
-from service.exchange.errors import MissingFileError, UnreadableFileError
-from service.exchange.input_file import read_bytes
+from truepose.exchange.errors import MissingFileError, UnreadableFileError
+from truepose.exchange.input_file import read_bytes
 
 
 def fifo(folder):

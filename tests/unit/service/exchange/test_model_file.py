@@ -8,17 +8,17 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from service.domain.results import Anchor, Unit
-from service.domain.robot import JointRange
-from service.exchange.errors import (
+from tests.builders import make_model, make_parameter, make_robot
+from truepose.domain.results import Anchor, Unit
+from truepose.domain.robot import JointRange
+from truepose.exchange.errors import (
     BadValueError,
     MissingEntryError,
     NewerVersionError,
     UnreadableFileError,
     WrongUnitError,
 )
-from service.exchange.model_file import model_from_text, model_text
-from tests.builders import make_model, make_parameter, make_robot
+from truepose.exchange.model_file import model_from_text, model_text
 
 RELATIVE = 1e-12  # promised; two conversions of degrees and two roundings cost 4 * 1.1e-16
 

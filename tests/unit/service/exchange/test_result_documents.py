@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from service.domain.results import NotIdentifiable, Outlier, PureError, Validation
-from service.exchange.result_documents import identification_document, validation_document
 from tests.builders import make_identification, make_pair
+from truepose.domain.results import NotIdentifiable, Outlier, PureError, Validation
+from truepose.exchange.result_documents import identification_document, validation_document
 
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
 

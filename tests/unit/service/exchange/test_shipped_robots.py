@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from service.exchange.errors import UnknownRobotError
-from service.exchange.shipped_robots import list_robots, load_robot, load_robot_with_tool
+from truepose.exchange.errors import UnknownRobotError
+from truepose.exchange.shipped_robots import list_robots, load_robot, load_robot_with_tool
 
 
 def rot_x(angle):

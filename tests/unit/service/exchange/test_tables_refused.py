@@ -2,14 +2,14 @@
 
 import pytest
 
-from service.exchange.campaign_folder import campaign_files, campaign_from
-from service.exchange.errors import (
+from tests.builders import make_ballbar_campaign, make_campaign
+from truepose.exchange.campaign_folder import campaign_files, campaign_from
+from truepose.exchange.errors import (
     BadValueError,
     MissingEntryError,
     UnreadableFileError,
     WrongUnitError,
 )
-from tests.builders import make_ballbar_campaign, make_campaign
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
 ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.02", "3,6,16,26,1,120,220,320,0.02")

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.domain.results import Parameter
-from service.identification import predict, unpredictable
 from tests.identified_models import ORIGIN_S, model_of, parameters_of
 from tests.robots import IRB_120
 from tests.synthetic import configurations
+from truepose.domain.campaign import Stops
+from truepose.domain.results import Parameter
+from truepose.identification import predict, unpredictable
 
 N = 5
 RATE = 0.3  # mm/h

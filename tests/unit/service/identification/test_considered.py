@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.domain.campaign import FixedNestReadings
-from service.domain.robot import FixedNest, Nest, WorldRegistration
-from service.identification.considered import considered, world_registration
-from service.identification.evaluation import evaluate
-from service.identification.problem import build
-from service.identification.robust import RobustFit, fit
-from service.kinematics.frames import rotation_from_vector
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, nominal_campaign
+from truepose.domain.campaign import FixedNestReadings
+from truepose.domain.robot import FixedNest, Nest, WorldRegistration
+from truepose.identification.considered import considered, world_registration
+from truepose.identification.evaluation import evaluate
+from truepose.identification.problem import build
+from truepose.identification.robust import RobustFit, fit
+from truepose.kinematics.frames import rotation_from_vector
 
 ARM = replace(IRB_120, masses=())
 EFFECTS = ("base", "geometry")

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.identification.conventions import Evidence, change_that_fits, with_zero
-from service.identification.placement import Known
-from service.kinematics.chain import nominal_chain
 from tests.robots import IRB_120, SEVEN_AXES
 from tests.synthetic import NESTS, configurations
+from truepose.identification.conventions import Evidence, change_that_fits, with_zero
+from truepose.identification.placement import Known
+from truepose.kinematics.chain import nominal_chain
 
 KNOWN = Known(None, np.array(NESTS), np.zeros(3, dtype=bool))
 

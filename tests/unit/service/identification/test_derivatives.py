@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import LegReadings
-from service.domain.robot import Nest
-from service.identification.evaluation import evaluate
-from service.identification.observations import OrientationBlock, linearise_blocks
-from service.identification.problem import automatic_effects, build
-from service.kinematics.frames import rotation_xyz
 from tests.robots import IRB_120, SEVEN_AXES
 from tests.synthetic import leg_campaign, nominal_campaign
+from truepose.domain.campaign import LegReadings
+from truepose.domain.robot import Nest
+from truepose.identification.evaluation import evaluate
+from truepose.identification.observations import OrientationBlock, linearise_blocks
+from truepose.identification.problem import automatic_effects, build
+from truepose.kinematics.frames import rotation_xyz
 
 JOINTS_7 = np.random.default_rng(7).uniform(-1.5, 1.5, (12, 7))
 

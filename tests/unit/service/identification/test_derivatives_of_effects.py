@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.effects.registry import CAUSES, EFFECTS
-from service.identification.derivatives import position_jacobian, rotation_jacobian
-from service.identification.evaluation import evaluate
-from service.identification.problem import build
-from service.kinematics.frames import vector_from_rotation
 from tests.robots import IRB_120, SEVEN_AXES
 from tests.scenes import START, scene_of, telling_campaign, telling_scene, without_masses
+from truepose.effects.registry import CAUSES, EFFECTS
+from truepose.identification.derivatives import position_jacobian, rotation_jacobian
+from truepose.identification.evaluation import evaluate
+from truepose.identification.problem import build
+from truepose.kinematics.frames import vector_from_rotation
 
 EXACT = 1e-6
 ROUNDING_MM = 1e-9

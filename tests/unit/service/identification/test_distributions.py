@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from service.identification.distributions import (
+from truepose.identification.distributions import (
     chi2_exceeded,
     chi2_limit,
     chi2_log_density,

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import CupSetups, LegReadings, Stops
-from service.identification import identify
-from service.identification.fixture_observations import ClampBlock, SideBlock, anchor_places
-from service.identification.leg_observations import LegBlock
-from service.identification.observations import linearise_blocks
-from service.identification.problem import build
 from tests.ballbar_campaigns import ballbar_campaign
+from truepose.domain.campaign import CupSetups, LegReadings, Stops
+from truepose.identification import identify
+from truepose.identification.fixture_observations import ClampBlock, SideBlock, anchor_places
+from truepose.identification.leg_observations import LegBlock
+from truepose.identification.observations import linearise_blocks
+from truepose.identification.problem import build
 
 EFFECTS = ("geometry", "compliance")
 BALANCED_MM = 1e-5  # torques are balanced to 1e-5: 2e-8 rad at half a metre

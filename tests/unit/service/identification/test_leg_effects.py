@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.effects.registry import CAUSES
-from service.identification import identify, predict_lengths
-from service.identification.observations import linearise_blocks, targets_subset
-from service.identification.problem import build
-from service.kinematics.frames import rotation_xyz
 from tests.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
+from truepose.effects.registry import CAUSES
+from truepose.identification import identify, predict_lengths
+from truepose.identification.observations import linearise_blocks, targets_subset
+from truepose.identification.problem import build
+from truepose.kinematics.frames import rotation_xyz
 
 ON_LENGTHS = ("ballbar_zero", "fixture_shift", "base_drift", "base_shift")
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import FixedNestReadings
-from service.identification.looks import contradiction, gross_looks, own_discrepancy_mm
-from service.identification.problem import build
-from service.identification.reference import reference_block
-from service.identification.robust import robust_fit
 from tests.scenes import FIXED_MM, telling_campaign
+from truepose.domain.campaign import FixedNestReadings
+from truepose.identification.looks import contradiction, gross_looks, own_discrepancy_mm
+from truepose.identification.problem import build
+from truepose.identification.reference import reference_block
+from truepose.identification.robust import robust_fit
 
 U_MM = 0.015
 LOOKS = 20

@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from service.domain.results import Parameter
-from service.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
-from service.identification.missing import Span, span_of
 from tests.leg_scenes import telling_legs
 from tests.scenes import telling_campaign
+from truepose.domain.results import Parameter
+from truepose.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
+from truepose.identification.missing import Span, span_of
 
 ARM = ("base", "geometry")
 COLUMNS = {

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from service.identification.placement import Known, place
-from service.kinematics.chain import nominal_chain
-from service.kinematics.frames import rotation_xyz
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, configurations
+from truepose.identification.placement import Known, place
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import rotation_xyz
 
 ROTATION, ORIGIN = rotation_xyz(2.8, -1.1, 0.7), np.array([900.0, -2500.0, 340.0])
 CENTRES = np.array(NESTS)

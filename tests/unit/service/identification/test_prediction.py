@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from service.domain.campaign import Stops
-from service.domain.errors import ConfigurationError
-from service.domain.results import Model, NestCentre, Parameter
-from service.domain.robot import FramePlacement
-from service.identification import predict, predict_nominal
-from service.kinematics.chain import nominal_chain
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, configurations
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model, NestCentre, Parameter
+from truepose.domain.robot import FramePlacement
+from truepose.identification import predict, predict_nominal
+from truepose.kinematics.chain import nominal_chain
 
 JOINTS = configurations(5)
 ONES = np.ones(5, dtype=np.int64)

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.diagnosis.diagnose import diagnose
-from service.domain.results import Status
-from service.identification import identify
-from service.identification.reach import within_reach
-from service.identification.whitening import whitener
 from tests.synthetic import leg_campaign, measured, nominal_campaign, shifted
+from truepose.diagnosis.diagnose import diagnose
+from truepose.domain.results import Status
+from truepose.identification import identify
+from truepose.identification.reach import within_reach
+from truepose.identification.whitening import whitener
 
 ROW = 7
 IMPOSSIBLE = [1e4, -1e4, 1e6, 1e9, -1e12, 1e29, 1e300, np.inf, np.nan]

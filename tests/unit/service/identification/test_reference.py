@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import FixedNest
-from service.effects.registry import CAUSES
-from service.identification import identify
-from service.identification.considered import considered
-from service.identification.observations import linearise_blocks
-from service.identification.problem import build
-from service.identification.reference import ReferenceBlock, reference_block
-from service.identification.robust import robust_fit
 from tests.leg_scenes import telling_legs
 from tests.scenes import FIXED_MM, ORIGIN_S, TRACKER_MM, telling_campaign, telling_scene
+from truepose.domain.robot import FixedNest
+from truepose.effects.registry import CAUSES
+from truepose.identification import identify
+from truepose.identification.considered import considered
+from truepose.identification.observations import linearise_blocks
+from truepose.identification.problem import build
+from truepose.identification.reference import ReferenceBlock, reference_block
+from truepose.identification.robust import robust_fit
 
 ARM = ("base", "geometry")
 FRAME = [f"frame_{component}" for component in ("x", "y", "z", "rx", "ry", "rz")]

@@ -8,13 +8,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from service.effects.geometry import GEOMETRY_EFFECTS
-from service.identification.evaluation import evaluate
-from service.identification.problem import build
-from service.identification.robust import robust_fit
-from service.kinematics.frames import rotation_from_vector
 from tests.robots import IRB_120
 from tests.synthetic import drawn, measured, nominal_campaign, shifted
+from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.identification.evaluation import evaluate
+from truepose.identification.problem import build
+from truepose.identification.robust import robust_fit
+from truepose.kinematics.frames import rotation_from_vector
 
 EFFECTS = ("base", "geometry")
 # Neither springs nor scatter of the arm: the noise of the readings is all there is.

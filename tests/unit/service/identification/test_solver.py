@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from service.identification.solver import posterior_covariance, solve
+from truepose.identification.solver import posterior_covariance, solve
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.effects.registry import CAUSES
-from service.identification.problem import build
 from tests.scenes import telling_campaign
+from truepose.domain.errors import ConfigurationError
+from truepose.effects.registry import CAUSES
+from truepose.identification.problem import build
 
 SEARCHED = ("base_shift", "fixture_shift", "label_swap", "outliers", "unnamed")
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.identification.thesis_procedure import identify_as_thesis, positions_from_legs
 from tests.ballbar_campaigns import ballbar_campaign, places
+from truepose.domain.errors import ConfigurationError
+from truepose.identification.thesis_procedure import identify_as_thesis, positions_from_legs
 
 
 def test_six_legs_give_the_positions_of_a_robot_without_errors():

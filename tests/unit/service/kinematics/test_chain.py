@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import LinkMass
-from service.kinematics.chain import (
+from tests.robots import IRB_120, SEVEN_AXES
+from truepose.domain.robot import LinkMass
+from truepose.kinematics.chain import (
     alpha_gradient,
     beta_gradient,
     forward,
     nominal_values,
     theta_gradient,
 )
-from service.kinematics.frames import rotation_x, rotation_xyz, rotation_z
-from service.kinematics.gravity import gravity_torques, moment_regressor
-from tests.robots import IRB_120, SEVEN_AXES
+from truepose.kinematics.frames import rotation_x, rotation_xyz, rotation_z
+from truepose.kinematics.gravity import gravity_torques, moment_regressor
 
 CONFIGURATIONS = np.random.default_rng(1).uniform(-2.0, 2.0, (6, 7))
 BASE = rotation_xyz(0.1, -0.2, 0.7), np.array([100.0, -50.0, 20.0])

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.kinematics.frames import (
+from truepose.kinematics.frames import (
     angles_xyz,
     cross,
     rigid_alignment,

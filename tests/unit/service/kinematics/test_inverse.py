@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.domain.robot import JointRange, JointRow
-from service.exchange.shipped_robots import load_robot
-from service.kinematics.chain import nominal_chain
-from service.kinematics.inverse import (
+from tests.robots import SEVEN_AXES
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange, JointRow
+from truepose.exchange.shipped_robots import load_robot
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.inverse import (
     BRANCH_NAMES,
     all_branches,
     brought_within,
     equivalents,
     has_closed_form,
 )
-from tests.robots import SEVEN_AXES
 
 # Doubles carry 16 digits of some 1000 mm through a dozen products; near singularities joints lose half.
 POSE = 1e-9

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.kinematics.trilateration import tri, tri_gradient
+from truepose.kinematics.trilateration import tri, tri_gradient
 
 CENTRES = np.array([[0.0, 0.0, 0.0], [300.0, 0.0, 0.0], [150.0, 260.0, 0.0]])
 COORDINATE = st.floats(-400.0, 400.0)

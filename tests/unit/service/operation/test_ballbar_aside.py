@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from drivers.api import BallbarReading
-from drivers.errors import ConnectFailedError, NoReplyError
-from service.domain.artefacts import BallbarKit
-from service.domain.cell import DeviceEntry
-from service.operation.ballbar_aside import require_ballbar_aside
-from service.operation.devices import MountedDevice, Rack
-from service.sequencing.errors import NotNowError
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.cell import DeviceEntry
+from truepose.operation.ballbar_aside import require_ballbar_aside
+from truepose.operation.devices import MountedDevice, Rack
+from truepose.sequencing.errors import NotNowError
+from truepose_drivers.api import BallbarReading
+from truepose_drivers.errors import ConnectFailedError, NoReplyError
 
 
 class Clock:

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import EntryKind, LedgerEntry
-from service.kinematics.chain import forward, nominal_values
-from service.operation.ballbar_scene import scene_of
-from service.operation.ballbar_view import BallbarView
-from service.sequencing.ballbar.situation import situation
-from service.storage.records import SessionSetup
 from tests.ballbar_cells import domain_cell
 from tests.ballbar_sessions import make_ballbar_plan, measured, moved
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import EntryKind, LedgerEntry
+from truepose.kinematics.chain import forward, nominal_values
+from truepose.operation.ballbar_scene import scene_of
+from truepose.operation.ballbar_view import BallbarView
+from truepose.sequencing.ballbar.situation import situation
+from truepose.storage.records import SessionSetup
 
 PLAN, CELL, KIT = make_ballbar_plan(), domain_cell(ballbar=BallbarKit()), BallbarKit()
 START = LedgerEntry("tool/initialise", EntryKind.CONTROL, 1.0, "Ada", "t1", "k", "running: started")

@@ -4,13 +4,13 @@ import asyncio
 
 import pytest
 
-from service.analysis.errors import BusyError
-from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import BallbarPlan
-from service.operation.ballbar_plans import BallbarWish
-from service.operation.ballbar_work import BallbarWork
-from service.storage.records import SessionSetup
 from tests.ballbar_cells import domain_cell
+from truepose.analysis.errors import BusyError
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import BallbarPlan
+from truepose.operation.ballbar_plans import BallbarWish
+from truepose.operation.ballbar_work import BallbarWork
+from truepose.storage.records import SessionSetup
 
 SETUP = SessionSetup(domain_cell(ballbar=BallbarKit()))
 

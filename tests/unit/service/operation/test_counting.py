@@ -1,9 +1,9 @@
 """What counts of a ballbar session: nothing superseded, nothing skipped, nothing confused."""
 
-from service.domain.artefacts import BallbarKit
-from service.domain.ballbar import EntryKind, LedgerEntry, PreCalibration
-from service.operation.counting import counting
 from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import EntryKind, LedgerEntry, PreCalibration
+from truepose.operation.counting import counting
 
 PLAN, KIT = make_ballbar_plan(), BallbarKit()
 START = LedgerEntry("tool/initialise", EntryKind.CONTROL, 1.0, "Ada", "t1", "k", "running: started")

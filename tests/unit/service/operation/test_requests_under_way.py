@@ -4,9 +4,9 @@ import asyncio
 
 import pytest
 
-from service.operation.requests_under_way import RequestsUnderWay
-from service.storage.errors import KeyReusedError
-from service.storage.records import RequestKey
+from truepose.operation.requests_under_way import RequestsUnderWay
+from truepose.storage.errors import KeyReusedError
+from truepose.storage.records import RequestKey
 
 KEY = RequestKey("k", "fingerprint")
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.cell import Cell, CellLimits
-from service.domain.robot import FramePlacement, Nest
-from service.domain.session import PlannedStop, SessionPlan
-from service.planning.added_stops import WantedStop, addition
-from service.planning.errors import WorkSpaceError
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, IRB120, TRACKER_AT
+from truepose.domain.cell import Cell, CellLimits
+from truepose.domain.robot import FramePlacement, Nest
+from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.planning.added_stops import WantedStop, addition
+from truepose.planning.errors import WorkSpaceError
 
 REACHING_OUT = tuple(math.radians(q) for q in (0.0, 30.0, -10.0, 0.0, 20.0, 0.0))
 TURNED = (math.radians(20.0), *REACHING_OUT[1:])

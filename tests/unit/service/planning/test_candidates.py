@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import FramePlacement, JointRange, Nest
-from service.planning.candidates import draw_candidates, judge
-from service.planning.errors import TooFewCandidatesError, WorkSpaceError
-from service.planning.work_space import (
+from tests.unit.service.sequencing.fakes import IRB120, TRACKER_AT
+from truepose.domain.robot import FramePlacement, JointRange, Nest
+from truepose.planning.candidates import draw_candidates, judge
+from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
+from truepose.planning.work_space import (
     COLUMN_RADIUS_MM,
     TABLE_CLEARANCE_MM,
     WorkSpace,
@@ -17,7 +18,6 @@ from service.planning.work_space import (
     nest_places,
     nominal_chain,
 )
-from tests.unit.service.sequencing.fakes import IRB120, TRACKER_AT
 
 FACINGS = ((-0.80, -0.45, 0.40), (-0.20, 0.70, 0.70), (0.85, -0.40, 0.35))
 CENTRES = ((0.0, 0.0, 125.0), (75.0, 93.675, 215.0), (150.0, 0.0, 125.0))

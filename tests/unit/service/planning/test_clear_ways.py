@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from service.planning.candidates import draw_candidates
-from service.planning.clear_ways import clear_order, room_mm
-from service.planning.session_plans import plan_calibration, plan_validation
-from service.planning.work_space import heights_above_table_mm
 from tests.unit.service.planning.test_candidates import SPACE
+from truepose.planning.candidates import draw_candidates
+from truepose.planning.clear_ways import clear_order, room_mm
+from truepose.planning.session_plans import plan_calibration, plan_validation
+from truepose.planning.work_space import heights_above_table_mm
 
 
 def ways(plan):

@@ -6,10 +6,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.planning.errors import TooFewCandidatesError
-from service.planning.exchange import choose_by_exchange, rank_substitutes
-from service.planning.observability import observability_o1
+from truepose.domain.errors import ConfigurationError
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.exchange import choose_by_exchange, rank_substitutes
+from truepose.planning.observability import observability_o1
 
 
 def candidates(n, rows=3, parameters=4, seed=0):

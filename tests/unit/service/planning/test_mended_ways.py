@@ -8,17 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.domain.robot import JointRange, Nest
-from service.exchange.cell_file import simulated_cell
-from service.planning import session_plans
-from service.planning.candidates import Candidates, draw_candidates
-from service.planning.cell_bodies import bodies_in, rooms
-from service.planning.cell_space import space_of_cell
-from service.planning.errors import NoWayError
-from service.planning.mended_ways import mended, pool_of
-from service.planning.observability import observability_o1
-from service.planning.session_plans import plan_calibration, plan_validation, scaled_jacobians
-from service.planning.way_room import touching, ways_between
+from truepose.domain.robot import JointRange, Nest
+from truepose.exchange.cell_file import simulated_cell
+from truepose.planning import session_plans
+from truepose.planning.candidates import Candidates, draw_candidates
+from truepose.planning.cell_bodies import bodies_in, rooms
+from truepose.planning.cell_space import space_of_cell
+from truepose.planning.errors import NoWayError
+from truepose.planning.mended_ways import mended, pool_of
+from truepose.planning.observability import observability_o1
+from truepose.planning.session_plans import plan_calibration, plan_validation, scaled_jacobians
+from truepose.planning.way_room import touching, ways_between
 
 FEW = 200  # candidates: enough for the tests, a tenth of the time
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.domain.errors import ConfigurationError, UnderdeterminedError
-from service.planning.observability import (
+from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.planning.observability import (
     observability_o1,
     observability_o2,
     observability_o3,

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.robot import LinkMass
-from service.domain.session import PlannedStop, SessionPlan
-from service.planning.candidates import draw_candidates
-from service.planning.observability import observability_o1
-from service.planning.session_plans import (
+from tests.unit.service.planning.test_candidates import SPACE
+from truepose.domain.robot import LinkMass
+from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.planning.candidates import draw_candidates
+from truepose.planning.observability import observability_o1
+from truepose.planning.session_plans import (
     choose_calibration,
     plan_calibration,
     plan_session,
@@ -18,7 +19,6 @@ from service.planning.session_plans import (
     short_tour,
     with_revisits,
 )
-from tests.unit.service.planning.test_candidates import SPACE
 
 FEW = 300  # candidates: enough for the tests, a tenth of the time
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import PointReadings, Stops
-from service.domain.robot import Nest, WorldRegistration
-from service.identification import identify, predict
 from tests.builders import make_campaign, make_model, make_robot
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.robot import Nest, WorldRegistration
+from truepose.identification import identify, predict
 
 TRACKER_MM = 0.01
 

@@ -3,14 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.results import NominalAndIdentified
-from service.identification.rows import taken
-from service.identification.statistics import statistics
-from service.reports.budget import budget
-from service.reports.conditions import ReportConditions
-from service.reports.judged import judged
-from service.reports.shifts import DRAWS, motion_shifts, spread_of_mean_mm
 from tests.builders import make_pair
+from truepose.domain.results import NominalAndIdentified
+from truepose.identification.rows import taken
+from truepose.identification.statistics import statistics
+from truepose.reports.budget import budget
+from truepose.reports.conditions import ReportConditions
+from truepose.reports.judged import judged
+from truepose.reports.shifts import DRAWS, motion_shifts, spread_of_mean_mm
 
 # A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
 MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)

@@ -5,10 +5,10 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from service.domain.diagnosis import Cause, Worth
-from service.reports.cause_map import cause_map
-from service.reports.figures.cause_map import map_picture, share_text
 from tests.diagnoses import make_described, make_diagnosis, make_finding, make_rest, make_wave
+from truepose.domain.diagnosis import Cause, Worth
+from truepose.reports.cause_map import cause_map
+from truepose.reports.figures.cause_map import map_picture, share_text
 
 COUPLED = Cause("unnamed", "joint 4, angle of joint 2, line")
 

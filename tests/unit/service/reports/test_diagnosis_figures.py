@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import CurvePoints, HeldOutErrors
-from service.reports.figures.comparison import comparison
-from service.reports.figures.error_maps import error_maps
-from service.reports.figures.gains import gains
-from service.reports.figures.residual_curve import residual_curve
-from service.reports.figures.spectrum import spectrum_picture
 from tests.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
 from tests.diagnoses import make_spectrum
+from truepose.domain.diagnosis import CurvePoints, HeldOutErrors
+from truepose.reports.figures.comparison import comparison
+from truepose.reports.figures.error_maps import error_maps
+from truepose.reports.figures.gains import gains
+from truepose.reports.figures.residual_curve import residual_curve
+from truepose.reports.figures.spectrum import spectrum_picture
 
 
 def drawn(curve, **options):

@@ -4,9 +4,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.diagnosis import Cause, Detail, NextMeasurement, RuledOut, Verdict
-from service.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
-from service.reports.errors import UnwritableReportError
 from tests.builders import make_model
 from tests.diagnosed_cells import (
     ENDINGS,
@@ -20,6 +17,9 @@ from tests.diagnosed_cells import (
 )
 from tests.diagnoses import make_described, make_rest
 from tests.pages import Page
+from truepose.domain.diagnosis import Cause, Detail, NextMeasurement, RuledOut, Verdict
+from truepose.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
+from truepose.reports.errors import UnwritableReportError
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.identification import predict
-from service.reports.figures.correlation import correlation_map, correlation_matrix, strongest_pairs
-from service.reports.figures.histogram import histogram
-from service.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
-from service.reports.figures.work_space import exaggeration, work_space
-from service.reports.judged import judged
 from tests.builders import make_model
+from truepose.identification import predict
+from truepose.reports.figures.correlation import correlation_map, correlation_matrix, strongest_pairs
+from truepose.reports.figures.histogram import histogram
+from truepose.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
+from truepose.reports.figures.work_space import exaggeration, work_space
+from truepose.reports.judged import judged
 
 
 @pytest.fixture(scope="session")

@@ -3,14 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.results import NominalAndIdentified, Status
-from service.identification import identify
-from service.identification.rows import taken
-from service.reports.budget import budget
-from service.reports.conditions import ReportConditions
-from service.reports.headline import headline
-from service.reports.judged import judged
 from tests.builders import make_identification, make_statistics
+from truepose.domain.results import NominalAndIdentified, Status
+from truepose.identification import identify
+from truepose.identification.rows import taken
+from truepose.reports.budget import budget
+from truepose.reports.conditions import ReportConditions
+from truepose.reports.headline import headline
+from truepose.reports.judged import judged
 
 
 def headline_of(identification, campaign):

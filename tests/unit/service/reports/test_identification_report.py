@@ -4,11 +4,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.campaign import LegReadings
-from service.domain.cell import Artefact
-from service.domain.results import NominalAndIdentified, Outlier, PureError
-from service.identification import identify, predict
-from service.reports import (
+from tests.builders import make_identification, make_model, make_statistics
+from tests.pages import Page
+from truepose.domain.campaign import LegReadings
+from truepose.domain.cell import Artefact
+from truepose.domain.results import NominalAndIdentified, Outlier, PureError
+from truepose.identification import identify, predict
+from truepose.reports import (
     DiagnosisLink,
     Instrument,
     Period,
@@ -18,9 +20,7 @@ from service.reports import (
     Truth,
     write_identification_report,
 )
-from service.reports.errors import UnwritableReportError
-from tests.builders import make_identification, make_model, make_statistics
-from tests.pages import Page
+from truepose.reports.errors import UnwritableReportError
 
 HOSTILE = "<script>alert('x')</script><img src=http://evil.example/x onerror=alert(1)>\"&"
 

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.reports.judged import judged, noise_split, without_far_out
 from tests.builders import make_identification
+from truepose.reports.judged import judged, noise_split, without_far_out
 
 
 def test_held_out_readings_judge_where_there_are_such(identification, campaign):

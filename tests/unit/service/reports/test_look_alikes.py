@@ -2,9 +2,9 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.diagnosis import Cause, NextMeasurement, RuledOut
-from service.reports.look_alikes import acts_alike, alternatives
 from tests.diagnosed_cells import make_diagnosis, make_finding
+from truepose.domain.diagnosis import Cause, NextMeasurement, RuledOut
+from truepose.reports.look_alikes import acts_alike, alternatives
 
 
 def finding(effect, subject):

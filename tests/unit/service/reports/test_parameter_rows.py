@@ -3,13 +3,13 @@ import math
 import numpy as np
 import pytest
 
-from service.domain.results import NotIdentifiable
-from service.domain.robot import FramePlacement
-from service.effects.ports import Setting
-from service.effects.registry import EFFECTS
-from service.reports.parameter_meanings import meaning
-from service.reports.parameter_rows import parameter_rows
 from tests.builders import make_campaign, make_identification, make_model, make_parameter, make_robot
+from truepose.domain.results import NotIdentifiable
+from truepose.domain.robot import FramePlacement
+from truepose.effects.ports import Setting
+from truepose.effects.registry import EFFECTS
+from truepose.reports.parameter_meanings import meaning
+from truepose.reports.parameter_rows import parameter_rows
 
 
 def row_of(parameter, campaign=None, **changes):

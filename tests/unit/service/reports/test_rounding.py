@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from service.reports.rounding import (
+from truepose.reports.rounding import (
     MISSING,
     exact,
     interval,

@@ -5,15 +5,15 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from service.domain.results import NotIdentifiable, Outlier, Validation
-from service.reports.summary import (
+from tests.builders import make_identification, make_pair
+from truepose.domain.results import NotIdentifiable, Outlier, Validation
+from truepose.reports.summary import (
     figures_table,
     identification_summary,
     truth_table,
     validation_summary,
 )
-from service.reports.truth import TrueParameter
-from tests.builders import make_identification, make_pair
+from truepose.reports.truth import TrueParameter
 
 
 def printed(table):

@@ -1,7 +1,7 @@
 import pytest
 
-from service.reports import Row, Section, Verdict, write_table_report
-from service.reports.table_report import verdict_sentence
+from truepose.reports import Row, Section, Verdict, write_table_report
+from truepose.reports.table_report import verdict_sentence
 
 
 def section(*verdicts):

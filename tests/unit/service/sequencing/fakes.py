@@ -6,13 +6,11 @@ from collections.abc import Awaitable, Callable
 
 import numpy as np
 
-from drivers.api import DeviceIdentity, Environment, JointReading, MotionLimits, TrackerReading, Vector
-from drivers.errors import ConnectionLostError, DriverError, ReflectorNotFoundError
-from service.domain.arrays import FloatArray
-from service.domain.errors import RecordRefusedError
-from service.domain.identities import IdentityTaken
-from service.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
-from service.domain.session import (
+from truepose.domain.arrays import FloatArray
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.identities import IdentityTaken
+from truepose.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
+from truepose.domain.session import (
     FixedNestTaken,
     PlannedStop,
     PointTaken,
@@ -22,9 +20,18 @@ from service.domain.session import (
     SessionState,
     StopSkipped,
 )
-from service.kinematics.frames import rotation_xyz
-from service.sequencing.cell import SessionCell
-from service.sequencing.prediction import nest_in_world
+from truepose.kinematics.frames import rotation_xyz
+from truepose.sequencing.cell import SessionCell
+from truepose.sequencing.prediction import nest_in_world
+from truepose_drivers.api import (
+    DeviceIdentity,
+    Environment,
+    JointReading,
+    MotionLimits,
+    TrackerReading,
+    Vector,
+)
+from truepose_drivers.errors import ConnectionLostError, DriverError, ReflectorNotFoundError
 
 QUARTER = math.pi / 2
 IRB120 = Robot(

@@ -3,10 +3,10 @@
 import asyncio
 from collections.abc import Callable
 
-from service.domain.session import SessionPlan, SessionState
-from service.sequencing.journal import SessionHistory
-from service.sequencing.runner import SessionRunner
 from tests.unit.service.sequencing.fakes import FakeCell
+from truepose.domain.session import SessionPlan, SessionState
+from truepose.sequencing.journal import SessionHistory
+from truepose.sequencing.runner import SessionRunner
 
 _TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer waits for nobody
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.session import SessionState
-from service.sequencing.errors import NotNowError, PlanRefusedError
-from service.sequencing.runner import SessionRunner
 from tests.unit.service.sequencing.fakes import FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.operators import PatientOperator, until
+from truepose.domain.session import SessionState
+from truepose.sequencing.errors import NotNowError, PlanRefusedError
+from truepose.sequencing.runner import SessionRunner
 
 ADDED = (make_stop(11), make_stop(12))
 MOVES_PER_STOP = 2  # the approach and the stop itself

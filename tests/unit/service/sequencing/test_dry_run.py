@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.robot import FixedNest, FramePlacement, JointRange, Nest
-from service.domain.session import PlannedStop
-from service.sequencing.dry_run import check_plan, dry_run, motion_limits
-from service.sequencing.errors import PlanRefusedError
-from service.sequencing.runner import SessionRunner
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.operators import run_session
+from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest
+from truepose.domain.session import PlannedStop
+from truepose.sequencing.dry_run import check_plan, dry_run, motion_limits
+from truepose.sequencing.errors import PlanRefusedError
+from truepose.sequencing.runner import SessionRunner
 
 WIDE = tuple(JointRange(-math.pi, math.pi) for _ in range(6))
 

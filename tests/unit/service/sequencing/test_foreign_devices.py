@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.errors import ConnectionLostError
-from service.domain.session import SessionState
-from service.sequencing.acquaintances import Expected
-from service.sequencing.errors import NotNowError
-from service.sequencing.journal import SessionHistory
-from service.sequencing.runner import SessionRunner
 from tests.unit.service.sequencing.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.operators import PatientOperator, run_session, until
+from truepose.domain.session import SessionState
+from truepose.sequencing.acquaintances import Expected
+from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.journal import SessionHistory
+from truepose.sequencing.runner import SessionRunner
+from truepose_drivers.errors import ConnectionLostError
 
 A, B = "390001", "777777"
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.domain.identities import IdentityTaken
-from service.sequencing.identities import Acquaintance, accepted, acquaintance, judge, sentence
+from truepose.domain.identities import IdentityTaken
+from truepose.sequencing.identities import Acquaintance, accepted, acquaintance, judge, sentence
 
 A, B, C = "390003", "777777", "391111"
 

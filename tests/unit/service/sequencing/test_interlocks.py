@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.api import JointReading
-from service.domain.robot import JointRange
-from service.domain.session import SessionState
-from service.sequencing.interlocks import MotionConditions, what_forbids_motion
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionState
+from truepose.sequencing.interlocks import MotionConditions, what_forbids_motion
+from truepose_drivers.api import JointReading
 
 AT = (0.1, -0.2)
 LIMITS = (JointRange(-1.0, 1.0), JointRange(-1.0, 1.0))

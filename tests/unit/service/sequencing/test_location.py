@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.errors import ConnectionLostError, ReflectorNotFoundError
-from service.domain.session import SessionState
-from service.sequencing.location import AIMED_RADIUS_MM, locate_tracker
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, TRACKER_AT, FakeCell, make_plan
 from tests.unit.service.sequencing.operators import PatientOperator, run_session
+from truepose.domain.session import SessionState
+from truepose.sequencing.location import AIMED_RADIUS_MM, locate_tracker
+from truepose_drivers.errors import ConnectionLostError, ReflectorNotFoundError
 
 CERTIFIED = np.array([nest.centre_mm for nest in FIXED_NESTS])
 

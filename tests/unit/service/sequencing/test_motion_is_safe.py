@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.errors import ConnectionLostError
-from service.domain.session import SessionState
-from service.sequencing.errors import NotNowError
-from service.sequencing.interlocks import MAX_STATE_AGE_S
-from service.sequencing.runner import SessionRunner
-from service.sequencing.states import has_ended
 from tests.unit.service.sequencing.fakes import FakeCell, ListJournal, make_plan
 from tests.unit.service.sequencing.operators import PatientOperator
+from truepose.domain.session import SessionState
+from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.interlocks import MAX_STATE_AGE_S
+from truepose.sequencing.runner import SessionRunner
+from truepose.sequencing.states import has_ended
+from truepose_drivers.errors import ConnectionLostError
 
 N_STOPS = 4
 

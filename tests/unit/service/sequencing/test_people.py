@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.domain.people import LONGEST_NAME, NAME_PATTERN, fault_of_name, tidy_name
-from service.sequencing.desk import require_announced, require_person
-from service.sequencing.errors import PersonMissingError, PersonUnknownError
+from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, fault_of_name, tidy_name
+from truepose.sequencing.desk import require_announced, require_person
+from truepose.sequencing.errors import PersonMissingError, PersonUnknownError
 
 NAMES = [
     "Ada Byron",

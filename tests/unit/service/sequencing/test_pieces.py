@@ -6,18 +6,18 @@ import math
 import numpy as np
 import pytest
 
-from drivers.api import MotionGuard, MotionLimits, motion_guard
-from service.domain.robot import FramePlacement, JointRange
-from service.domain.session import SessionState
-from service.sequencing.arm import Arm, Permission
-from service.sequencing.ballbar.way import rest_of_way
-from service.sequencing.errors import MotionForbiddenError
-from service.sequencing.notices import motion_notice
-from service.sequencing.pieces import Pieces
-from service.sequencing.prediction import nominal_chain
-from service.sequencing.runner import SessionRunner
 from tests.unit.service.sequencing.fakes import IRB120, FakeCell, FakeClock, FakeRobot, make_plan
 from tests.unit.service.sequencing.operators import PatientOperator, until
+from truepose.domain.robot import FramePlacement, JointRange
+from truepose.domain.session import SessionState
+from truepose.sequencing.arm import Arm, Permission
+from truepose.sequencing.ballbar.way import rest_of_way
+from truepose.sequencing.errors import MotionForbiddenError
+from truepose.sequencing.notices import motion_notice
+from truepose.sequencing.pieces import Pieces
+from truepose.sequencing.prediction import nominal_chain
+from truepose.sequencing.runner import SessionRunner
+from truepose_drivers.api import MotionGuard, MotionLimits, motion_guard
 
 SLOW = MotionLimits(20.0, math.radians(3.0))
 START = (0.0, 0.1, -0.2, 0.0, 0.3, 0.0)

@@ -5,12 +5,12 @@ import contextlib
 
 import pytest
 
-from service.domain.errors import RecordRefusedError
-from service.domain.session import SessionState
-from service.sequencing.errors import NotNowError
-from service.sequencing.runner import CELL_CLEAR, SessionRunner
 from tests.unit.service.sequencing.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.operators import until
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.session import SessionState
+from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.runner import CELL_CLEAR, SessionRunner
 
 REFUSED_ONCE = ("state_changed", "point_taken", "fixed_nest_taken", "stop_skipped", "registered", "noted")
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.cell import CertifiedLength
-from service.domain.robot import FixedNest
-from service.kinematics.frames import rotation_xyz, vector_from_rotation
-from service.sequencing.registration import nest_mean, register, to_tracker, to_world
-from service.sequencing.scale import scale_sentence
 from tests.unit.service.sequencing.fakes import FIXED_NESTS, TRACKER_AT
+from truepose.domain.cell import CertifiedLength
+from truepose.domain.robot import FixedNest
+from truepose.kinematics.frames import rotation_xyz, vector_from_rotation
+from truepose.sequencing.registration import nest_mean, register, to_tracker, to_world
+from truepose.sequencing.scale import scale_sentence
 
 ROTATION = rotation_xyz(0.003, -0.002, 2.1)
 SPREAD_MM = (0.010, 0.022, 0.022)

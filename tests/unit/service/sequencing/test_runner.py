@@ -7,7 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.errors import (
+from tests.unit.service.sequencing.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
+from tests.unit.service.sequencing.operators import PatientOperator, run_session, until
+from truepose.domain.session import SessionState, StopSkipped
+from truepose.sequencing.errors import NotNowError, PersonMissingError
+from truepose.sequencing.journal import SessionHistory
+from truepose.sequencing.prediction import nest_in_world
+from truepose.sequencing.runner import CELL_CLEAR, SessionRunner
+from truepose_drivers.errors import (
     BeamBrokenError,
     ConnectionLostError,
     DriverError,
@@ -17,13 +24,6 @@ from drivers.errors import (
     ReflectorNotFoundError,
     TargetRefusedError,
 )
-from service.domain.session import SessionState, StopSkipped
-from service.sequencing.errors import NotNowError, PersonMissingError
-from service.sequencing.journal import SessionHistory
-from service.sequencing.prediction import nest_in_world
-from service.sequencing.runner import CELL_CLEAR, SessionRunner
-from tests.unit.service.sequencing.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
-from tests.unit.service.sequencing.operators import PatientOperator, run_session, until
 
 LOST = ConnectionLostError("the cable was pulled")
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from service.domain.session import SessionState as S
-from service.sequencing.errors import NotNowError
-from service.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition
+from truepose.domain.session import SessionState as S
+from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.states import TRANSITIONS, after_restart, has_ended, require_transition
 
 
 def test_every_state_has_its_line_in_the_table():

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.api import JointReading
-from drivers.errors import ImplausibleReadingError
-from service.domain.robot import JointRange
-from service.domain.session import SessionState
-from service.sequencing.watchful_robot import WatchfulRobot
 from tests.unit.service.sequencing.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.operators import PatientOperator, run_session
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionState
+from truepose.sequencing.watchful_robot import WatchfulRobot
+from truepose_drivers.api import JointReading
+from truepose_drivers.errors import ImplausibleReadingError
 
 RANGES = (JointRange(math.radians(-110.0), math.radians(70.0)),) * 6
 

@@ -5,8 +5,8 @@ import json
 import httpx
 import pytest
 
-from service.showcase.client import ServiceClient, connected
-from service.showcase.errors import (
+from truepose.showcase.client import ServiceClient, connected
+from truepose.showcase.errors import (
     JobFailedError,
     RequestRefusedError,
     ServiceFailedError,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from service.identification import predict
-from service.kinematics.frames import rotation_xyz
-from service.showcase.cell_truth import TrueReadings
-from service.showcase.comparison import rigidly_aligned, true_campaign, true_errors
 from tests.builders import make_campaign, make_model, make_points
+from truepose.identification import predict
+from truepose.kinematics.frames import rotation_xyz
+from truepose.showcase.cell_truth import TrueReadings
+from truepose.showcase.comparison import rigidly_aligned, true_campaign, true_errors
 
 
 def points(n=40, seed=1):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.showcase.ballbar_person import Acknowledged, OwnLedger
-from service.showcase.ledger_check import faults
+from truepose.showcase.ballbar_person import Acknowledged, OwnLedger
+from truepose.showcase.ledger_check import faults
 
 MOVE = "placement-1/pose-1/move"
 LEG = "placement-1/pose-1/leg-1-1"

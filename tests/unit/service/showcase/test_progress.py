@@ -3,7 +3,7 @@ from io import StringIO
 from rich.console import Console
 from rich.progress import Progress
 
-from service.showcase.progress import RunProgress
+from truepose.showcase.progress import RunProgress
 
 
 def test_a_later_run_shows_its_phases_after_the_bars_of_the_first_are_gone():

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.domain.ballbar import BallbarPlan, PlannedAway
-from service.domain.results import Parameter
-from service.domain.robot import FramePlacement, JointRow, Robot
-from service.domain.session import (
+from tests.ballbar_sessions import make_ballbar_plan
+from truepose.domain.ballbar import BallbarPlan, PlannedAway
+from truepose.domain.results import Parameter
+from truepose.domain.robot import FramePlacement, JointRow, Robot
+from truepose.domain.session import (
     PlannedStop,
     PointTaken,
     Registration,
@@ -20,8 +21,7 @@ from service.domain.session import (
     SessionState,
     StopSkipped,
 )
-from service.storage.documents import from_document, to_document
-from tests.ballbar_sessions import make_ballbar_plan
+from truepose.storage.documents import from_document, to_document
 
 
 def through_json(value):

@@ -4,10 +4,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from service.domain.ballbar import PoseForecast
-from service.domain.errors import ConfigurationError
-from service.validation.connections import judge_leg, judge_pose
 from tests.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from truepose.domain.ballbar import PoseForecast
+from truepose.domain.errors import ConfigurationError
+from truepose.validation.connections import judge_leg, judge_pose
 
 PATTERN = ((1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (2, 3))
 OTHERS = ((1, 3), (3, 2), (3, 3))

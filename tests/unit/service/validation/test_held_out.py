@@ -6,15 +6,15 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from service.domain.campaign import LegReadings, PointReadings, Stops
-from service.domain.errors import ConfigurationError
-from service.domain.results import Anchor, Model, NestCentre, Parameter
-from service.domain.robot import FramePlacement
-from service.kinematics.chain import nominal_chain
-from service.validation import held_out
-from service.validation.held_out import validate
 from tests.robots import IRB_120
 from tests.synthetic import NESTS, configurations
+from truepose.domain.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Anchor, Model, NestCentre, Parameter
+from truepose.domain.robot import FramePlacement
+from truepose.kinematics.chain import nominal_chain
+from truepose.validation import held_out
+from truepose.validation.held_out import validate
 
 ANCHOR = (400.0, -300.0, -50.0)
 

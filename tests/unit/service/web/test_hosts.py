@@ -1,7 +1,7 @@
 import pytest
 
-from service.web.door.errors import UnusableHostError
-from service.web.door.hosts import AllowedHosts, AskedHost, asked_host
+from truepose.web.door.errors import UnusableHostError
+from truepose.web.door.hosts import AllowedHosts, AskedHost, asked_host
 
 
 def allowed(name, hosts):

@@ -2,9 +2,9 @@ import json
 
 import pytest
 
-from drivers.cell_clock.protocol import encode
-from simulators.clock import CellClock
-from simulators.instruments.cell_clock import answer
+from truepose_drivers.cell_clock.protocol import encode
+from truepose_simulators.clock import CellClock
+from truepose_simulators.instruments.cell_clock import answer
 
 
 async def ask(clock, line):

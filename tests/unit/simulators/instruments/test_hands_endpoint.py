@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from simulators.instruments.hands import hands_endpoint
 from tests.length_sources import FakeHands
+from truepose_simulators.instruments.hands import hands_endpoint
 
 
 class FakeStream:

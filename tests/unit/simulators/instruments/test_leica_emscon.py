@@ -5,11 +5,11 @@ import struct
 import numpy as np
 import pytest
 
-from drivers.leica_emscon.protocol import FrameReader, StatusChange, decode_request, encode, exchange
-from simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
-from simulators.instruments.leica_emscon.dialogue import Dialogue
-from simulators.instruments.leica_emscon.steps import CutShort, HangUp, Wait
-from simulators.tracker import TrackerSetup, seen_from
+from truepose_drivers.leica_emscon.protocol import FrameReader, StatusChange, decode_request, encode, exchange
+from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
+from truepose_simulators.instruments.leica_emscon.dialogue import Dialogue
+from truepose_simulators.instruments.leica_emscon.steps import CutShort, HangUp, Wait
+from truepose_simulators.tracker import TrackerSetup, seen_from
 
 OK, NOT_IMPLEMENTED, NO_DISTANCE, NOT_INITIALIZED = 0, 2, 37, 39
 MILLIMETER, METER, INCH = 1, 0, 5

@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from simulators.faults.kinds import TrackerBlinded
-from simulators.instruments.truth import answer
+from truepose_simulators.faults.kinds import TrackerBlinded
+from truepose_simulators.instruments.truth import answer
 
 
 def ask(cell, **request):

@@ -4,14 +4,14 @@ import asyncio
 
 import pytest
 
-from drivers.ballbar_hid.protocol import Rate, decode_rate, decode_reading, encode_rate
-from drivers.ballbar_hid.report_descriptor import report_descriptor
-from drivers.usb.protocol.control import Setup
-from drivers.usb.protocol.descriptors import decode_configuration, decode_device
-from simulators.instruments.ballbar_hid import HidBallbarGadget
-from simulators.instruments.usb_gadget import StallError
-from simulators.instruments.usb_itn import UsbItnGadget
 from tests.length_sources import FakeBar, electronics
+from truepose_drivers.ballbar_hid.protocol import Rate, decode_rate, decode_reading, encode_rate
+from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
+from truepose_drivers.usb.protocol.control import Setup
+from truepose_drivers.usb.protocol.descriptors import decode_configuration, decode_device
+from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.usb_gadget import StallError
+from truepose_simulators.instruments.usb_itn import UsbItnGadget
 
 GADGETS = pytest.mark.parametrize("kind", [HidBallbarGadget, UsbItnGadget])
 SET_RATE = Setup(0x21, 9, 0x0303, 0, 4)

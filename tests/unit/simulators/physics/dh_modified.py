@@ -1,4 +1,4 @@
-"""Forward kinematics after Craig, written for the tests: the route that simulators.physics does not take."""
+"""Forward kinematics after Craig, written for tests: the route that the simulated physics does not take."""
 
 import numpy as np
 

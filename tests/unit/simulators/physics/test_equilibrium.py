@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from simulators.physics.chain import place_bodies
-from simulators.physics.effects import Conditions, Deflection
-from simulators.physics.equilibrium import NoEquilibriumError, find_rest
-from simulators.physics.plant import Plant
-from simulators.physics.rigid import move
+from truepose_simulators.physics.chain import place_bodies
+from truepose_simulators.physics.effects import Conditions, Deflection
+from truepose_simulators.physics.equilibrium import NoEquilibriumError, find_rest
+from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.rigid import move
 
 NESTS_MM = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])
 

@@ -3,12 +3,12 @@ import json
 import numpy as np
 import pytest
 
-from simulators.errors import ModelError
-from simulators.model_file import load_model
-from simulators.physics.effects import Conditions
-from simulators.physics.equilibrium import find_rest
-from simulators.physics.identified import realise
 from tests.unit.simulators.model_documents import AT_THE_WORLD, model_document, robot_document
+from truepose_simulators.errors import ModelError
+from truepose_simulators.model_file import load_model
+from truepose_simulators.physics.effects import Conditions
+from truepose_simulators.physics.equilibrium import find_rest
+from truepose_simulators.physics.identified import realise
 
 # Each row is about an effect and a parameter that its physics has no meaning for.
 STRANGE = [

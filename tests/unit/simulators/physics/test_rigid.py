@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from simulators.physics.rigid import (
+from truepose_simulators.physics.rigid import (
     from_quaternion,
     inverse,
     move,

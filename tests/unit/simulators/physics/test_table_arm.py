@@ -1,12 +1,19 @@
 import numpy as np
 import pytest
 
-from simulators.physics.chain import link_motions, place_bodies
-from simulators.physics.loads import gravity_torques, place_masses
-from simulators.physics.robots import ARMS
-from simulators.physics.table_arm import ArmTable, FrameMass, RowErrors, TableRow, draw_arm, link_motion
-from simulators.robot import nominal_flange
 from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
+from truepose_simulators.physics.chain import link_motions, place_bodies
+from truepose_simulators.physics.loads import gravity_torques, place_masses
+from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.physics.table_arm import (
+    ArmTable,
+    FrameMass,
+    RowErrors,
+    TableRow,
+    draw_arm,
+    link_motion,
+)
+from truepose_simulators.robot import nominal_flange
 
 # Positions of about 1e3 mm through some twenty products in double precision.
 ROUNDING_MM = 1e-10

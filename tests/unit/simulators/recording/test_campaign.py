@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from simulators.errors import ScenarioError
-from simulators.physics.effects import PlantedChange
-from simulators.recording import NoStopsError, Wishes, record
-from simulators.recording.registration import register
-from simulators.scenario import ToolSetup
-from simulators.scenario_file import load_scenario
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.physics.effects import PlantedChange
+from truepose_simulators.recording import NoStopsError, Wishes, record
+from truepose_simulators.recording.registration import register
+from truepose_simulators.scenario import ToolSetup
+from truepose_simulators.scenario_file import load_scenario
 
 TILTED = load_scenario("irb120-tilted")
 NOISE_FREE = replace(TILTED, noise=False)

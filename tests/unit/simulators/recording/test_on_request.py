@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from simulators.recording.__main__ import main
-from simulators.recording.on_request import serve
+from truepose_simulators.recording.__main__ import main
+from truepose_simulators.recording.on_request import serve
 
 
 class FakeRecorder:

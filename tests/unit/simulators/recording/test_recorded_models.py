@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from simulators.errors import ModelError
-from simulators.model_file import load_model
-from simulators.recording import Wishes, record
-from simulators.recording.files import campaign_document
-from simulators.scenario_file import load_scenario
 from tests.unit.simulators.model_documents import model_document, robot_document
+from truepose_simulators.errors import ModelError
+from truepose_simulators.model_file import load_model
+from truepose_simulators.recording import Wishes, record
+from truepose_simulators.recording.files import campaign_document
+from truepose_simulators.scenario_file import load_scenario
 
 CLEAN = load_scenario("irb120-clean")
 FEW = Wishes(configurations=8, validation=0)

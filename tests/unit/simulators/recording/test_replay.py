@@ -4,11 +4,11 @@ import json
 import numpy as np
 import pytest
 
-from simulators.errors import ReplayError
-from simulators.recording.__main__ import main
-from simulators.recording.measured_table import MeasuredTable, read_table
-from simulators.recording.stated_noise import draw_noise, stated_covariance
 from tests.unit.simulators.model_documents import model_document
+from truepose_simulators.errors import ReplayError
+from truepose_simulators.recording.__main__ import main
+from truepose_simulators.recording.measured_table import MeasuredTable, read_table
+from truepose_simulators.recording.stated_noise import draw_noise, stated_covariance
 
 ROW = {
     "config": 1,

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.kinematics.pose_device import assemblies, distinct, measurable, turn_between
 from tests.pose_devices import CUPS, FOUR_CUPS, NESTS, lengths
+from truepose.domain.errors import ConfigurationError
+from truepose.kinematics.pose_device import assemblies, distinct, measurable, turn_between
 
 ALL = assemblies(CUPS, NESTS)
 MEASURABLE = measurable(ALL, CUPS, NESTS)

@@ -3,9 +3,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError, UnderdeterminedError
-from service.kinematics.frames import vector_from_rotation
-from service.kinematics.pose_device import (
+from tests.pose_devices import CUPS, FOUR_CUPS, NESTS
+from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.kinematics.frames import vector_from_rotation
+from truepose.kinematics.pose_device import (
     DESIGNS,
     base_triangle,
     designs,
@@ -16,8 +17,7 @@ from service.kinematics.pose_device import (
     solution_gradient,
     solve,
 )
-from service.kinematics.pose_device.cascade import sides
-from tests.pose_devices import CUPS, FOUR_CUPS, NESTS
+from truepose.kinematics.pose_device.cascade import sides
 
 PATTERN = DESIGNS[0]
 TOOL = np.full(3, 150.0)

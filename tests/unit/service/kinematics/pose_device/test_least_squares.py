@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.domain.errors import ConfigurationError, UnderdeterminedError
-from service.kinematics.frames import rotation_from_vector, vector_from_rotation
-from service.kinematics.pose_device import (
+from tests.pose_devices import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, SIGMA_MM, lengths
+from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.kinematics.frames import rotation_from_vector, vector_from_rotation
+from truepose.kinematics.pose_device import (
     Fixtures,
     Pose,
     assemblies,
@@ -15,7 +16,6 @@ from service.kinematics.pose_device import (
     least_squares_pose,
     measurable,
 )
-from tests.pose_devices import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, SIGMA_MM, lengths
 
 FIXTURES = Fixtures(CUPS, NESTS)
 MEASURABLE = measurable(assemblies(CUPS, NESTS), CUPS, NESTS)

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from service.kinematics.frames import rotation_from_vector
-from service.kinematics.pose_device import Pose, assemblies, pose_of, recognise_assembly, solve
-from service.kinematics.pose_device.cascade import sides
 from tests.pose_devices import CUPS, NESTS, lengths
+from truepose.kinematics.frames import rotation_from_vector
+from truepose.kinematics.pose_device import Pose, assemblies, pose_of, recognise_assembly, solve
+from truepose.kinematics.pose_device.cascade import sides
 
 ALL = assemblies(CUPS, NESTS)
 NOWHERE = Pose(np.full((3, 3), np.nan), np.full(3, np.nan))

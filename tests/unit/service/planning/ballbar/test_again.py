@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from service.planning.ballbar.again import aimed_again
-from service.planning.ballbar.aiming import nominal_lengths
-from service.planning.ballbar.clearance import is_clear
-from service.planning.ballbar.motions import between
-from service.planning.ballbar.poses import reachable
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from truepose.planning.ballbar.again import aimed_again
+from truepose.planning.ballbar.aiming import nominal_lengths
+from truepose.planning.ballbar.clearance import is_clear
+from truepose.planning.ballbar.motions import between
+from truepose.planning.ballbar.poses import reachable
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)[:30:2]

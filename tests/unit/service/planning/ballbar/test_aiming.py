@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.domain.robot import JointRange
-from service.kinematics.inverse import all_branches
-from service.planning.ballbar.aiming import aimed, aimed_pose, nominal_lengths
-from service.planning.ballbar.bodies import chain_of
-from service.planning.ballbar.poses import reachable
-from service.planning.errors import AimError
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange
+from truepose.kinematics.inverse import all_branches
+from truepose.planning.ballbar.aiming import aimed, aimed_pose, nominal_lengths
+from truepose.planning.ballbar.bodies import chain_of
+from truepose.planning.ballbar.poses import reachable
+from truepose.planning.errors import AimError
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 POSES = reachable(CELL, FIXTURE)

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.planning.ballbar.away import ROOMS_MM, away
-from service.planning.ballbar.bodies import chain_of
-from service.planning.ballbar.clearance import hands_room_mm, scene
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.motions import Stop, Surroundings, between, is_clear_along
-from service.planning.ballbar.poses import reach
-from service.planning.ballbar.setups import setups
-from service.planning.errors import NoWayError
 from tests.ballbar_cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.away import ROOMS_MM, away
+from truepose.planning.ballbar.bodies import chain_of
+from truepose.planning.ballbar.clearance import hands_room_mm, scene
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.motions import Stop, Surroundings, between, is_clear_along
+from truepose.planning.ballbar.poses import reach
+from truepose.planning.ballbar.setups import setups
+from truepose.planning.errors import NoWayError
 
 NO_POSES = np.zeros((0, 6))
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.artefacts import BallbarKit
-from service.domain.robot import FramePlacement
-from service.planning.ballbar.beforehand import Beforehand, known_beforehand
 from tests.ballbar_cells import ballbar_cell, domain_cell
 from tests.ballbar_truth import TrueArm
 from tests.early_sessions import plan_of
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.robot import FramePlacement
+from truepose.planning.ballbar.beforehand import Beforehand, known_beforehand
 
 
 @pytest.fixture(scope="module")

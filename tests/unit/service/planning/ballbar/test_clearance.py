@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from service.planning.ballbar.bodies import arm_body, arm_links, chain_of, tool_body, tool_normal
-from service.planning.ballbar.clearance import (
+from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.bodies import arm_body, arm_links, chain_of, tool_body, tool_normal
+from truepose.planning.ballbar.clearance import (
     LEAN_RAD,
     Bars,
     arm_room_mm,
@@ -12,9 +13,8 @@ from service.planning.ballbar.clearance import (
     is_clear,
     scene,
 )
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.poses import reach
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.poses import reach
 
 FAR = base_fixture(1, frame(0, 2000, 100))
 

@@ -5,10 +5,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.kinematics.pose_device import fourth_cup
-from service.planning.ballbar.fixture import base_fixture, fixture_body
 from tests.ballbar_cells import frame
+from truepose.domain.errors import ConfigurationError
+from truepose.kinematics.pose_device import fourth_cup
+from truepose.planning.ballbar.fixture import base_fixture, fixture_body
 
 PLACE = frame(400, -100, 200, 20, -30, 50)
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from service.planning.ballbar.choice import candidates, choose, known_after
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.information import (
+from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.choice import candidates, choose, known_after
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.information import (
     Scatter,
     arm_model,
     error_weight,
@@ -17,9 +18,8 @@ from service.planning.ballbar.information import (
     with_placement,
     work_space_sample,
 )
-from service.planning.ballbar.least_error import exchanged_for_error
-from service.planning.ballbar.setups import setups
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.least_error import exchanged_for_error
+from truepose.planning.ballbar.setups import setups
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
 MODEL = arm_model(CELL)

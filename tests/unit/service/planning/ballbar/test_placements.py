@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from service.planning.ballbar.choice import candidates, known_after
-from service.planning.ballbar.information import arm_model, predicted_error_mm, work_space_sample
-from service.planning.ballbar.placements import Wish, suggest
-from service.planning.ballbar.setups import setups
-from service.planning.errors import TooFewCandidatesError
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from truepose.planning.ballbar.choice import candidates, known_after
+from truepose.planning.ballbar.information import arm_model, predicted_error_mm, work_space_sample
+from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.setups import setups
+from truepose.planning.errors import TooFewCandidatesError
 
 SHORT = {"draws": 50, "moves": 10, "starts": 1}
 CELL = ballbar_cell()

@@ -6,18 +6,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from service.domain.ballbar import BallbarKit, BallbarPlan, Bars
-from service.domain.cell import CellLimits
-from service.domain.errors import ConfigurationError
-from service.planning.ballbar.bodies import chain_of
-from service.planning.ballbar.clearance import is_clear
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.information import arm_model, of_poses, pose_rows
-from service.planning.ballbar.motions import between
-from service.planning.ballbar.plan import ballbar_cell as cell_for
-from service.planning.ballbar.plan import ballbar_plan, plan_at
-from service.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
+from truepose.domain.cell import CellLimits
+from truepose.domain.errors import ConfigurationError
+from truepose.planning.ballbar.bodies import chain_of
+from truepose.planning.ballbar.clearance import is_clear
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.information import arm_model, of_poses, pose_rows
+from truepose.planning.ballbar.motions import between
+from truepose.planning.ballbar.plan import ballbar_cell as cell_for
+from truepose.planning.ballbar.plan import ballbar_plan, plan_at
+from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
 CELL = ballbar_cell()
 AT_HAND = plan_at(CELL, [fixture_before_the_arm()], 24)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.errors import ConfigurationError
-from service.domain.robot import JointRange
-from service.planning.ballbar.aiming import nominal_lengths
-from service.planning.ballbar.bodies import BallbarCell
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.poses import device, in_hand_order, reach, reachable
 from tests.ballbar_cells import IRB_120, ballbar_cell, fixture_before_the_arm, frame
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange
+from truepose.planning.ballbar.aiming import nominal_lengths
+from truepose.planning.ballbar.bodies import BallbarCell
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.poses import device, in_hand_order, reach, reachable
 
 # Tool triangles of 150.0000 mm in the shipped files are rounded to micrometres; legs feel it twice.
 LEG = 1e-4

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from service.planning.ballbar.beforehand import Beforehand
-from service.planning.ballbar.unseen import unseen_swaps
 from tests.ballbar_cells import ballbar_cell
 from tests.early_sessions import KIT, plan_of
+from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.planning.ballbar.unseen import unseen_swaps
 
 
 @pytest.fixture(scope="module")

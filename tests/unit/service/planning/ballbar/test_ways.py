@@ -5,15 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from service.planning.ballbar.bodies import chain_of
-from service.planning.ballbar.clearance import arm_room_mm, scene
-from service.planning.ballbar.fixture import base_fixture
-from service.planning.ballbar.motions import Stop, Surroundings, between, is_clear_along, lift
-from service.planning.ballbar.poses import reach
-from service.planning.ballbar.setups import setups
-from service.planning.ballbar.ways import way
-from service.planning.errors import NoWayError
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from truepose.planning.ballbar.bodies import chain_of
+from truepose.planning.ballbar.clearance import arm_room_mm, scene
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.motions import Stop, Surroundings, between, is_clear_along, lift
+from truepose.planning.ballbar.poses import reach
+from truepose.planning.ballbar.setups import setups
+from truepose.planning.ballbar.ways import way
+from truepose.planning.errors import NoWayError
 
 CELL = ballbar_cell()
 FAR = Surroundings(CELL, base_fixture(1, frame(0, 2000, 100)))

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from itertools import count
 
-from drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits
-from drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
-from service.domain.ballbar import (
+from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
+from tests.unit.service.sequencing.fakes import IRB120
+from truepose.domain.ballbar import (
     BallbarPlan,
     EntryKind,
     LedgerEntry,
@@ -16,17 +16,17 @@ from service.domain.ballbar import (
     StepKind,
     Suspicion,
 )
-from service.domain.errors import RecordRefusedError
-from service.domain.robot import JointRange
-from service.domain.session import SessionState
-from service.sequencing.ballbar import control, step_ids
-from service.sequencing.ballbar.acts import Act, ActName, ActOutcome
-from service.sequencing.ballbar.assignments import Judges
-from service.sequencing.ballbar.cell import BallbarCell
-from service.sequencing.ballbar.record import READINGS
-from service.sequencing.ballbar.runner import BallbarRunner
-from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
-from tests.unit.service.sequencing.fakes import IRB120
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
+from truepose.sequencing.ballbar.assignments import Judges
+from truepose.sequencing.ballbar.cell import BallbarCell
+from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.runner import BallbarRunner
+from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
 
 HOME = joints(0)
 LIMITS = (JointRange(-1.0, 1.0),) * 6

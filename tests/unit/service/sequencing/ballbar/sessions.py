@@ -3,8 +3,8 @@
 import math
 from dataclasses import replace
 
-from service.domain.artefacts import Artefact, BallbarKit
-from service.domain.ballbar import (
+from truepose.domain.artefacts import Artefact, BallbarKit
+from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
     EntryKind,
@@ -19,11 +19,11 @@ from service.domain.ballbar import (
     StepKind,
     Suspicion,
 )
-from service.domain.robot import FramePlacement
-from service.domain.session import SessionState
-from service.sequencing.ballbar import control, step_ids
-from service.sequencing.ballbar.record import READINGS
-from service.sequencing.ballbar.situation import Situation, situation
+from truepose.domain.robot import FramePlacement
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.situation import Situation, situation
 
 LEGS = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1))
 SIDE = 300.0

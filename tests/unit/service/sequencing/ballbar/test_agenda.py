@@ -2,9 +2,6 @@
 
 import pytest
 
-from service.domain.ballbar import PoseForecast, StepKind
-from service.sequencing.ballbar import step_ids
-from service.sequencing.ballbar.agenda import Course, steps
 from tests.unit.service.sequencing.ballbar.sessions import (
     KIT,
     KIT_OF_FOUR,
@@ -15,6 +12,9 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_pose,
     without_away,
 )
+from truepose.domain.ballbar import PoseForecast, StepKind
+from truepose.sequencing.ballbar import step_ids
+from truepose.sequencing.ballbar.agenda import Course, steps
 
 
 def ids(plan, course=None, kit=KIT):

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from service.domain.robot import JointRange
-from service.sequencing.ballbar.dry_run import check_plan, dry_run, motion_limits
-from service.sequencing.errors import PlanRefusedError
 from tests.unit.service.sequencing.ballbar.sessions import CUPS, KIT, KIT_OF_FOUR, LEGS, joints, make_plan
 from tests.unit.service.sequencing.fakes import IRB120
+from truepose.domain.robot import JointRange
+from truepose.sequencing.ballbar.dry_run import check_plan, dry_run, motion_limits
+from truepose.sequencing.errors import PlanRefusedError
 
 LIMITS = (JointRange(-1.0, 1.0),) * 6
 

@@ -15,15 +15,15 @@ from collections import Counter
 
 import pytest
 
-from drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
-from service.domain.ballbar import EntryKind, LedgerEntry, StepKind
-from service.domain.session import SessionState
-from service.sequencing.ballbar import control, step_ids
-from service.sequencing.ballbar.acts import Act, ActName, Answer
-from service.sequencing.ballbar.record import READINGS
-from service.sequencing.errors import SequencingError
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan
+from truepose.domain.ballbar import EntryKind, LedgerEntry, StepKind
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar.acts import Act, ActName, Answer
+from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.errors import SequencingError
+from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
 SESSIONS = 1000
 GROUPS = 20  # of sessions, so that a failure names few

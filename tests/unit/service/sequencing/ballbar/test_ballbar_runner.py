@@ -6,21 +6,21 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
-from service.domain.ballbar import EntryKind, PoseForecast, Suspicion
-from service.domain.errors import ConfigurationError, UnderdeterminedError
-from service.domain.session import SessionState
-from service.sequencing.ballbar.acts import Act, ActName
-from service.sequencing.ballbar.assignments import Judges
-from service.sequencing.errors import (
+from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
+from tests.unit.service.sequencing.ballbar.sessions import LEGS, found, joints, make_plan, make_pose
+from truepose.domain.ballbar import EntryKind, PoseForecast, Suspicion
+from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar.acts import Act, ActName
+from truepose.sequencing.ballbar.assignments import Judges
+from truepose.sequencing.errors import (
     NotNowError,
     PersonMissingError,
     PlanRefusedError,
     ReasonMissingError,
     WatchingTabletError,
 )
-from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
-from tests.unit.service.sequencing.ballbar.sessions import LEGS, found, joints, make_plan, make_pose
+from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 LEG = "placement-1/pose-1/leg-1-2"

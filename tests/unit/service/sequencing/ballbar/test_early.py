@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.domain.ballbar import EntryKind, PoseForecast, StepKind
-from service.planning.ballbar.beforehand import Beforehand
-from service.sequencing.ballbar.assignments import Judges, doubt
-from service.sequencing.ballbar.early import EarlyJudge
 from tests.ballbar_cells import ballbar_cell
 from tests.ballbar_truth import TrueArm
 from tests.early_sessions import KIT, plan_of
 from tests.unit.service.sequencing.ballbar.sessions import Story, length
+from truepose.domain.ballbar import EntryKind, PoseForecast, StepKind
+from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.sequencing.ballbar.assignments import Judges, doubt
+from truepose.sequencing.ballbar.early import EarlyJudge
 
 
 class TrueStory(Story):

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from drivers.api import BallbarReading
-from service.sequencing.ballbar.evidence import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, Evidence
+from truepose.sequencing.ballbar.evidence import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, Evidence
+from truepose_drivers.api import BallbarReading
 
 STEP_S = 0.05
 

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.errors import NoReplyError
-from service.domain.ballbar import EntryKind, StepKind
-from service.domain.session import SessionState
-from service.sequencing.acquaintances import Expected
-from service.sequencing.ballbar import step_ids
-from service.sequencing.ballbar.acts import ActName
-from service.sequencing.errors import NotNowError
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import KIT, make_plan
+from truepose.domain.ballbar import EntryKind, StepKind
+from truepose.domain.session import SessionState
+from truepose.sequencing.acquaintances import Expected
+from truepose.sequencing.ballbar import step_ids
+from truepose.sequencing.ballbar.acts import ActName
+from truepose.sequencing.errors import NotNowError
+from truepose_drivers.errors import NoReplyError
 
 A, B = "B-7", "B-9"
 SIDE = "tool/side-1-2"

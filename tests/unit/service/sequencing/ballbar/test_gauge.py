@@ -2,10 +2,10 @@
 
 import pytest
 
-from drivers.api import DeviceIdentity
-from drivers.errors import ConnectionLostError, DriverFaultError, NoReplyError
-from service.sequencing.ballbar.gauge import Gauge
 from tests.unit.service.sequencing.ballbar.fakes import Bar, Clock, Hands, Robot
+from truepose.sequencing.ballbar.gauge import Gauge
+from truepose_drivers.api import DeviceIdentity
+from truepose_drivers.errors import ConnectionLostError, DriverFaultError, NoReplyError
 
 
 class CountedBar(Bar):

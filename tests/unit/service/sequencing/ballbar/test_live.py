@@ -5,9 +5,9 @@ import random
 
 import pytest
 
-from drivers.api import BallbarReading
-from service.sequencing.ballbar.contact import Contact
-from service.sequencing.ballbar.live import Window, live_state
+from truepose.sequencing.ballbar.contact import Contact
+from truepose.sequencing.ballbar.live import Window, live_state
+from truepose_drivers.api import BallbarReading
 
 STABLE_S, STABLE_MM = 1.0, 0.002
 

@@ -4,12 +4,12 @@ import asyncio
 
 import pytest
 
-from service.domain.errors import RecordRefusedError
-from service.domain.session import SessionState
-from service.sequencing.ballbar.acts import ActName
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
 from tests.unit.service.sequencing.ballbar.test_slow_disk import begin_motion
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar.acts import ActName
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 LEG = "placement-1/pose-1/leg-1-2"

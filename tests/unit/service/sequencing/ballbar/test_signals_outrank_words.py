@@ -4,13 +4,13 @@ import asyncio
 
 import pytest
 
-from drivers.errors import ConnectionLostError, NoReplyError
-from service.domain.ballbar import EntryKind
-from service.domain.session import SessionState
-from service.sequencing.ballbar.acts import ActName
-from service.sequencing.errors import NotNowError, ReasonMissingError
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import joints, make_plan
+from truepose.domain.ballbar import EntryKind
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar.acts import ActName
+from truepose.sequencing.errors import NotNowError, ReasonMissingError
+from truepose_drivers.errors import ConnectionLostError, NoReplyError
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 DETACH, MOVE = "placement-1/pose-1/detach", "placement-1/pose-2/move"

@@ -2,12 +2,6 @@
 
 import pytest
 
-from service.domain.ballbar import EntryKind, Suspicion
-from service.domain.session import SessionState
-from service.sequencing.ballbar import control, step_ids
-from service.sequencing.ballbar.acts import ActName
-from service.sequencing.ballbar.record import READINGS
-from service.sequencing.desk import CELL_CLEAR
 from tests.unit.service.sequencing.ballbar.sessions import (
     Story,
     found,
@@ -16,6 +10,12 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_pose,
     without_away,
 )
+from truepose.domain.ballbar import EntryKind, Suspicion
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar.acts import ActName
+from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.desk import CELL_CLEAR
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
 DOUBT = Suspicion("same_pair", (1, 2), (1, 1), 300.1, 300.0)

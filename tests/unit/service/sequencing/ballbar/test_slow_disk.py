@@ -4,11 +4,11 @@ import asyncio
 
 import pytest
 
-from service.domain.session import SessionState
-from service.sequencing.ballbar.acts import Act, ActName
-from service.sequencing.errors import NotNowError
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
+from truepose.domain.session import SessionState
+from truepose.sequencing.ballbar.acts import Act, ActName
+from truepose.sequencing.errors import NotNowError
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)
 LEG = "placement-1/pose-1/leg-1-2"

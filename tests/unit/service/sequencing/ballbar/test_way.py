@@ -1,7 +1,5 @@
 """From wherever the arm stands it follows planned ways only."""
 
-from service.sequencing.ballbar.agenda import steps
-from service.sequencing.ballbar.way import ways
 from tests.unit.service.sequencing.ballbar.sessions import (
     KIT,
     Story,
@@ -11,6 +9,8 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_pose,
     without_away,
 )
+from truepose.sequencing.ballbar.agenda import steps
+from truepose.sequencing.ballbar.way import ways
 
 PLAN = make_plan((1, 2, 3), (4,), precalibrate_after=3)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from service.reports.table_report import Verdict
-from service.showcase.ballbar_report import pose_device_figures
-from service.showcase.ballbar_report.pose_device_figures import pose_device_section, simulated_sigma
+from truepose.reports.table_report import Verdict
+from truepose.showcase.ballbar_report import pose_device_figures
+from truepose.showcase.ballbar_report.pose_device_figures import pose_device_section, simulated_sigma
 
 
 def test_every_figure_of_the_pose_device_is_that_of_the_table():

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from service.reports.table_report import Verdict
-from service.showcase.ballbar_report.ratios import ratio_of, ratio_row
+from truepose.reports.table_report import Verdict
+from truepose.showcase.ballbar_report.ratios import ratio_of, ratio_row
 
 
 def test_every_robot_counts_the_same_however_bad_it_is():

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from service.showcase.ballbar_report.__main__ import main
+from truepose.showcase.ballbar_report.__main__ import main
 
 
 def test_the_report_stands_as_a_page_and_as_a_document(tmp_path, capsys):

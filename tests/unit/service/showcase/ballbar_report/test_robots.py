@@ -7,18 +7,18 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from service.domain.ballbar import BallbarPlan
-from service.planning.ballbar.plan import plan_at
-from service.reports.table_report import Verdict
-from service.showcase.ballbar_report.document import ballbar_document
-from service.showcase.ballbar_report.plans import PlanKind, made_plan, plan_document, plan_path
-from service.showcase.ballbar_report.robot_sections import robot_sections, stated_section
-from service.showcase.ballbar_report.robots import Outcome, Stated, TrueError, compared
-from service.showcase.ballbar_report.session import record_session, without_noise
-from service.showcase.ballbar_report.work import Extent, robots_of
-from service.showcase.diagnosis_report.recorder import running_recorder
-from simulators.recording.ballbar_plan import plan_from
 from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from truepose.domain.ballbar import BallbarPlan
+from truepose.planning.ballbar.plan import plan_at
+from truepose.reports.table_report import Verdict
+from truepose.showcase.ballbar_report.document import ballbar_document
+from truepose.showcase.ballbar_report.plans import PlanKind, made_plan, plan_document, plan_path
+from truepose.showcase.ballbar_report.robot_sections import robot_sections, stated_section
+from truepose.showcase.ballbar_report.robots import Outcome, Stated, TrueError, compared
+from truepose.showcase.ballbar_report.session import record_session, without_noise
+from truepose.showcase.ballbar_report.work import Extent, robots_of
+from truepose.showcase.diagnosis_report.recorder import running_recorder
+from truepose_simulators.recording.ballbar_plan import plan_from
 
 
 @pytest.fixture(scope="module")

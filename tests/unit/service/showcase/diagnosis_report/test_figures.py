@@ -5,16 +5,16 @@ import math
 
 import pytest
 
-from service.reports.table_report import Verdict
-from service.showcase.diagnosis_report import tallies
-from service.showcase.diagnosis_report.document import report_document
-from service.showcase.diagnosis_report.judging import Named, Outcome
-from service.showcase.diagnosis_report.nothing_hidden import everyday, false_alarms
-from service.showcase.diagnosis_report.pairs import pairs
-from service.showcase.diagnosis_report.rows import at_least, no_faults
-from service.showcase.diagnosis_report.single_effects import left_out, power
-from service.showcase.diagnosis_report.studies import studies
-from service.showcase.diagnosis_report.study import Extent
+from truepose.reports.table_report import Verdict
+from truepose.showcase.diagnosis_report import tallies
+from truepose.showcase.diagnosis_report.document import report_document
+from truepose.showcase.diagnosis_report.judging import Named, Outcome
+from truepose.showcase.diagnosis_report.nothing_hidden import everyday, false_alarms
+from truepose.showcase.diagnosis_report.pairs import pairs
+from truepose.showcase.diagnosis_report.rows import at_least, no_faults
+from truepose.showcase.diagnosis_report.single_effects import left_out, power
+from truepose.showcase.diagnosis_report.studies import studies
+from truepose.showcase.diagnosis_report.study import Extent
 
 SMALL = Extent(campaigns=2, undisturbed=3, pairs=4, sizes=(50, 100, 200))
 

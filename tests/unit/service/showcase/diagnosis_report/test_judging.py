@@ -2,10 +2,10 @@
 
 import pytest
 
-from service.domain.diagnosis import Cause, Confidence, Remaining, Verdict
-from service.showcase.diagnosis_report.judging import failed, judge
-from service.showcase.diagnosis_report.planting import Planted
 from tests.diagnoses import make_diagnosis, make_finding, make_wave
+from truepose.domain.diagnosis import Cause, Confidence, Remaining, Verdict
+from truepose.showcase.diagnosis_report.judging import failed, judge
+from truepose.showcase.diagnosis_report.planting import Planted
 
 WAVE = Planted(
     "joint_harmonics", "joint 6", 0.03, {"order": 2.0}, right={Cause("joint_harmonics", "joint 6"): 0.03}

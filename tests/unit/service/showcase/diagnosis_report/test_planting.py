@@ -5,15 +5,15 @@ import tomllib
 
 import pytest
 
-from service.domain.diagnosis import Cause
-from service.showcase.diagnosis_report.cases import (
+from truepose.domain.diagnosis import Cause
+from truepose.showcase.diagnosis_report.cases import (
     BARELY_VISIBLE,
     FOR_INFORMATION,
     REALISTIC,
     pairs_alike,
     pairs_of,
 )
-from service.showcase.diagnosis_report.planting import scaled, scenario_text
+from truepose.showcase.diagnosis_report.planting import scaled, scenario_text
 
 EVERY = (*REALISTIC, *FOR_INFORMATION, *BARELY_VISIBLE)
 

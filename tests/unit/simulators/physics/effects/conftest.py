@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from simulators.physics.arm import CarriedMass
-from simulators.physics.effects import Conditions, PlantedChange, Site, plant_effect
-from simulators.physics.equilibrium import find_rest
-from simulators.physics.plant import Plant
-from simulators.physics.robots import ARMS
+from truepose_simulators.physics.arm import CarriedMass
+from truepose_simulators.physics.effects import Conditions, PlantedChange, Site, plant_effect
+from truepose_simulators.physics.equilibrium import find_rest
+from truepose_simulators.physics.plant import Plant
+from truepose_simulators.physics.robots import ARMS
 
 ARM = ARMS["irb120"]
 SPRINGS = np.array(ARM.typical_compliance_rad_per_n_mm)

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from simulators.physics.arm import CarriedMass
-from simulators.physics.effects.link_bending import Beam, bending, sag_mm
-from simulators.physics.loads import place_masses
+from truepose_simulators.physics.arm import CarriedMass
+from truepose_simulators.physics.effects.link_bending import Beam, bending, sag_mm
+from truepose_simulators.physics.loads import place_masses
 
 from .conftest import ARM, SPRINGS, TOOL
 

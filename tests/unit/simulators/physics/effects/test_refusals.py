@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from simulators.errors import ScenarioError
-from simulators.physics.effects import EFFECTS
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.physics.effects import EFFECTS
 
 SUBJECTS = {
     "axis_parallelism": "joint 3",

@@ -1,0 +1,348 @@
+"""An ABB IRC5 robot that runs an open_abb server: moves to joint targets, at rest at every one.
+
+The protocol has no error texts: a motion that the controller cannot make is silence, or a dropped
+connection once somebody resets the program. After either the link is closed, because a late reply must
+never be taken for the reply to a later request.
+"""
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+
+from truepose_drivers import options as option
+from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
+from truepose_drivers.abb_open_abb.protocol import (
+    LONGEST_MESSAGE_CHARS,
+    MOTION_PORT,
+    Code,
+    OpenAbbProtocolError,
+    Reply,
+    ReplyStatus,
+    decimal,
+    decode_reply,
+    encode_joint_target,
+    encode_request,
+    ends_for_certain,
+    joint_angles_deg,
+    joint_decimals,
+    joint_resolution_deg,
+    reply_extent,
+    reply_numbers,
+    rest_before_ping,
+)
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    NoReplyError,
+    TargetRefusedError,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.tcp import TcpLink
+
+_JOINTS = 6
+_INFO_FIELDS = ("serial number", "RobotWare version", "robot type")
+_UNKNOWN = "unknown"
+# Longest motion between two configurations: a wrist joint by two turns, or the tool along 20 m.
+_LONGEST_TURN_RAD = 4.0 * math.pi
+_LONGEST_PATH_MM = 20_000.0
+_LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
+_SPEED_ROUNDING = 0.06  # mm/s and deg/s: sent with one decimal and two
+
+_LOOK_AT_PENDANT = (
+    "look at the pendant for a stopped program, a joint out of range, an emergency stop or motors off,"
+    " clear it, restart the program, then connect again"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    connect_s: float = 1.5  # it looks for a new client every 0.5 s
+    retry_s: float = 0.25
+    reply_s: float = 10.0
+    motion_s: float = 20.0  # in addition to the longest motion at the speed set
+    rest_of_reply_s: float = 0.02  # nothing ends a reply: how long its last segment may lag behind
+
+
+class OpenAbbRobot:
+    """An open_abb server on a link. Keeps the conversation; computes nothing."""
+
+    def __init__(self, link: Link, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
+        self._link = link
+        self._clock = clock
+        self._time_outs = time_outs or TimeOuts()
+        self._lock = asyncio.Lock()
+        self._limits = MotionLimits()
+        self._limits_sent = False
+        self._finest_decimals = 0  # of the angles that this server has given
+        self._watches: bool | None = None  # our own server runs there; None: it has not been asked
+        self._watching = False  # it was asked to watch the motions of this connection
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._link.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Never: the server reads nothing while the arm moves."""
+        return False
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
+        if self._watches:
+            return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
+
+    async def connect(self) -> None:
+        """Open the link, trying again while the server may still be between two clients."""
+        self._limits_sent = self._watching = False
+        self._watches = None
+        give_up_s = time.monotonic() + self._time_outs.connect_s
+        while True:
+            try:
+                return await self._link.open()
+            except ConnectFailedError as error:
+                if time.monotonic() >= give_up_s:
+                    raise ConnectFailedError(
+                        f"{error}; also look whether the server program runs on the pendant"
+                    ) from error
+            await asyncio.sleep(self._time_outs.retry_s)
+
+    async def close(self) -> None:
+        """Let the server listen for the next client, then close the link; never raises."""
+        if self._link.is_open and not self._lock.locked():
+            with contextlib.suppress(ConnectionLostError):
+                await self._link.send(encode_request(Code.CLOSE))
+        await self._link.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for serial number, RobotWare version and robot type."""
+        reply = await self._ask(encode_request(Code.CONTROLLER_INFO), Code.CONTROLLER_INFO, words=1)
+        fields = [field.strip() or _UNKNOWN for field in reply.text.split("*")]
+        self._watches = is_our_server(fields)
+        serial, firmware, model = [*fields, *[_UNKNOWN] * len(_INFO_FIELDS)][: len(_INFO_FIELDS)]
+        return DeviceIdentity(manufacturer="ABB", model=model, serial=serial, firmware=firmware)
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed limits of the following motions, and stop exactly at every target."""
+        _check_limits(limits)
+        speed = [
+            decimal(limits.tool_speed_mm_s, 1),
+            decimal(math.degrees(limits.orientation_speed_rad_s), 2),
+        ]
+        await self._ask(encode_request(Code.SET_SPEED, speed), Code.SET_SPEED)
+        # A fly-by zone would answer before the arm is at rest; with "fine" the three zone sizes are moot.
+        await self._ask(encode_request(Code.SET_ZONE, ["1", "0", "0", "0"]), Code.SET_ZONE)
+        if self._watches:
+            await self._require_speed([float(value) for value in speed])
+        self._limits = limits
+        self._limits_sent = True
+
+    async def _require_speed(self, told: list[float]) -> None:
+        """Read the speed back; raises DeviceRefusedError where the controller has another one."""
+        reply = await self._ask(encode_request(Code.GET_SPEED), Code.GET_SPEED, words=2)
+        stated = reply_numbers(reply, 2)
+        if not all(abs(has - should) <= _SPEED_ROUNDING for has, should in zip(stated, told, strict=True)):
+            await self._link.close()
+            raise DeviceRefusedError(
+                f"the robot was told {told[0]:g} mm/s and {told[1]:g} deg/s and states {stated[0]:g} mm/s "
+                f"and {stated[1]:g} deg/s: look at the program on the pendant, then connect again"
+            )
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError when the target is none or the controller says no, NoReplyError when
+        it says nothing, as it does when it cannot make the motion.
+        """
+        request = _encode_target(target_rad)
+        if not self._limits_sent:
+            # The server starts with a fly-by zone, so a first motion without limits would not end at rest.
+            await self.set_limits(self._limits)
+        if self._watches and not self._watching:
+            await self._ask(encode_request(Code.WATCH, [decimal(SILENCE_S, 2)]), Code.WATCH)
+            self._watching = True
+        try:
+            await self._ask(request, Code.MOVE_JOINTS, timeout_s=self._motion_timeout_s())
+        except NoReplyError as error:
+            raise NoReplyError(
+                f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
+            ) from error
+        except ConnectionLostError as error:
+            why = f", as it does after {SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+            raise ConnectionLostError(
+                f"the robot hung up during a motion{why}: {_LOOK_AT_PENDANT}"
+            ) from error
+        except DeviceRefusedError as error:
+            shown = ", ".join(f"{math.degrees(angle):.3f}" for angle in target_rad)
+            raise TargetRefusedError(f"the robot refused the joint target ({shown}) deg") from error
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; stock servers round to 0.01 deg."""
+        reply = await self._ask_joints()
+        if not ends_for_certain(reply) or joint_decimals(reply) > self._finest_decimals:
+            reply = await self._confirmed(reply)
+        joints_deg = joint_angles_deg(reply, _JOINTS)
+        return JointReading(
+            joints_rad=tuple(map(math.radians, joints_deg)),
+            resolution_rad=math.radians(joint_resolution_deg(reply)),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def _confirmed(self, reply: Reply) -> Reply:
+        """Ask again where a digit may have been lost or come twice; raises OpenAbbProtocolError.
+
+        A last number with fewer decimals may be a whole one, or one cut short. More decimals than the
+        server ever gave come from an arm that stood at whole degrees until now, or from a bad line.
+        """
+        again = await self._ask_joints()
+        finest = min(joint_decimals(reply), joint_decimals(again))
+        self._finest_decimals = max(self._finest_decimals, finest)
+        ends = ends_for_certain(again) or again.text == reply.text
+        if not ends or joint_decimals(again) > self._finest_decimals:
+            await self._link.close()
+            raise OpenAbbProtocolError(
+                f"the robot stated {reply.text!r}, then {again.text!r}: digits were lost or came twice;"
+                " connect again"
+            )
+        return again
+
+    async def _ask_joints(self) -> Reply:
+        return await self._ask(encode_request(Code.GET_JOINTS), Code.GET_JOINTS, words=_JOINTS)
+
+    def _motion_timeout_s(self) -> float:
+        turning_s = _LONGEST_TURN_RAD / self._limits.orientation_speed_rad_s
+        path_s = _LONGEST_PATH_MM / self._limits.tool_speed_mm_s
+        return self._time_outs.motion_s + max(turning_s, path_s)
+
+    async def _ask(
+        self, request: bytes, code: Code, *, words: int = 0, timeout_s: float | None = None
+    ) -> Reply:
+        """Send a request and return its reply, whose text has at least `words` words."""
+        async with self._turn():
+            await drain(self._link)  # a line end or the like behind the last reply
+            await self._link.send(request)
+            beats = self._watching and code is Code.MOVE_JOINTS
+            data = await self._receive_reply(code, words, timeout_s or self._time_outs.reply_s, beats=beats)
+            reply = decode_reply(data)
+            if reply.code != code:
+                raise OpenAbbProtocolError(
+                    f"the robot replied to request {reply.code}, not to {int(code)}: connect again"
+                )
+            _require_text(reply, words)
+            behind = await self._link.receive(0.0)
+            if behind is not None and behind.strip():
+                raise OpenAbbProtocolError(
+                    f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
+                )
+        if reply.status != ReplyStatus.OK:
+            raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
+        return reply
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; a request that is not answered properly closes the link."""
+        async with self._lock:
+            try:
+                yield
+            except BaseException:
+                await self._link.close()
+                raise
+
+    async def _receive_reply(self, code: Code, words: int, timeout_s: float, *, beats: bool) -> bytes:
+        """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
+        deadline_s = time.monotonic() + timeout_s
+        data = b""
+        while (extent := reply_extent(data, code, words)) != "whole":
+            left_s = deadline_s - time.monotonic()
+            patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
+            more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
+            if more is None and extent == "maybe whole":
+                return data if words == 0 else data + await self._rest(deadline_s)
+            if more is None and beats and left_s > BEAT_S:
+                await self._link.send(BEAT)
+                continue
+            if more is None:
+                raise NoReplyError(
+                    f"the robot at {self._link.address} is connected and says nothing: {_LOOK_AT_PENDANT}"
+                )
+            data += more
+        return data
+
+    async def _rest(self, deadline_s: float) -> bytes:
+        """Return what still belongs to a reply whose end cannot be told: what comes before that to a ping."""
+        await self._link.send(encode_request(Code.PING))
+        data = b""
+        while (rest := rest_before_ping(data)) is None:
+            more = await self._link.receive(max(0.0, deadline_s - time.monotonic()))
+            if more is None or len(data) > LONGEST_MESSAGE_CHARS:
+                raise NoReplyError(
+                    f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"
+                )
+            data += more
+        return rest
+
+
+def _require_text(reply: Reply, words: int) -> None:
+    """See that a reply has the text that belongs there; raises OpenAbbProtocolError."""
+    if reply.status != ReplyStatus.OK:
+        return
+    if reply.code == Code.GET_JOINTS:
+        joint_angles_deg(reply, words)
+    elif words == 0 and reply.text:
+        raise OpenAbbProtocolError(
+            f"the robot's reply to request {reply.code} goes on with {reply.text[:40]!r}: connect again"
+        )
+
+
+def _encode_target(target_rad: tuple[float, ...]) -> bytes:
+    if len(target_rad) != _JOINTS:
+        raise TargetRefusedError(f"open_abb moves {_JOINTS} joints; the target has {len(target_rad)}")
+    try:
+        return encode_joint_target([math.degrees(angle) for angle in target_rad])
+    except ValueError as error:
+        raise TargetRefusedError(str(error)) from error
+
+
+def _check_limits(limits: MotionLimits) -> None:
+    for name, value in (
+        ("tool_speed_mm_s", limits.tool_speed_mm_s),
+        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+    ):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+
+
+def _open(options: Options, clock: Clock | None) -> OpenAbbRobot:
+    link = TcpLink(option.host(options), option.port(options, MOTION_PORT))
+    return OpenAbbRobot(link, clock or MonotonicClock())
+
+
+PLUGIN = DriverPlugin(
+    name="abb_open_abb",
+    kind="robot",
+    protocol="open_abb",
+    options={
+        "host": "address of the controller, often 192.168.125.1",
+        "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+    },
+    open=_open,
+)

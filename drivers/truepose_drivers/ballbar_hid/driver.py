@@ -1,0 +1,157 @@
+"""A ballbar that is a USB HID device: through the system's HID driver, or over USB/IP."""
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator
+from typing import Literal
+
+from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
+from truepose_drivers.ballbar_hid.protocol import (
+    BAR_BYTES,
+    COUNTS_PER_MM,
+    READING_BYTES,
+    BarReading,
+    HidBallbarError,
+    Rate,
+    Status,
+    decode_bar,
+    decode_reading,
+    encode_rate,
+    follows,
+)
+from truepose_drivers.ballbar_hid.report_descriptor import BAR_ID
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
+from truepose_drivers.transports.usb import UsbDevice
+from truepose_drivers.transports.usb_address import LocalUsb, usb_address
+
+_RATE_HZ = 200  # a reading that waits for a fresh report takes a few of these
+_REPORT_TIMEOUT_S = 0.5
+_UNTRUSTED = Status.OVERSPEED | Status.NOT_REFERENCED
+
+
+class HidBallbar:
+    """A ballbar that sends reports by itself."""
+
+    def __init__(
+        self, port: ReportPort, clock: Clock, *, report_timeout_s: float = _REPORT_TIMEOUT_S
+    ) -> None:
+        self._port = port
+        self._clock = clock
+        self._report_timeout_s = report_timeout_s
+        self._nominal_mm = math.inf
+        self._last: int | None = None  # number of the newest report of this connection
+        self._lock = asyncio.Lock()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the device is there as far as known."""
+        return self._port.is_open
+
+    async def connect(self) -> None:
+        """Open the device, ask how long it is and let it send; raises ConnectFailedError."""
+        await self._port.open()
+        self._last = None
+        try:
+            async with self._turn():
+                self._nominal_mm = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES)).nominal_mm
+                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
+        except DeviceRefusedError as error:
+            await self._port.close()
+            raise ConnectFailedError(
+                f"the HID device at {self._port.address} cannot be told to send ({error}):"
+                " check that it is a ballbar"
+            ) from error
+
+    async def close(self) -> None:
+        """Let the device rest and close it; never raises."""
+        if self._port.is_open and not self._lock.locked():
+            with contextlib.suppress(DriverError):
+                await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=False)))
+        await self._port.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for manufacturer, product and serial number."""
+        async with self._turn():
+            manufacturer, product, serial = await self._port.texts()
+            bar = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES))
+        return DeviceIdentity(
+            manufacturer or "unknown", product or "HID ballbar", bar.serial or serial or "unknown", "unknown"
+        )
+
+    async def read(self) -> BallbarReading:
+        """Return a reading that was made after it was asked for."""
+        async with self._turn():
+            if self._last is None:  # the first one after connecting only tells where the count stands
+                await self._next_reading()
+            reading = await self._next_reading()
+        signal = _signal(reading)
+        return BallbarReading(
+            deviation_mm=math.nan if signal == "none" else reading.deviation_mm,
+            signal=signal,
+            resolution_mm=1.0 / COUNTS_PER_MM,
+            time_s=await self._clock.now_s(),
+            temperature_c=reading.temperature_c,
+            sequence=reading.sequence,
+        )
+
+    async def _next_reading(self) -> BarReading:
+        """Return a new report; raises HidBallbarError for one that is old, or longer than the bar."""
+        report = await self._port.fresh_report(self._report_timeout_s)
+        if report is None:
+            raise NoReplyError(
+                f"the ballbar at {self._port.address} sends nothing for {self._report_timeout_s:g} s:"
+                " check its battery, then plug it in again"
+            )
+        reading, last = decode_reading(report), self._last
+        if last is not None and not follows(reading.sequence, last):
+            raise HidBallbarError(
+                f"the ballbar at {self._port.address} sends reading {reading.sequence} after {last}:"
+                " it repeats itself; unplug it and plug it in again"
+            )
+        self._last = reading.sequence
+        if abs(reading.deviation_mm) >= self._nominal_mm:  # a NaN is not
+            raise HidBallbarError(
+                f"the ballbar at {self._port.address} is {self._nominal_mm:g} mm long and says that it is"
+                f" {reading.deviation_mm:g} mm off: check its cable"
+            )
+        return reading
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; what breaks off closes the device, a refusal does not."""
+        async with self._lock:
+            try:
+                yield
+            except DeviceRefusedError:
+                raise
+            except BaseException:
+                await self._port.close()
+                raise
+
+
+def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:
+    if reading.status & _UNTRUSTED or math.isnan(reading.deviation_mm):
+        return "none"
+    return "out_of_range" if reading.out_of_range else "good"
+
+
+def _open(options: Options, clock: Clock | None) -> HidBallbar:
+    where = usb_address(options)
+    port = HidapiPort(where, READING_BYTES) if isinstance(where, LocalUsb) else HidOverUsb(UsbDevice(where))
+    return HidBallbar(port, clock or MonotonicClock())
+
+
+PLUGIN = DriverPlugin(
+    name="ballbar_hid",
+    kind="ballbar",
+    protocol="hid",
+    options={
+        "usb": "vendor:product[:serial number] of a device here, or usbip://host[:port]/busid",
+        "host": "instead of usb: address of a USB/IP server whose only device it is",
+        "port": "TCP port of the USB/IP server, 3240 unless changed",
+    },
+    open=_open,
+)

@@ -1,0 +1,105 @@
+"""The person at a simulated cell, over TCP: what demonstrations and tests have it do."""
+
+import asyncio
+
+from truepose_drivers import options as option
+from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
+from truepose_drivers.cell_hands.protocol import (
+    Answer,
+    Do,
+    HandsProtocolError,
+    Refusal,
+    Request,
+    Who,
+    decode_answer,
+    encode,
+)
+from truepose_drivers.errors import DeviceRefusedError, NoReplyError
+from truepose_drivers.json_lines import LineReader
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import TcpLink
+
+_ANSWER_TIMEOUT_S = 30.0  # wall time; at real pace the hands take as long as a person's
+
+
+class CellHands:
+    """The hands of a simulated cell on a link."""
+
+    def __init__(self, link: Link, *, answer_timeout_s: float = _ANSWER_TIMEOUT_S) -> None:
+        self._link = link
+        self._answer_timeout_s = answer_timeout_s
+        self._lock = asyncio.Lock()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._link.is_open
+
+    async def connect(self) -> None:
+        """Open the link; raises ConnectFailedError."""
+        await self._link.open()
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._link.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask who is there."""
+        match await self._ask(Who()):
+            case Refusal(sentence):
+                raise DeviceRefusedError(sentence)
+            case done:
+                return DeviceIdentity("truepose", done.who or "simulated hands", "none", "1")
+
+    async def do(self, action: str, details: Options) -> None:
+        """Do one thing, e.g. `connect` with `base` and `tool`; raises DeviceRefusedError."""
+        match await self._ask(Do(action, details)):
+            case Refusal(sentence):
+                raise DeviceRefusedError(sentence)
+
+    async def _ask(self, request: Request) -> Answer:
+        try:
+            line = encode(request)
+        except ValueError as error:
+            raise DeviceRefusedError(f"the hands cannot do that: {error}") from error
+        async with self._lock:
+            try:
+                if self._link.is_open and await self._link.receive(0.0) is not None:
+                    raise HandsProtocolError(
+                        f"the simulated hands at {self._link.address} answered more than was asked"
+                    )
+                await self._link.send(line)
+                return await self._receive_answer()
+            except BaseException:  # a late answer must not be taken for the next one's
+                await self._link.close()
+                raise
+
+    async def _receive_answer(self) -> Answer:
+        reader = LineReader()
+        while (line := reader.next_line()) is None:
+            data = await self._link.receive(self._answer_timeout_s)
+            if data is None:
+                raise NoReplyError(
+                    f"the simulated hands at {self._link.address} say nothing"
+                    f" for {self._answer_timeout_s:g} s: check that the simulated cell runs"
+                )
+            reader.receive_data(data)
+        if reader.inside_line or await self._link.receive(0.0) is not None:
+            raise HandsProtocolError("the simulated hands answered more than was asked")
+        return decode_answer(line)
+
+
+def _open(options: Options, clock: Clock | None) -> CellHands:
+    return CellHands(TcpLink(option.host(options), option.port(options)))
+
+
+PLUGIN = DriverPlugin(
+    name="cell_hands",
+    kind="hands",
+    protocol="hands",
+    options={
+        "host": "address of the simulated cell",
+        "port": "TCP port of its hands",
+    },
+    open=_open,
+)

@@ -1,0 +1,291 @@
+"""What stands between a driver, whoever wrote it, and the service.
+
+- An exception that is none of a driver becomes a DriverFaultError with a sentence, and closes the link: what
+  a driver left in the middle of a conversation must not be taken for the answer to the next question.
+- Nonsense closes the link as well, where the driver has not done so.
+- A reading is judged for what no instrument of its kind can mean, see `plausibility`.
+
+Whatever ends a task (CancelledError, KeyboardInterrupt) passes.
+"""
+
+import contextlib
+from collections.abc import Awaitable, Callable
+from typing import Any, Protocol, TypeVar, cast, runtime_checkable
+
+from truepose_drivers.api import (
+    AnyDevice,
+    Ballbar,
+    BallbarReading,
+    Clock,
+    Device,
+    DeviceIdentity,
+    DeviceKind,
+    Environment,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+    PointTracker,
+    RobotController,
+    SimulatedHands,
+    TrackerReading,
+    Vector,
+    motion_guard,
+)
+from truepose_drivers.errors import (
+    DriverError,
+    DriverFaultError,
+    ImplausibleReadingError,
+    RemoteProtocolError,
+)
+from truepose_drivers.plausibility import (
+    readable,
+    require_environment,
+    require_joints,
+    require_length,
+    require_point,
+    require_time,
+)
+
+Value = TypeVar("Value")
+
+
+@runtime_checkable
+class _Closes(Protocol):
+    async def close(self) -> None: ...
+
+
+class GuardedDevice:
+    """A device behind its driver's name."""
+
+    def __init__(self, name: str, device: Device) -> None:
+        self._name = name
+        self._device = device
+        self._last_s: float | None = None  # time stamp of the last reading of this connection
+
+    def __getattr__(self, name: str) -> Any:
+        """Pass on what a driver offers beyond its kind, and what a Protocol of it asks for."""
+        return getattr(self._device, name)
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known; no where the driver cannot tell."""
+        try:
+            return bool(self._device.connected)
+        except Exception:
+            return False
+
+    async def connect(self) -> None:
+        """Open the link; raises ConnectFailedError."""
+        self._last_s = None
+        await self._guarded("connect", self._device.connect)
+
+    async def close(self) -> None:
+        """Close the link; never raises, whatever the driver does."""
+        with contextlib.suppress(Exception):
+            await self._device.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the device who it is."""
+
+        async def ask() -> DeviceIdentity:
+            return readable(await self._device.identify())
+
+        return await self._guarded("identify", ask)
+
+    async def _guarded(self, what: str, call: Callable[[], Awaitable[Value]]) -> Value:
+        try:
+            return await call()
+        except ImplausibleReadingError as error:
+            await self.close()
+            raise ImplausibleReadingError(f"device of driver {self._name}: {error}") from error
+        except RemoteProtocolError:
+            await self.close()
+            raise
+        except DriverError:
+            raise
+        except Exception as error:
+            await self.close()
+            raise fault_of(self._name, what, error) from error
+
+    def _stamp(self, time_s: float) -> None:
+        require_time(time_s, self._last_s)
+        self._last_s = time_s
+
+
+class GuardedTracker(GuardedDevice):
+    """A tracker whose readings are judged."""
+
+    _device: PointTracker
+
+    async def initialise(self) -> None:
+        """Bring the instrument into a state in which it can measure."""
+        await self._guarded("initialise", self._device.initialise)
+
+    async def find_reflector(self, near_mm: Vector, *, search_radius_mm: float) -> None:
+        """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
+        await self._guarded(
+            "find_reflector",
+            lambda: self._device.find_reflector(near_mm, search_radius_mm=search_radius_mm),
+        )
+
+    async def measure_point(self, *, duration_s: float) -> TrackerReading:
+        """Measure the reflector locked on; raises BeamBrokenError, ImplausibleReadingError."""
+
+        async def measure() -> TrackerReading:
+            reading = await self._device.measure_point(duration_s=duration_s)
+            require_point(reading)
+            self._stamp(reading.time_s)
+            return reading
+
+        return await self._guarded("measure_point", measure)
+
+    async def change_face(self) -> None:
+        """Turn to the other face."""
+        await self._guarded("change_face", self._device.change_face)
+
+    async def environment(self) -> Environment:
+        """Read the weather station; raises ImplausibleReadingError."""
+
+        async def ask() -> Environment:
+            air = await self._device.environment()
+            require_environment(air)
+            return air
+
+        return await self._guarded("environment", ask)
+
+
+class GuardedRobot(GuardedDevice):
+    """A robot whose statements are judged."""
+
+    _device: RobotController
+
+    def __init__(self, name: str, device: RobotController) -> None:
+        super().__init__(name, device)
+        self._joints: int | None = None
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Whether a motion under way can be interrupted; no where the driver cannot tell."""
+        try:
+            return bool(self._device.can_stop_motion)
+        except Exception:
+            return False
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """What becomes of a motion when this program is gone; the worst where the driver cannot tell."""
+        try:
+            return motion_guard(self._device)
+        except Exception:
+            return MotionGuard()
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the speed limits of the following motions."""
+        await self._guarded("set_limits", lambda: self._device.set_limits(limits))
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints; raises TargetRefusedError."""
+        await self._guarded("move_joints", lambda: self._device.move_joints(target_rad))
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are; raises ImplausibleReadingError."""
+
+        async def ask() -> JointReading:
+            reading = await self._device.read_joints()
+            require_joints(reading, self._joints)
+            self._stamp(reading.time_s)
+            self._joints = len(reading.joints_rad)
+            return reading
+
+        return await self._guarded("read_joints", ask)
+
+
+class GuardedBallbar(GuardedDevice):
+    """A ballbar whose readings are judged."""
+
+    _device: Ballbar
+
+    async def read(self) -> BallbarReading:
+        """Return the newest reading; raises ImplausibleReadingError."""
+
+        async def ask() -> BallbarReading:
+            reading = await self._device.read()
+            require_length(reading)
+            self._stamp(reading.time_s)
+            return reading
+
+        return await self._guarded("read", ask)
+
+
+class GuardedHands(GuardedDevice):
+    """The person at a simulated cell."""
+
+    _device: SimulatedHands
+
+    async def do(self, action: str, details: Options) -> None:
+        """Do one thing; raises DeviceRefusedError."""
+        await self._guarded("do", lambda: self._device.do(action, details))
+
+
+class GuardedClock:
+    """A clock that does not run backwards unnoticed."""
+
+    def __init__(self, name: str, clock: Clock) -> None:
+        self._name = name
+        self._clock = clock
+        self._latest_s: float | None = None
+
+    async def now_s(self) -> float:
+        """Return the present cell time [s]; raises ImplausibleReadingError once where it went back."""
+        before_s = self._latest_s  # several tasks ask at once, and their answers may overtake each other
+        try:
+            now_s = float(await self._clock.now_s())
+            self._latest_s = None  # a clock that began anew is told of once
+            require_time(now_s, before_s)
+        except DriverError:
+            self._latest_s = None
+            raise
+        except Exception as error:
+            self._latest_s = None
+            raise fault_of(self._name, "now_s", error) from error
+        self._latest_s = now_s if before_s is None else max(before_s, now_s)
+        return now_s
+
+    async def sleep(self, duration_s: float) -> None:
+        """Let the cell's time advance."""
+        try:
+            await self._clock.sleep(duration_s)
+        except DriverError:
+            raise
+        except Exception as error:
+            raise fault_of(self._name, "sleep", error) from error
+
+    async def close(self) -> None:
+        """Close the clock's connections where it has any; never raises."""
+        if isinstance(self._clock, _Closes):
+            with contextlib.suppress(Exception):
+                await self._clock.close()
+
+
+def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyDevice:
+    """Return a device of driver `name` behind its guard."""
+    match kind:
+        case "tracker":
+            return GuardedTracker(name, cast(PointTracker, device))
+        case "robot":
+            return GuardedRobot(name, cast(RobotController, device))
+        case "ballbar":
+            return GuardedBallbar(name, cast(Ballbar, device))
+        case "hands":
+            return GuardedHands(name, cast(SimulatedHands, device))
+        case "clock":
+            return GuardedClock(name, cast(Clock, device))
+
+
+def fault_of(name: str, what: str, error: Exception) -> DriverFaultError:
+    """Return what a foreign exception becomes, with a sentence for the operator."""
+    return DriverFaultError(
+        f"driver {name} failed in {what} ({type(error).__name__}: {str(error)[:200]}): check the device's"
+        " cable and power, then connect again; if it comes back, tell whoever supplied the driver"
+    )

@@ -1,0 +1,252 @@
+"""A length gauge behind a Heidenhain ND 28x counter, on a serial port or a terminal server."""
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, replace
+
+from truepose_drivers import options as option
+from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
+from truepose_drivers.errors import ConfigurationError, ConnectFailedError, ConnectionLostError, NoReplyError
+from truepose_drivers.heidenhain_nd.protocol import (
+    ERROR_TEXT,
+    IDENTITY,
+    LAMPS,
+    VALUE,
+    Command,
+    Lamps,
+    Line,
+    NdProtocolError,
+    Refused,
+    Reply,
+    ReplyReader,
+    decode_count,
+    decode_identity,
+    decode_lamps,
+    encode_request,
+    is_identity_line,
+    reply_kind,
+    to_mm,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.serial import Framing, SerialLink
+from truepose_drivers.transports.tcp import TcpLink
+
+_REPLY_TIMEOUT_S = 1.0  # on top of the time on the line; a counter takes 50 ms at most
+_ON_THE_LINE_BITS = 80 * 11  # of three commands and their answers
+_MOST_REFUSALS = 3
+_IDENTITY_LINES = 3
+# Factory setting of the counters; the manual lets the operator choose the rate alone.
+_FACTORY = Framing(baud=9600, data_bits=7, parity="E", stop_bits=2, xon_xoff=True)
+_RATES = (110, 150, 300, 600, 1200, 2400, 4800, 9600, 19_200, 38_400, 57_600, 115_200)
+_TERMINAL_SERVER_PORT = 4001  # first line of a Moxa NPort, as delivered
+_CHECK_LINE = "check cable, power, and the counter's baud rate"
+
+
+@dataclass(frozen=True, slots=True)
+class _Answers:
+    """What came back on error text, value and lamps asked in one go."""
+
+    value: Line | None = None
+    lamps: Line | None = None
+    error_text: str | None = None
+    refusals: int = 0
+
+
+class HeidenhainCounter:
+    """An ND 28x on a link. Keeps the conversation; computes nothing."""
+
+    def __init__(self, link: Link, clock: Clock, *, reply_timeout_s: float = _REPLY_TIMEOUT_S) -> None:
+        self._link = link
+        self._clock = clock
+        self._reply_timeout_s = reply_timeout_s
+        self._lock = asyncio.Lock()
+        self._reader = ReplyReader()
+        self._give_up_s = 0.0
+        self._inch = False  # what the counter displayed when it was asked last
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._link.is_open
+
+    async def connect(self) -> None:
+        """Open the link, ask who is there and which unit is displayed; raises ConnectFailedError."""
+        await self._link.open()
+        try:
+            async with self._turn():
+                await self._ask_identity()
+                _, lamps = await self._ask_state()
+        except (NoReplyError, ConnectionLostError) as error:
+            raise ConnectFailedError(str(error)) from error
+        self._inch = lamps.inch
+
+    async def close(self) -> None:
+        """Close the link; never raises."""
+        await self._link.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask for model and software number; the counter knows no serial number of its gauge."""
+        async with self._turn():
+            lines = await self._ask_identity()
+        model, software, _ = decode_identity(lines)
+        return DeviceIdentity("HEIDENHAIN", model or "unknown", "unknown", software or "unknown")
+
+    async def read(self) -> BallbarReading:
+        """Return what the counter displays now; no signal where it displays an error instead."""
+        async with self._turn():
+            answers, lamps = await self._ask_state()
+            if lamps.inch != self._inch:  # the key was pressed since: perhaps between value and indicators
+                self._inch = lamps.inch
+                answers, lamps = await self._ask_state()
+            if lamps.inch != self._inch:
+                raise NdProtocolError(
+                    f"the unit displayed at the counter at {self._link.address} changes again and again:"
+                    " leave its keys alone while it is read"
+                )
+        time_s = await self._clock.now_s()
+        resolution_mm = to_mm(1, lamps)
+        if answers.value is None or answers.error_text is not None:
+            return BallbarReading(math.nan, "none", resolution_mm, time_s)
+        deviation_mm = to_mm(decode_count(answers.value), lamps)
+        sorted_out = lamps.below or lamps.above
+        return BallbarReading(deviation_mm, "out_of_range" if sorted_out else "good", resolution_mm, time_s)
+
+    async def _ask_identity(self) -> list[Line]:
+        """Ask for the identity, which has a form of its own: replies to what was asked before end here."""
+        await self._send(IDENTITY)
+        lines: list[Line] = []
+        refused = False
+        while len(lines) < _IDENTITY_LINES:
+            try:
+                reply = await self._next_reply()
+            except NoReplyError as error:
+                if not refused:
+                    raise
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} refuses to say what it is (A0000)"
+                ) from error
+            refused |= isinstance(reply, Refused)
+            if isinstance(reply, Line) and is_identity_line(reply, len(lines)):
+                lines.append(reply)
+            else:
+                lines = [reply] if isinstance(reply, Line) and is_identity_line(reply, 0) else []
+        return lines
+
+    async def _ask_state(self) -> tuple[_Answers, Lamps]:
+        """Ask for error text, value and lamps at once, which the counter's buffer holds easily.
+
+        Whether a counter without an error refuses A0301 or ignores it is not in the manual; the lamps come
+        last and answer always, so that either does.
+        """
+        await self._send(ERROR_TEXT, VALUE, LAMPS)
+        answers = _Answers()
+        while (lamps := answers.lamps) is None:
+            answers = _with(answers, await self._next_reply())
+            if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} does not tell its status indicators (A0800):"
+                    " it is none of the ND 2xx B or ND 287"
+                )
+        await self._require_end()
+        return answers, decode_lamps(lamps)
+
+    async def _require_end(self) -> None:
+        """See that nothing but prints stands behind the last answer; raises NdProtocolError."""
+        while (data := await self._link.receive(0.0)) is not None and not self._reader.overflows:
+            self._reader.receive_data(data)
+        while (reply := self._reader.next_reply()) is not None:
+            if not isinstance(reply, Line) or reply.opened:
+                raise NdProtocolError(
+                    f"the counter at {self._link.address} answered more than was asked:"
+                    " one answer is left from before, and nobody knows which"
+                )
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; a conversation that broke off closes the link, as a late reply would be misread."""
+        async with self._lock:
+            try:
+                yield
+            except BaseException:
+                await self._link.close()
+                raise
+
+    async def _send(self, *commands: Command) -> None:
+        """Drop what was printed at the counter's keys, then ask."""
+        self._reader = ReplyReader()
+        await drain(self._link)
+        self._give_up_s = time.monotonic() + self._reply_timeout_s
+        await self._link.send(b"".join(map(encode_request, commands)))
+
+    async def _next_reply(self) -> Reply:
+        while (reply := self._reader.next_reply()) is None:
+            left_s = self._give_up_s - time.monotonic()
+            data = await self._link.receive(max(0.0, left_s))
+            if data is None or left_s < 0.0:  # also one that goes on printing and answers nothing
+                raise NoReplyError(
+                    f"the counter at {self._link.address} says nothing for {self._reply_timeout_s:.1f} s:"
+                    f" {_CHECK_LINE}"
+                )
+            self._reader.receive_data(data)
+        return reply
+
+
+def _with(answers: _Answers, reply: Reply) -> _Answers:
+    """Return the answers with one more; raises NdProtocolError where it stands in a wrong place."""
+    if isinstance(reply, Refused):
+        return replace(answers, refusals=answers.refusals + 1)
+    if not isinstance(reply, Line):
+        raise NdProtocolError("the counter acknowledged something that it was not asked: connect again")
+    if not reply.opened:
+        return answers  # an operator pressed PRINT meanwhile
+    kind = reply_kind(reply)
+    if answers.value is not None and kind != "lamps":
+        raise NdProtocolError(f"{reply.text!r} answers nothing that was asked: it is left from before")
+    match kind:
+        case "value":
+            return replace(answers, value=reply)
+        case "lamps":
+            return replace(answers, lamps=reply)
+        case "text" if answers.error_text is None:
+            return replace(answers, error_text=reply.text.strip())
+    raise NdProtocolError("the counter told its error twice: one of them is left from before")
+
+
+def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:
+    port = option.text(options, "serial")
+    if port is None:
+        tcp = TcpLink(option.host(options), option.port(options, _TERMINAL_SERVER_PORT))
+        return HeidenhainCounter(tcp, clock or MonotonicClock())
+    if "host" in options or "port" in options:
+        raise ConfigurationError("serial and host are two ways to the same counter: give one of them")
+    baud = _baud(options)
+    return HeidenhainCounter(
+        SerialLink(port, replace(_FACTORY, baud=baud)),
+        clock or MonotonicClock(),
+        reply_timeout_s=_REPLY_TIMEOUT_S + _ON_THE_LINE_BITS / baud,
+    )
+
+
+def _baud(options: Options) -> int:
+    baud = options.get("baud", _FACTORY.baud)
+    if isinstance(baud, bool) or not isinstance(baud, int) or baud not in _RATES:
+        raise ConfigurationError(f"option baud is {baud!r}: give one of {', '.join(map(str, _RATES))}")
+    return baud
+
+
+PLUGIN = DriverPlugin(
+    name="heidenhain_nd",
+    kind="ballbar",
+    protocol="nd28x",
+    options={
+        "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
+        "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2",
+        "host": "instead of serial: address of a terminal server in raw mode",
+        "port": f"TCP port of the terminal server's line, {_TERMINAL_SERVER_PORT} unless changed",
+    },
+    open=_open,
+)

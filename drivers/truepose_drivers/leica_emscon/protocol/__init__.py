@@ -1,0 +1,75 @@
+"""Wire protocol of Leica emScon laser trackers: bytes in, packets out, no I/O.
+
+Source: the C header of the public emScon SDK 3.6 and two open clients (see the folder's README). Binary,
+little endian, structures packed to 4 bytes, strings UTF-16LE, port 700.
+
+A side of the wire feeds a `FrameReader` and decodes its frames (`decode_request` in a server,
+`decode_from_server` in a client); `encode` makes the bytes of any packet.
+"""
+
+from truepose_drivers.leica_emscon.protocol.commands import LIST_COMMANDS, Command
+from truepose_drivers.leica_emscon.protocol.events import SystemStatusChange
+from truepose_drivers.leica_emscon.protocol.exchanges import EXCHANGES, Exchange, exchange
+from truepose_drivers.leica_emscon.protocol.framing import (
+    LONGEST_PACKET_BYTES,
+    SHORTEST_PACKET_BYTES,
+    Frame,
+    FrameReader,
+    PacketError,
+    PacketType,
+)
+from truepose_drivers.leica_emscon.protocol.layouts import Layout, Record, Value
+from truepose_drivers.leica_emscon.protocol.packets import (
+    Answer,
+    ErrorReport,
+    FromServer,
+    Request,
+    Result,
+    ShortRequestError,
+    StatusChange,
+    decode_from_server,
+    decode_request,
+    encode,
+)
+from truepose_drivers.leica_emscon.protocol.results import ELEMENTS, RESULTS
+from truepose_drivers.leica_emscon.protocol.statuses import (
+    MeasurementStatus,
+    MeasurementStatusInfo,
+    ResultStatus,
+)
+
+DEFAULT_PORT = 700
+
+__all__ = [
+    "DEFAULT_PORT",
+    "ELEMENTS",
+    "EXCHANGES",
+    "LIST_COMMANDS",
+    "LONGEST_PACKET_BYTES",
+    "RESULTS",
+    "SHORTEST_PACKET_BYTES",
+    "Answer",
+    "Command",
+    "ErrorReport",
+    "Exchange",
+    "Frame",
+    "FrameReader",
+    "FromServer",
+    "Layout",
+    "MeasurementStatus",
+    "MeasurementStatusInfo",
+    "PacketError",
+    "PacketType",
+    "Record",
+    "Request",
+    "Result",
+    "ResultStatus",
+    "ShortRequestError",
+    "StatusChange",
+    "SystemStatusChange",
+    "Value",
+    "decode_from_server",
+    "decode_request",
+    "encode",
+    "exchange",
+]

@@ -1,0 +1,243 @@
+"""A Digimatic gauge on a Mitutoyo USB-ITN cable: on this computer, or over USB/IP."""
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import AsyncIterator
+from typing import TypeAlias
+
+from truepose_drivers import options as option
+from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
+from truepose_drivers.errors import ConfigurationError, ConnectFailedError, DeviceRefusedError, NoReplyError
+from truepose_drivers.mitutoyo_usb_itn.protocol import (
+    GET_MODE,
+    PRODUCT,
+    READ_DEVICE,
+    READ_VALUE,
+    SEND_COMMAND,
+    SERIAL_MODE,
+    SET_MODE,
+    VENDOR,
+    DeviceInfo,
+    Error,
+    ItnProtocolError,
+    Reply,
+    ReplyReader,
+    Value,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.usb import UsbDevice, UsbPort
+from truepose_drivers.transports.usb_address import usb_address
+from truepose_drivers.usb.protocol.control import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
+
+_REPLY_TIMEOUT_S = 1.0  # a Digimatic gauge takes up to a quarter of a second to send its value
+_ANY_CABLE = f"{VENDOR:04x}:{PRODUCT:04x}"
+_RANGE_MM = 1.0
+_FINEST_DECIMALS = 4  # in millimetres, 0.1 um: with more of them a gauge shows inches
+_MOST_DECIMALS = 6  # that fit the field
+_MOST_TRIES = 2  # of a question that somebody's press of a key disturbed
+_MOST_LESSONS = 3  # values that may follow each other without agreeing
+_PLUG = "unplug the cable and plug it in again"
+
+
+_Form: TypeAlias = tuple[int, int]  # characters behind the sign, digits behind the point
+
+
+class UsbItnGauge:
+    """A gauge on a USB-ITN cable. It answers when asked, and sends when somebody presses its DATA button."""
+
+    def __init__(
+        self,
+        port: UsbPort,
+        clock: Clock,
+        *,
+        range_mm: float = _RANGE_MM,
+        decimals: int | None = None,
+        reply_timeout_s: float = _REPLY_TIMEOUT_S,
+    ) -> None:
+        """Prepare; `decimals` stand behind the point in millimetres, learnt from the values unless given."""
+        self._port = port
+        self._clock = clock
+        self._range_mm = range_mm
+        self._reply_timeout_s = reply_timeout_s
+        self._stated_decimals = decimals
+        self._form: _Form | None = None  # of the gauge's values; kept over connections, as the gauge is
+        self._reader = ReplyReader()
+        self._give_up_s = 0.0
+        self._lock = asyncio.Lock()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the cable is there as far as known."""
+        return self._port.is_open
+
+    async def connect(self) -> None:
+        """Take the cable from the keyboard driver, make it talk and say who it is.
+
+        Raises ConnectFailedError.
+        """
+        await self._port.open()
+        self._reader = ReplyReader()
+        async with self._turn():
+            try:
+                await self._port.control_out(VENDOR_TO_DEVICE, SET_MODE, SERIAL_MODE)
+                await self._port.control_in(VENDOR_FROM_DEVICE, GET_MODE, 0, 0, 1)
+                await self._ask_device()
+            except (DeviceRefusedError, NoReplyError) as error:
+                raise ConnectFailedError(
+                    f"the device at {self._port.address} does not leave its keyboard mode ({error}):"
+                    " check that it is a USB-ITN cable"
+                ) from error
+
+    async def close(self) -> None:
+        """Give the cable back; never raises."""
+        await self._port.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask the cable who it is; the gauge on it does not tell."""
+        async with self._turn():
+            manufacturer, product, serial = await self._port.texts()
+            device = await self._ask_device()
+        return DeviceIdentity(
+            manufacturer or "Mitutoyo", product or "USB-ITN", serial or "unknown", device.text or "unknown"
+        )
+
+    async def read(self) -> BallbarReading:
+        """Ask the gauge for what it displays; a gauge that says nothing is a reading without a signal."""
+        async with self._turn():
+            reply = await self._ask_value()
+            if isinstance(reply, Value):
+                reply = await self._in_form(reply)
+        time_s = await self._clock.now_s()
+        if isinstance(reply, Error):
+            return BallbarReading(math.nan, "none", self._resolution_mm, time_s)
+        # Half a step more: the end of the range is within it, whatever a double makes of it.
+        inside = abs(reply.shown) <= self._range_mm + 0.5 * self._resolution_mm
+        return BallbarReading(reply.shown, "good" if inside else "out_of_range", self._resolution_mm, time_s)
+
+    @property
+    def _resolution_mm(self) -> float:
+        return 10.0 ** -(_FINEST_DECIMALS if self._form is None else self._form[1])
+
+    async def _in_form(self, value: Value) -> Value:
+        """Return a value of the form of all others: inches have other decimals, a bad line another width.
+
+        The form is learnt from values that follow each other and agree. Raises ItnProtocolError.
+        """
+        for _ in range(_MOST_LESSONS):
+            if self._form is not None:
+                break
+            again = await self._ask_value()
+            if not isinstance(again, Value):
+                break
+            if _form(again) == _form(value) and value.decimals in self._acceptable_decimals:
+                self._form = _form(value)
+            value = again
+        if _form(value) != self._form:
+            raise ItnProtocolError(
+                f"the gauge sends {value.decimals} digits behind the point, {value.width} characters in all,"
+                f" where {self._expected} belong: it shows inches, or characters were lost; set it to"
+                " millimetres, and for another gauge on this cable start the service again"
+            )
+        return value
+
+    @property
+    def _acceptable_decimals(self) -> tuple[int, ...]:
+        if self._stated_decimals is not None:
+            return (self._stated_decimals,)
+        return tuple(range(_FINEST_DECIMALS + 1))
+
+    @property
+    def _expected(self) -> str:
+        if self._form is not None:
+            width, decimals = self._form
+            return f"{decimals} and {width}"
+        return " or ".join(map(str, self._acceptable_decimals))
+
+    async def _ask_value(self) -> Value | Error:
+        """Ask for the value; what was sent before the question is passed over, whoever made it be sent.
+
+        Where a second line comes behind the first nobody knows which is the answer: it is asked for again.
+        """
+        for _ in range(_MOST_TRIES):
+            await self._ask_device()
+            await self._send(READ_VALUE)
+            reply = await self._next_reply()
+            if isinstance(reply, DeviceInfo):
+                raise ItnProtocolError(f"the cable told about itself ({reply.text!r}) when asked for a value")
+            behind = await self._port.interrupt_in(0.0)
+            if behind is None and not self._reader.inside_reply:
+                return reply
+            self._reader.receive_packet(behind or b"")
+        raise ItnProtocolError(
+            f"the cable at {self._port.address} sends more than it is asked for: leave the gauge's keys alone"
+        )
+
+    async def _ask_device(self) -> DeviceInfo:
+        """Ask who it is. No value looks like the answer, so whatever stands before it was sent earlier."""
+        await self._send(READ_DEVICE)
+        while True:
+            reply = await self._next_reply()
+            if isinstance(reply, DeviceInfo):
+                return reply
+
+    async def _send(self, command: bytes) -> None:
+        self._give_up_s = time.monotonic() + self._reply_timeout_s
+        await self._port.control_out(VENDOR_TO_DEVICE, SEND_COMMAND, data=command)
+
+    async def _next_reply(self) -> Reply:
+        while (reply := self._reader.next_reply()) is None:
+            left_s = self._give_up_s - time.monotonic()
+            packet = await self._port.interrupt_in(max(0.0, left_s))
+            if packet is None or left_s < 0.0:
+                raise NoReplyError(
+                    f"the cable at {self._port.address} says nothing: {_PLUG}, and check the gauge's battery"
+                )
+            self._reader.receive_packet(packet)
+        return reply
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Take the floor; what breaks off closes the device, as a late reply would be misread."""
+        async with self._lock:
+            try:
+                yield
+            except BaseException:
+                await self._port.close()
+                raise
+
+
+def _form(value: Value) -> _Form:
+    return value.width, value.decimals
+
+
+def _open(options: Options, clock: Clock | None) -> UsbItnGauge:
+    where = usb_address(options, default=_ANY_CABLE)
+    range_mm = option.positive(options, "range_mm", _RANGE_MM)
+    decimals = _decimals(options)
+    return UsbItnGauge(UsbDevice(where), clock or MonotonicClock(), range_mm=range_mm, decimals=decimals)
+
+
+def _decimals(options: Options) -> int | None:
+    decimals = options.get("decimals")
+    if decimals is None:
+        return None
+    if isinstance(decimals, bool) or not isinstance(decimals, int) or not 0 <= decimals <= _MOST_DECIMALS:
+        raise ConfigurationError(f"option decimals is {decimals!r}: give a number from 0 to {_MOST_DECIMALS}")
+    return decimals
+
+
+PLUGIN = DriverPlugin(
+    name="mitutoyo_usb_itn",
+    kind="ballbar",
+    protocol="usb_itn",
+    options={
+        "usb": f"vendor:product[:serial number], {_ANY_CABLE} unless given, or usbip://host[:port]/busid",
+        "host": "instead of usb: address of a USB/IP server whose only device it is",
+        "port": "TCP port of the USB/IP server, 3240 unless changed",
+        "range_mm": "either way of zero; what lies beyond is out of range; 1.0 unless given",
+        "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
+    },
+    open=_open,
+)

@@ -1,0 +1,113 @@
+"""What a Mitutoyo USB-ITN input tool says once it has been taken out of keyboard mode.
+
+Source: public clients pytuyo and mitutoyo_reader; form of the data line as in Mitutoyo's manual 99MAF600B.
+Commands go out in a vendor request; replies come in packets of the interrupt endpoint and end with CR:
+``01A+0000.1234``, ``1...`` about the cable itself, ``91n`` errors.
+"""
+
+import re
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from truepose_drivers.errors import RemoteProtocolError
+
+VENDOR, PRODUCT = 0x0FE7, 0x4001
+PACKET_BYTES = 8
+
+# Vendor requests on endpoint 0
+SET_MODE, GET_MODE, SEND_COMMAND = 1, 2, 3
+SERIAL_MODE = 0xA5A5  # value of SET_MODE: text instead of key strokes
+
+READ_VALUE = b"1\r"
+READ_DEVICE = b"V\r"
+
+NOT_CONNECTED = 911  # no gauge on the cable, or it is off and says nothing
+NOT_CONVERTIBLE = 912  # the gauge sent something that is no value
+_END = b"\r"
+_LONGEST_REPLY = 64
+# Channel 1 is the only one of a cable; the manual gives the value 8 characters, public clients saw 9.
+_VALUE = re.compile(r"01A([+-])(?=[\d.]{8,9}$)(\d+)\.?(\d*)")
+_ERROR = re.compile(r"(9\d\d)")
+_FIELD_WIDTH = 9
+
+
+class ItnProtocolError(RemoteProtocolError):
+    """The cable sent something that is no reply."""
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """What the gauge displays, in its own unit; `decimals` digits stand behind the point."""
+
+    shown: float
+    decimals: int
+    width: int = field(default=_FIELD_WIDTH, compare=False)  # characters behind the sign, as they came
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceInfo:
+    """What the cable says of itself."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Error:
+    """The cable has no value: 911, 912, ..."""
+
+    number: int
+
+
+Reply: TypeAlias = Value | DeviceInfo | Error
+
+
+def encode(reply: Reply) -> bytes:
+    """Return the characters of a reply."""
+    match reply:
+        case Value(shown, decimals):
+            text = f"01A{'-' if shown < 0.0 else '+'}{abs(shown):0{_FIELD_WIDTH}.{decimals}f}"
+        case DeviceInfo(text):
+            text = f"1{text}"
+        case Error(number):
+            text = f"{number}"
+    return text.encode("ascii", "replace") + _END
+
+
+def decode(data: bytes) -> Reply:
+    """Read a reply without its end; raises ItnProtocolError."""
+    text = data.decode("ascii", "replace")
+    if match := _VALUE.fullmatch(text):
+        sign, whole, decimals = match.groups()
+        return Value(float(f"{sign}{whole}.{decimals}"), len(decimals), len(text) - match.end(1))
+    if match := _ERROR.fullmatch(text):
+        return Error(int(match[1]))
+    if text.startswith("1"):
+        return DeviceInfo(text[1:].strip())
+    raise ItnProtocolError(f"{text!r} is no reply of a USB-ITN cable")
+
+
+class ReplyReader:
+    """Puts packets together until a reply ends."""
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+
+    @property
+    def inside_reply(self) -> bool:
+        """Whether more stands here than was taken."""
+        return bool(self._buffer)
+
+    def receive_packet(self, packet: bytes) -> None:
+        """Append a packet; zeros at its end only fill it up."""
+        self._buffer += packet.rstrip(b"\0")
+
+    def next_reply(self) -> Reply | None:
+        """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""
+        end = self._buffer.find(_END)
+        if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:
+            raise ItnProtocolError(f"{bytes(self._buffer[:20])!r}... does not end: it is no USB-ITN cable")
+        if end < 0:
+            return None
+        data = bytes(self._buffer[:end])
+        del self._buffer[: end + 1]
+        return decode(data)

@@ -1,0 +1,40 @@
+"""Reading the options of a cell file; every complaint names the option and what belongs there."""
+
+import math
+
+from truepose_drivers.api import Options
+from truepose_drivers.errors import ConfigurationError
+
+_HIGHEST_PORT = 65_535
+
+
+def host(options: Options) -> str:
+    """Return option `host`; raises ConfigurationError when it is missing or no text."""
+    value = options.get("host")
+    if not isinstance(value, str) or not value.strip():
+        raise ConfigurationError(f"option host is {value!r}: give the device's address, such as 192.168.0.1")
+    return value
+
+
+def port(options: Options, default: int | None = None) -> int:
+    """Return option `port`; raises ConfigurationError when it is missing or no port number."""
+    value = options.get("port", default)
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _HIGHEST_PORT:
+        raise ConfigurationError(f"option port is {value!r}: give a number from 1 to {_HIGHEST_PORT}")
+    return value
+
+
+def text(options: Options, name: str) -> str | None:
+    """Return an optional text; raises ConfigurationError when it is something else."""
+    value = options.get(name)
+    if value is not None and (not isinstance(value, str) or not value.strip()):
+        raise ConfigurationError(f"option {name} is {value!r}: give a text, or leave it out")
+    return value
+
+
+def positive(options: Options, name: str, default: float) -> float:
+    """Return a positive number; raises ConfigurationError when it is something else."""
+    value = options.get(name, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise ConfigurationError(f"option {name} is {value!r}: give a positive number")
+    return float(value)

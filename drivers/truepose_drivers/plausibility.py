@@ -1,0 +1,137 @@
+"""What no instrument of its kind can mean, whatever the cell: judged before the service sees a reading.
+
+Pure functions on one reading each, which raise ImplausibleReadingError. What takes knowledge of the cell (the
+range of this bar, the joints of this robot) is judged where the service takes readings in.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from truepose_drivers.api import BallbarReading, DeviceIdentity, Environment, JointReading, TrackerReading
+from truepose_drivers.errors import ImplausibleReadingError
+
+_FARTHEST_POINT_MM: Final = 200_000.0  # no tracker measures as far
+_MOST_TURNED_RAD: Final = 20.0 * math.pi  # ten turns: no joint of an arm is wound up further
+_LONGEST_TRAVEL_MM: Final = 1_000.0  # of any gauge
+_COLDEST_C, _HOTTEST_C = -100.0, 200.0  # of air and of instruments that still work
+_LONGEST_UPTIME_S: Final = 1e10  # three centuries
+_SIGNALS: Final = ("good", "out_of_range", "none")
+_LONGEST_NAME: Final = 200
+
+
+def require_point(reading: TrackerReading) -> None:
+    """Judge a tracker's reading."""
+    _require(_all_finite(reading.point_mm), f"a point at {reading.point_mm} mm")
+    distance_mm = math.hypot(*reading.point_mm)
+    _require(
+        distance_mm <= _FARTHEST_POINT_MM,
+        f"a point {distance_mm / 1000.0:.3g} m away, farther than any tracker measures",
+    )
+    spreads_mm = (*reading.standard_deviation_mm, reading.rms_mm)  # NaN where the instrument states none
+    _require(
+        not any(value < 0.0 or math.isinf(value) for value in spreads_mm),
+        f"standard deviations of {reading.standard_deviation_mm} mm and a scatter of {reading.rms_mm} mm",
+    )
+    _require(reading.samples >= 1, f"a mean of {reading.samples} samples")
+    _require(
+        math.isfinite(reading.duration_s) and reading.duration_s > 0.0,
+        f"a measurement that took {reading.duration_s} s",
+    )
+    _require(reading.face in (1, 2), f"face {reading.face}")
+    if reading.covariance_mm2 is not None:
+        _require(_is_covariance(reading.covariance_mm2), f"the covariance {reading.covariance_mm2} mm2")
+
+
+def require_joints(reading: JointReading, joints_before: int | None) -> None:
+    """Judge a robot's statement of its joints; `joints_before` is how many it stated last."""
+    angles = reading.joints_rad
+    _require(len(angles) > 0, "an arm without joints")
+    _require(
+        joints_before in (None, len(angles)), f"{len(angles)} joints, where it had {joints_before} before"
+    )
+    _require(_all_finite(angles), f"joints at {angles} rad")
+    worst = max(range(len(angles)), key=lambda joint: abs(angles[joint]))
+    _require(
+        abs(angles[worst]) <= _MOST_TURNED_RAD,
+        f"joint {worst + 1} at {math.degrees(angles[worst]):.6g} deg, more than ten turns",
+    )
+    _require(
+        math.isfinite(reading.resolution_rad) and reading.resolution_rad >= 0.0,
+        f"a resolution of {reading.resolution_rad} rad",
+    )
+
+
+def require_length(reading: BallbarReading) -> None:
+    """Judge a ballbar's reading."""
+    _require(reading.signal in _SIGNALS, f"the signal {reading.signal!r}")
+    if reading.signal != "none":
+        _require(
+            abs(reading.deviation_mm) <= _LONGEST_TRAVEL_MM,  # a NaN is not
+            f"a deviation of {reading.deviation_mm:.6g} mm, farther than any gauge travels",
+        )
+    _require(
+        math.isfinite(reading.resolution_mm) and reading.resolution_mm > 0.0,
+        f"a resolution of {reading.resolution_mm} mm",
+    )
+    if reading.temperature_c is not None:
+        _require_temperature(reading.temperature_c)
+
+
+def require_environment(air: Environment) -> None:
+    """Judge what a weather station says; NaN stands for what it does not measure."""
+    _require_temperature(air.temperature_c)
+    _require(
+        not math.isinf(air.pressure_hpa) and not math.isinf(air.humidity_percent),
+        f"a pressure of {air.pressure_hpa} hPa and a humidity of {air.humidity_percent} %",
+    )
+
+
+def require_time(time_s: float, before_s: float | None) -> None:
+    """Judge a time stamp against the one before it, which it may equal."""
+    _require(0.0 <= time_s <= _LONGEST_UPTIME_S, f"the time {time_s} s")  # a NaN is not
+    _require(before_s is None or time_s >= before_s, f"the time {time_s} s after {before_s} s")
+
+
+def readable(identity: DeviceIdentity) -> DeviceIdentity:
+    """Return an identity in characters that a person can see and a database can keep."""
+    return DeviceIdentity(
+        _visible(identity.manufacturer),
+        _visible(identity.model),
+        _visible(identity.serial),
+        _visible(identity.firmware),
+    )
+
+
+def _visible(text: str) -> str:
+    shown = "".join(character if character.isprintable() else "?" for character in text[:_LONGEST_NAME])
+    return shown.strip() or "unknown"
+
+
+def _require_temperature(temperature_c: float) -> None:
+    plausible = math.isnan(temperature_c) or _COLDEST_C <= temperature_c <= _HOTTEST_C
+    _require(plausible, f"a temperature of {temperature_c:.6g} °C")
+
+
+def _is_covariance(matrix: Sequence[Sequence[float]]) -> bool:
+    return (
+        len(matrix) == 3
+        and all(len(row) == 3 and _all_finite(row) for row in matrix)
+        and all(matrix[axis][axis] >= 0.0 for axis in range(3))
+        and all(
+            matrix[i][j] * matrix[i][j] <= matrix[i][i] * matrix[j][j] * (1.0 + 1e-9)
+            and math.isclose(matrix[i][j], matrix[j][i], rel_tol=1e-9, abs_tol=1e-300)
+            for i, j in ((0, 1), (0, 2), (1, 2))
+        )
+    )
+
+
+def _all_finite(values: Sequence[float]) -> bool:
+    return all(map(math.isfinite, values))
+
+
+def _require(plausible: bool, what: str) -> None:
+    if not plausible:
+        raise ImplausibleReadingError(
+            f"it states {what}; that is no reading: check its settings and its cable, then connect again"
+        )

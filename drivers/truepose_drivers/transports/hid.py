@@ -1,0 +1,255 @@
+"""USB HID devices by their reports: through the system's HID driver (hidapi), or through USB itself.
+
+A report leads with its number. hidapi blocks, so each device has a thread of its own and waits in slices.
+"""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Protocol, TypeVar
+
+try:
+    import hidraw as hidapi  # Linux: the kernel keeps its driver, and a rule for one device node is enough
+except ImportError:
+    import hid as hidapi
+
+from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.transports.usb import UsbPort
+from truepose_drivers.transports.usb_address import LocalUsb
+from truepose_drivers.usb.protocol.control import (
+    CLASS_FROM_INTERFACE,
+    CLASS_TO_INTERFACE,
+    HidRequest,
+    ReportType,
+)
+
+_SLICE_S = 0.05
+_INTERFACE = 0
+# A device at rest keeps the packet that nobody fetched, and the one behind it where it has two buffers.
+_STALE_PACKETS = 2
+
+Value = TypeVar("Value")
+
+
+class ReportPort(Protocol):
+    """What a driver needs of a HID device."""
+
+    @property
+    def address(self) -> str:
+        """Where the device is, for error texts."""
+        ...
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the device is there as far as known."""
+        ...
+
+    async def open(self) -> None:
+        """Open the device, dropping what was open before; raises ConnectFailedError."""
+        ...
+
+    async def close(self) -> None:
+        """Close the device; never raises."""
+        ...
+
+    async def texts(self) -> tuple[str, str, str]:
+        """Return manufacturer, product and serial number; empty where the device tells none."""
+        ...
+
+    async def fresh_report(self, timeout_s: float) -> bytes | None:
+        """Return an input report that was made after this call; None after `timeout_s` of silence."""
+        ...
+
+    async def feature(self, number: int, length: int) -> bytes:
+        """Read a feature report; raises DeviceRefusedError."""
+        ...
+
+    async def set_feature(self, report: bytes) -> None:
+        """Write a feature report; raises DeviceRefusedError."""
+        ...
+
+
+class HidapiPort:
+    """A HID device of this computer."""
+
+    def __init__(self, where: LocalUsb, report_bytes: int, system: Any = hidapi) -> None:
+        """Prepare for input reports of `report_bytes`, their number included; `system` is hidapi."""
+        self._where = where
+        self._report_bytes = report_bytes
+        self._system = system
+        self._device: Any = None
+        self._texts = ("", "", "")
+        self._thread: ThreadPoolExecutor | None = None
+
+    @property
+    def address(self) -> str:
+        """Vendor, product and serial number."""
+        return str(self._where)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the device is open; one that was unplugged is noticed by the next call."""
+        return self._device is not None
+
+    async def open(self) -> None:
+        """Open the device, dropping what was open before; raises ConnectFailedError."""
+        await self.close()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix=f"hid {self.address}")
+        try:
+            self._device, self._texts = await self._in_thread(lambda: _open_device(self._system, self._where))
+        except BaseException:
+            await self.close()
+            raise
+
+    async def close(self) -> None:
+        """Close the device; never raises."""
+        device, thread = self._device, self._thread
+        self._device = self._thread = None
+        if device is not None and thread is not None:
+            with contextlib.suppress(OSError, ValueError):
+                await asyncio.get_running_loop().run_in_executor(thread, device.close)
+        if thread is not None:
+            thread.shutdown(wait=False)
+
+    async def texts(self) -> tuple[str, str, str]:
+        """Return manufacturer, product and serial number; empty where the device tells none."""
+        self._opened()
+        return self._texts
+
+    async def fresh_report(self, timeout_s: float) -> bytes | None:
+        """Return an input report that was made after this call; None after `timeout_s` of silence.
+
+        The system keeps dozens of reports and drops the newest when nobody fetches them, so all are dropped.
+        """
+        device = self._opened()
+        await self._guarded(lambda: _drain(device, self._report_bytes))
+        give_up_s = time.monotonic() + timeout_s
+        while True:
+            left_s = give_up_s - time.monotonic()
+            report = await self._slice(max(1, round(1000.0 * min(left_s, _SLICE_S))))
+            if report:
+                return report
+            if left_s <= _SLICE_S:
+                return None
+
+    async def feature(self, number: int, length: int) -> bytes:
+        """Read a feature report; raises DeviceRefusedError."""
+        device = self._opened()
+        return await self._refusable(lambda: bytes(device.get_feature_report(number, length)))
+
+    async def set_feature(self, report: bytes) -> None:
+        """Write a feature report; raises DeviceRefusedError."""
+        device = self._opened()
+        if await self._refusable(lambda: device.send_feature_report(list(report))) < 0:
+            raise DeviceRefusedError(f"HID device {self.address} refuses feature report {report[0]}")
+
+    async def _slice(self, timeout_ms: int) -> bytes:
+        device = self._opened()
+        return await self._guarded(lambda: bytes(device.read(self._report_bytes, timeout_ms)))
+
+    async def _refusable(self, call: Callable[[], Value]) -> Value:
+        """Make a call that a device may refuse, which looks as if it had gone: the next reading will tell."""
+        try:
+            return await self._in_thread(call)
+        except (OSError, ValueError) as error:
+            raise DeviceRefusedError(
+                f"HID device {self.address} refuses a feature report ({error}): check that it is a ballbar"
+            ) from error
+
+    async def _guarded(self, call: Callable[[], Value]) -> Value:
+        try:
+            return await self._in_thread(call)
+        except (OSError, ValueError) as error:
+            await self.close()
+            raise ConnectionLostError(
+                f"HID device {self.address} is gone ({error}): check its cable, then connect again"
+            ) from error
+
+    async def _in_thread(self, call: Callable[[], Value]) -> Value:
+        return await asyncio.get_running_loop().run_in_executor(self._thread, call)
+
+    def _opened(self) -> Any:
+        if self._device is None:
+            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
+        return self._device
+
+
+class HidOverUsb:
+    """A HID device reached as a USB device, without the system's HID driver."""
+
+    def __init__(self, port: UsbPort) -> None:
+        self._port = port
+
+    @property
+    def address(self) -> str:
+        """Where the device is."""
+        return self._port.address
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the device is there as far as known."""
+        return self._port.is_open
+
+    async def open(self) -> None:
+        """Open the device, dropping what was open before; raises ConnectFailedError."""
+        await self._port.open()
+
+    async def close(self) -> None:
+        """Close the device; never raises."""
+        await self._port.close()
+
+    async def texts(self) -> tuple[str, str, str]:
+        """Return manufacturer, product and serial number; empty where the device tells none."""
+        return await self._port.texts()
+
+    async def fresh_report(self, timeout_s: float) -> bytes | None:
+        """Return an input report that was made after this call; None after `timeout_s` of silence."""
+        for _ in range(_STALE_PACKETS):
+            if await self._port.interrupt_in(timeout_s) is None:
+                return None
+        return await self._port.interrupt_in(timeout_s)
+
+    async def feature(self, number: int, length: int) -> bytes:
+        """Read a feature report; raises DeviceRefusedError."""
+        value = ReportType.FEATURE << 8 | number
+        return await self._port.control_in(
+            CLASS_FROM_INTERFACE, HidRequest.GET_REPORT, value, _INTERFACE, length
+        )
+
+    async def set_feature(self, report: bytes) -> None:
+        """Write a feature report; raises DeviceRefusedError."""
+        value = ReportType.FEATURE << 8 | report[0]
+        await self._port.control_out(CLASS_TO_INTERFACE, HidRequest.SET_REPORT, value, _INTERFACE, report)
+
+
+def _open_device(system: Any, where: LocalUsb) -> tuple[Any, tuple[str, str, str]]:
+    """Open the first device that fits, by its path, which is the same whatever hidapi makes of numbers."""
+    found = [
+        entry
+        for entry in system.enumerate()
+        if (entry["vendor_id"], entry["product_id"]) == (where.vendor, where.product)
+        and where.serial in (None, entry["serial_number"])
+    ]
+    if not found:
+        raise ConnectFailedError(
+            f"there is no HID device {where}: check its cable, and the numbers with lsusb"
+        )
+    device = system.device()
+    try:
+        device.open_path(found[0]["path"])
+        device.set_nonblocking(1)
+    except (OSError, ValueError) as error:
+        raise ConnectFailedError(
+            f"HID device {where} cannot be opened ({error}): give this user the right to it (on Linux a udev"
+            " rule for hidraw), and check that no other program has it"
+        ) from error
+    names = ("manufacturer_string", "product_string", "serial_number")
+    manufacturer, product, serial = (found[0][name] or "" for name in names)
+    return device, (manufacturer, product, serial)
+
+
+def _drain(device: Any, report_bytes: int) -> None:
+    while device.read(report_bytes):
+        pass

@@ -1,5 +1,0 @@
-"""What the model gets wrong, and why: screening of causes, selection, what is left, the gain.
-
-Pure numerics on a campaign: `diagnose` is the one function that others call. It builds on identification
-and on the causes in `service.effects`; it knows no device, file or web.
-"""

@@ -1,0 +1,191 @@
+"""From sessions to a campaign: pure, no storage, no clock."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, FixedNestReadings, PointReadings, Stops
+from truepose.domain.robot import WorldRegistration
+from truepose.domain.session import FixedNestTaken, PointTaken, Registration
+from truepose.storage.records import SessionSetup
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredSession:
+    """What one session left: its set-up and the readings that count."""
+
+    id: int
+    setup: SessionSetup
+    points: tuple[PointTaken, ...]
+    fixed_nests: tuple[FixedNestTaken, ...] = ()
+    registration: Registration | None = None
+
+
+def assemble_campaign(calibration: MeasuredSession, validation: MeasuredSession | None = None) -> Campaign:
+    """Return the campaign of a calibration session and, where there is one, of its validation session.
+
+    The joints are the commanded ones: the controller's nominal model turns them into the pose that
+    the identified model must correct, and the protocol reports them to 0.01 deg only. Position and
+    covariance of the world frame are those of the calibration session's registration.
+
+    Raises
+    ------
+    NothingMeasuredError
+        A session has no reading of a tool nest, or was never registered in the world.
+    SessionsDifferError
+        The sessions differ in robot, base placement, tool nests or fixed nests.
+    """
+    sessions = [calibration] if validation is None else [calibration, validation]
+    for session in sessions:
+        _check_measured(session)
+    if validation is not None:
+        _check_same_setup(calibration, validation)
+    cell, registration = calibration.setup.cell, calibration.registration
+    return Campaign(
+        robot=cell.robot,
+        base_nominal=cell.base_nominal,
+        nests=cell.nests,
+        calibration=point_readings(calibration.points),
+        validation=None if validation is None else point_readings(validation.points),
+        reference=_reference([taken for session in sessions for taken in session.fixed_nests]),
+        tracker_position_mm=_tracker_position(registration),
+        fixed_nests=cell.fixed_nests,
+        registration=None if registration is None else WorldRegistration(registration.covariance),
+        simulated=any(session.setup.simulated for session in sessions),
+        notes=tuple(_notes(calibration, validation)),
+    )
+
+
+def judged_by(campaign: Campaign, calibration: MeasuredSession, validation: MeasuredSession) -> Campaign:
+    """Return a campaign of legs with the points of a tracker session that judge its model.
+
+    Raises
+    ------
+    NothingMeasuredError, SessionsDifferError
+        As `assemble_campaign`.
+    """
+    _check_measured(validation)
+    _check_same_setup(calibration, validation)
+    return replace(
+        campaign,
+        validation=point_readings(validation.points),
+        reference=_reference(validation.fixed_nests),
+        tracker_position_mm=_tracker_position(validation.registration),
+        simulated=bool(campaign.simulated) or validation.setup.simulated,
+        notes=(
+            *campaign.notes,
+            f"Validation readings are those of session {validation.id}.",
+            *_trackers([validation]),
+        ),
+    )
+
+
+def point_readings(points: Sequence[PointTaken]) -> PointReadings:
+    """Return readings of tool nests as a table, in the order they were taken."""
+    stops = Stops(
+        config=np.array([p.config for p in points], dtype=np.int64),
+        joints_rad=np.array([p.commanded_rad for p in points], dtype=np.float64),
+        direction=np.array([p.direction for p in points], dtype=np.int64),
+        time_s=np.array([p.time_s for p in points], dtype=np.float64),
+        temperature_c=np.array([p.temperature_c for p in points], dtype=np.float64),
+        attachment=np.array([p.attachment for p in points], dtype=np.int64),
+        repeat_of=np.array([-1 if p.repeat_of is None else p.repeat_of for p in points], dtype=np.int64),
+    )
+    return PointReadings(
+        stops=stops,
+        nest=np.array([p.nest for p in points], dtype=np.int64),
+        position_mm=np.array([p.position_world_mm for p in points], dtype=np.float64),
+        standard_uncertainty_mm=np.array([p.standard_uncertainty_mm for p in points], dtype=np.float64),
+        covariance_mm2=_covariances(points),
+    )
+
+
+def _covariances(points: Sequence[PointTaken]) -> FloatArray | None:
+    """Covariances of all readings, shape (n, 3, 3); None where an instrument states none."""
+    stated = [p.covariance_mm2 for p in points]
+    if not stated or any(covariance is None for covariance in stated):
+        return None
+    return np.array(stated, dtype=np.float64)
+
+
+def _reference(taken: Sequence[FixedNestTaken]) -> FixedNestReadings | None:
+    # The readings of the registration made the world frame: they cannot show that it moved.
+    looks = [t for t in taken if t.phase == "reference" and t.position_world_mm is not None]
+    if not looks:
+        return None
+    looks.sort(key=lambda look: look.time_s)
+    return FixedNestReadings(
+        time_s=np.array([t.time_s for t in looks], dtype=np.float64),
+        fixed_nest=np.array([t.fixed_nest for t in looks], dtype=np.int64),
+        position_mm=np.array([t.position_world_mm for t in looks], dtype=np.float64),
+        standard_uncertainty_mm=np.array([t.standard_uncertainty_mm for t in looks], dtype=np.float64),
+    )
+
+
+def _tracker_position(registration: Registration | None) -> tuple[float, float, float] | None:
+    if registration is None:
+        return None
+    x_mm, y_mm, z_mm = (float(value) for value in registration.translation_mm)
+    return x_mm, y_mm, z_mm
+
+
+def _check_measured(session: MeasuredSession) -> None:
+    if not session.points:
+        raise NothingMeasuredError(f"Session {session.id} has no reading of a tool nest; run it first.")
+
+
+def _check_same_setup(calibration: MeasuredSession, validation: MeasuredSession) -> None:
+    for word, name in (
+        ("robot", "robot"),
+        ("base placement", "base_nominal"),
+        ("tool nests", "nests"),
+        ("fixed nests", "fixed_nests"),
+    ):
+        if getattr(calibration.setup.cell, name) != getattr(validation.setup.cell, name):
+            raise SessionsDifferError(
+                f"Sessions {calibration.id} and {validation.id} differ in their {word}; "
+                "a campaign is one robot in one set-up."
+            )
+
+
+def _notes(calibration: MeasuredSession, validation: MeasuredSession | None) -> Iterator[str]:
+    cell = calibration.setup.cell
+    yield f"Calibration readings are those of session {calibration.id} on {cell.name}."
+    if validation is not None:
+        yield f"Validation readings are those of session {validation.id}."
+    sessions = [calibration] if validation is None else [calibration, validation]
+    if any(session.setup.simulated for session in sessions):
+        yield "SIMULATED: no robot and no instrument took part."
+    yield from _trackers(sessions)
+    for what, text in (("Load", cell.conditions.load), ("Warm-up", cell.conditions.warm_up)):
+        if text:
+            yield f"{what}: {text}"
+    yield from cell.conditions.notes
+
+
+def _trackers(sessions: Sequence[MeasuredSession]) -> Iterator[str]:
+    """Say which trackers measured, and what that means where there were several."""
+    counts = Counter(point.instrument_serial for session in sessions for point in session.points)
+    if set(counts) <= {""}:
+        return  # it tells no serial number, or is one of before that was kept
+    if len(counts) == 1:
+        (serial,) = counts
+        yield f"Tracker: {_tracker_paper(serial, sessions)}"
+        return
+    yield (
+        "More than one tracker measured: each was placed in the world by a registration of its own, and the "
+        "uncertainty of the world frame is that of the latest one only."
+    )
+    for serial, count in counts.items():
+        yield f"Tracker: {_tracker_paper(serial, sessions)} Readings: {count}."
+
+
+def _tracker_paper(serial: str, sessions: Sequence[MeasuredSession]) -> str:
+    """Return serial number and certificate: a certificate holds for the number it was stated with."""
+    entries = [entry for session in sessions for entry in session.setup.cell.devices]
+    found = (entry.certificate for entry in entries if serial and entry.serial_number == serial)
+    return f"serial number {serial or 'not told'}, certificate {next(found, '') or 'not stated'}."

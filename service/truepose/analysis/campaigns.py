@@ -1,0 +1,108 @@
+"""Campaigns into the storage: from an uploaded zip, or from sessions."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from datetime import date
+from typing import TypeAlias
+
+from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
+from truepose.analysis.campaign_summary import summary_of
+from truepose.analysis.errors import RoleError
+from truepose.analysis.uploads import Uploads
+from truepose.domain.campaign import Campaign
+from truepose.domain.session import SessionRole
+from truepose.exchange.campaign_zip import write_campaign_zip
+from truepose.storage.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.records import RequestKey
+from truepose.storage.sessions import SessionRepository
+
+OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
+
+
+class CampaignDesk:
+    """Checks a campaign before it is stored; what is stored can be read."""
+
+    def __init__(
+        self,
+        campaigns: CampaignRepository,
+        sessions: SessionRepository,
+        readings: ReadingRepository,
+        of_ballbar: OfBallbar,
+        uploads: Uploads,
+    ) -> None:
+        self.uploads = uploads
+        self._campaigns = campaigns
+        self._sessions = sessions
+        self._readings = readings
+        self._of_ballbar = of_ballbar
+
+    async def upload(
+        self, archive: bytes, name: str, measured_on: date | None = None, key: RequestKey | None = None
+    ) -> int:
+        """Store an uploaded zip as it is and return its number; call it within a turn of `uploads`.
+
+        `measured_on` is the day of the readings, where it is not that of the archive. Cancelling it ends the
+        reading, and nothing is stored. Raises as `Uploads.read`, KeyReusedError.
+        """
+        made = None if key is None else await self._campaigns.answered(key)
+        if made is not None:
+            return made
+        found = await self.uploads.read(archive, name)
+        summary = found.summary
+        if measured_on is not None:
+            summary = replace(summary, measured_on=measured_on.isoformat())
+        return await self._campaigns.add(NewCampaign(name, found.robot, summary, archive), key)
+
+    async def from_sessions(
+        self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
+    ) -> int:
+        """Store the campaign of one or two sessions; raises as `assemble_campaign`, RoleError, StorageError.
+
+        The first one identifies, with a tracker or with a ballbar; the second one judges, with a tracker.
+        """
+        role = await self._check_roles(calibration_id, validation_id)
+        await self._sessions.require_intact(calibration_id)
+        if validation_id is not None:
+            await self._sessions.require_intact(validation_id)
+        calibration = await self._measured(calibration_id)
+        validation = None if validation_id is None else await self._measured(validation_id)
+        if role == "ballbar":
+            campaign = await self._of_ballbar(calibration_id)
+            campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
+        else:
+            campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
+        archive = await asyncio.to_thread(write_campaign_zip, campaign)
+        numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
+        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
+        return await self._campaigns.add(stored, key)
+
+    async def _check_roles(self, calibration_id: int, validation_id: int | None) -> SessionRole:
+        # A calibration session may judge another one's model; what was kept for validation never identifies.
+        role = (await self._sessions.get(calibration_id)).role
+        if role == "validation":
+            raise RoleError(
+                f"Session {calibration_id} is for validation, its readings never identify; "
+                "make the campaign of a calibration session and name this one as its validation session."
+            )
+        if calibration_id == validation_id:
+            raise RoleError(
+                f"Session {calibration_id} cannot judge the model that it identifies; "
+                "name another session, or none."
+            )
+        if validation_id is not None and (await self._sessions.get(validation_id)).role == "ballbar":
+            raise RoleError(
+                f"Session {validation_id} is one with the ballbar, whose cups no other session knows; "
+                "name a session with the tracker as its validation session."
+            )
+        return role
+
+    async def _measured(self, session_id: int) -> MeasuredSession:
+        return MeasuredSession(
+            id=session_id,
+            setup=await self._sessions.setup(session_id),
+            points=tuple(await self._readings.points(session_id)),
+            fixed_nests=tuple(await self._readings.fixed_nests(session_id)),
+            registration=await self._sessions.registration(session_id),
+        )

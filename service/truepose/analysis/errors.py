@@ -1,0 +1,47 @@
+"""Errors of the analysis.
+
+AnalysisError
+├── SessionsDifferError    two sessions were not measured with the same robot and set-up
+├── RoleError              readings kept for validation would identify, or judge what they identified
+├── NothingMeasuredError   a session or campaign holds no reading of the kind that is asked for
+├── NeverDiagnosedError    no diagnosis of that robot is stored
+├── RobotsMixedError       diagnoses of several robots would be compared as if they were of one
+├── BusyError              too many ask for the same at once
+└── WorkerDiedError        the worker process ended without an answer
+"""
+
+from truepose.domain.errors import TrueposeError
+
+
+class AnalysisError(TrueposeError):
+    """Base of every error of the analysis."""
+
+
+class SessionsDifferError(AnalysisError):
+    """Two sessions were not measured with the same robot and set-up."""
+
+
+class RoleError(AnalysisError):
+    """Readings kept for validation would identify, or would judge the model that they identified."""
+
+
+class NothingMeasuredError(AnalysisError):
+    """A session or campaign holds no reading of the kind that is asked for."""
+
+
+class NeverDiagnosedError(AnalysisError):
+    """No diagnosis of that robot is stored."""
+
+
+class RobotsMixedError(AnalysisError):
+    """Diagnoses of several robots would be compared as if they were of one."""
+
+
+class BusyError(AnalysisError):
+    """Too many ask for the same at once; whoever asks again later gets it."""
+
+    retry_after_s = 10
+
+
+class WorkerDiedError(AnalysisError):
+    """The worker process ended without an answer."""

@@ -1,0 +1,257 @@
+"""Joins everything: opens what the settings name, hands it to the routes, closes it in reverse order."""
+
+import asyncio
+import contextlib
+import dataclasses
+from collections.abc import AsyncIterator, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Final, Protocol, runtime_checkable
+
+from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.jobs import JobDesk, Perform
+from truepose.analysis.uploads import Uploads
+from truepose.analysis.worker_process import perform_in_worker
+from truepose.app.errors import StartError
+from truepose.app.simulation import Simulation, running_simulation
+from truepose.domain.cell import Cell, DeviceEntry
+from truepose.exchange.cell_file import read_cell, simulated_cell
+from truepose.operation.ballbar_sessions import BallbarDesk
+from truepose.operation.ballbar_work import BallbarWork
+from truepose.operation.devices import MountedDevice, Rack
+from truepose.operation.present_cell import PresentCell
+from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
+from truepose.operation.sessions import SessionDesk
+from truepose.operation.simulated_hands import HandsDesk
+from truepose.settings import Settings
+from truepose.storage.added_stops import AddedStopsRepository
+from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.campaigns import CampaignRepository
+from truepose.storage.database import Database
+from truepose.storage.diagnoses import DiagnosisRepository
+from truepose.storage.events import EventRepository
+from truepose.storage.guard import Guard
+from truepose.storage.jobs import JobRepository
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.results import ResultRepository
+from truepose.storage.sessions import SessionRepository
+from truepose.web.application import Application, create_application
+from truepose.web.context import Context, Endpoint
+from truepose.web.door.hosts import AllowedHosts
+from truepose_drivers.api import Clock
+from truepose_drivers.registry import DriverRegistry, load_registry
+
+_REAL_CLOCK: Final = "monotonic_clock"
+_NOT_DEVICES: Final = {"clock", "truth"}  # endpoints that no session measures with
+_RESTARTED: Final = "The service ended before the job did; start it again."
+
+
+def create_app(
+    settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
+) -> Application:
+    """Return the service as an ASGI application; its lifespan opens and closes everything it works with.
+
+    Parameters
+    ----------
+    settings : Settings
+    registry : DriverRegistry, optional
+        Which drivers there are; by default the installed ones.
+    perform : Perform
+        Who does the jobs; by default a worker process each.
+
+    Raises
+    ------
+    UnusableHostError
+        The settings allow what is no name of a host.
+    """
+    hosts = allowed_hosts(settings)
+    return create_application(program_version(), lambda: open_context(settings, registry, perform), hosts)
+
+
+def allowed_hosts(settings: Settings) -> AllowedHosts:
+    """Return the names under which the service may be asked; raises UnusableHostError."""
+    return AllowedHosts(settings.allowed_hosts, settings.host)
+
+
+def program_version() -> str:
+    """Return the version of the program; a checkout that was never installed has none."""
+    try:
+        return version("truepose")
+    except PackageNotFoundError:
+        return "0+checkout"
+
+
+@contextlib.asynccontextmanager
+async def open_context(
+    settings: Settings, registry: DriverRegistry | None = None, perform: Perform = perform_in_worker
+) -> AsyncIterator[Context]:
+    """Open storage, simulated cell and drivers, and find what an earlier service left unfinished.
+
+    Raises
+    ------
+    StorageError
+        The database cannot be used, or another service has it.
+    InputFileError
+        The cell file is wrong.
+    StartError
+        The simulated cell did not come up.
+    DriverError
+        A device of the cell cannot be what the cell file says.
+    """
+    drivers = load_registry() if registry is None else registry
+    async with contextlib.AsyncExitStack() as stack:
+        cell = _cell(settings)
+        present = _present(cell, settings)
+        database = await asyncio.to_thread(Database, settings.database_url)
+        stack.callback(database.close)
+        state = database.file.with_name(f"{database.file.name}.cell.json")
+        simulation = await _simulation(cell, settings, state, stack)
+        cell = _with_simulated_devices(cell, simulation, drivers)
+        rack = _rack(cell, simulation, drivers)
+        stack.push_async_callback(_close_clock, rack.clock)
+        stack.push_async_callback(rack.close)
+        context = _context(cell, present, database, rack, simulation, perform)
+        await context.session_desk.recover()
+        await context.ballbar_desk.recover()
+        await context.job_desk.mark_interrupted(_RESTARTED)
+        stack.push_async_callback(context.job_desk.close)
+        stack.push_async_callback(context.session_desk.close)
+        stack.push_async_callback(context.ballbar_desk.close)
+        stack.callback(stop_streams, context)
+        guarding = asyncio.create_task(Guard(database).follow(), name="storage guard")
+        stack.push_async_callback(_end, guarding)
+        yield context
+
+
+async def _end(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
+
+
+def stop_streams(context: Context) -> None:
+    """End every event stream, so that their connections can close."""
+    context.stopping.set()
+    context.database.wake()
+
+
+def _cell(settings: Settings) -> Cell:
+    if settings.cell_file is not None:
+        return read_cell(settings.cell_file)
+    return simulated_cell(settings.simulated_scenario, settings.simulated_seed)
+
+
+def _present(cell: Cell, settings: Settings) -> PresentCell:
+    file = settings.cell_file
+    return PresentCell(cell, None if file is None else lambda: read_cell(file))
+
+
+async def _simulation(
+    cell: Cell, settings: Settings, state: Path, stack: contextlib.AsyncExitStack
+) -> Simulation | None:
+    if cell.simulated is None:
+        return None
+    pace = settings.simulated_pace if cell.simulated.pace is None else cell.simulated.pace
+    return await stack.enter_async_context(running_simulation(cell.simulated, pace, state))
+
+
+def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Cell:
+    """Return the cell with a device for each instrument of its simulation that a driver speaks to."""
+    if simulation is None:
+        return cell
+    entries: dict[str, DeviceEntry] = {}
+    for endpoint in simulation.endpoints:
+        if endpoint.device not in _NOT_DEVICES:
+            for name in _drivers_of(endpoint, drivers):
+                options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
+                # One ballbar listens at several ports, in a language each: the first one is spoken.
+                entries.setdefault(endpoint.device, DeviceEntry(endpoint.device, name, options))
+    return dataclasses.replace(cell, devices=tuple(entries.values()))
+
+
+def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:
+    return [name for name, plugin in drivers.plugins.items() if plugin.protocol == endpoint.protocol][:1]
+
+
+def _rack(cell: Cell, simulation: Simulation | None, drivers: DriverRegistry) -> Rack:
+    clock_entries = [entry for entry in cell.devices if drivers.plugin(entry.driver).kind == "clock"]
+    clock = _clock(simulation, clock_entries, drivers)
+    mounted = [
+        MountedDevice(
+            entry=entry,
+            kind=drivers.plugin(entry.driver).kind,
+            protocol=drivers.plugin(entry.driver).protocol,
+            device=drivers.open(entry.driver, entry.options, clock),
+            expected_serial=cell.expected_serial(drivers.plugin(entry.driver).kind, entry),
+        )
+        for entry in cell.devices
+        if entry not in clock_entries
+    ]
+    return Rack(mounted, clock)
+
+
+def _clock(simulation: Simulation | None, entries: Sequence[DeviceEntry], drivers: DriverRegistry) -> Clock:
+    if entries:  # a simulated cell on the network brings its clock like its instruments
+        opened = drivers.open(entries[0].driver, entries[0].options)
+    elif simulation is None:
+        opened = drivers.open(_REAL_CLOCK, {})
+    else:
+        endpoint = next(e for e in simulation.endpoints if e.device == "clock")
+        (name,) = _drivers_of(endpoint, drivers) or [endpoint.protocol]
+        opened = drivers.open(name, {"host": endpoint.host, "port": endpoint.port})
+    if not isinstance(opened, Clock):
+        raise StartError("The driver of the clock does not open a clock.")
+    return opened
+
+
+async def _close_clock(clock: Clock) -> None:
+    # The clock of a simulated cell is reached over connections; the computer's own is not.
+    if isinstance(clock, _Closes):
+        await clock.close()
+
+
+@runtime_checkable
+class _Closes(Protocol):
+    async def close(self) -> None: ...
+
+
+def _context(
+    cell: Cell,
+    present: PresentCell,
+    database: Database,
+    rack: Rack,
+    simulation: Simulation | None,
+    perform: Perform,
+) -> Context:
+    sessions, readings = SessionRepository(database), ReadingRepository(database)
+    campaigns, jobs = CampaignRepository(database), JobRepository(database)
+    results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
+    additions = AddedStopsRepository(database)
+    job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
+    work = BallbarWork(perform)
+    ballbar_desk = BallbarDesk(
+        sessions, BallbarLedger(database), rack, work.foresight, work.choose, present=present
+    )
+    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign, Uploads())
+    again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
+    return Context(
+        version=program_version(),
+        cell=cell,
+        endpoints=() if simulation is None else simulation.endpoints,
+        database=database,
+        sessions=sessions,
+        readings=readings,
+        campaigns=campaigns,
+        jobs=jobs,
+        results=results,
+        diagnoses=diagnoses,
+        events=EventRepository(database),
+        rack=rack,
+        session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session, present=present),
+        ballbar_desk=ballbar_desk,
+        hands_desk=HandsDesk(rack, ballbar_desk.frame_of),
+        job_desk=job_desk,
+        campaign_desk=campaign_desk,
+        stopping=asyncio.Event(),
+        fault=lambda: None if simulation is None else simulation.fault,
+    )

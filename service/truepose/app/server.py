@@ -1,0 +1,155 @@
+"""Runs the service until it is asked to end: SIGINT or SIGTERM, once politely, twice at once."""
+
+import asyncio
+import contextlib
+import functools
+import json
+import logging
+import signal
+import socket
+import sys
+from collections.abc import Callable, Iterator
+from typing import Final
+
+import uvicorn
+
+from truepose.app.composition import allowed_hosts, open_context, program_version, stop_streams
+from truepose.app.connections.census import Census, Limits, looked_after
+from truepose.app.connections.descriptors import connection_limit
+from truepose.app.connections.log_lines import FewRepeats
+from truepose.app.connections.protocol import WatchedProtocol
+from truepose.app.errors import PortInUseError, ScenarioRefusedError
+from truepose.domain.errors import TrueposeError
+from truepose.effects.registry import unusable_causes
+from truepose.exchange.errors import ExchangeError
+from truepose.settings import Settings
+from truepose.web.application import create_application
+from truepose.web.door.errors import UnusableHostError
+from truepose_drivers.errors import DriverError
+
+_LOG: Final = logging.getLogger(__name__)
+_UNUSABLE_INPUT: Final = 2
+_SERVICE_FAILED: Final = 3
+_GRACE_S: Final = 5  # for requests under way when the service ends
+_AT_ONCE: Final = 128  # connections taken up before anything else is looked at again
+_UNHEARD_MS: Final = 30_000  # after which a connection ends whose other side acknowledges nothing
+_QUEUE: Final = 4096  # connections that wait in the system to be taken up; beyond, it asks them to come again
+
+
+def serve(settings: Settings) -> int:
+    """Serve until interrupted and return the exit status; prints one JSON line with `url` when ready.
+
+    A start that fails writes one sentence to standard error: status 2 for a cell file, a scenario or an
+    allowed host that cannot be used, 3 for a database, a port or a simulated cell that cannot.
+    """
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    for handler in logging.getLogger().handlers:
+        handler.addFilter(FewRepeats())
+    logging.getLogger("alembic").setLevel(logging.WARNING)
+    for sentence in unusable_causes():
+        _LOG.warning("%s", sentence)
+    try:
+        asyncio.run(_serve(settings))
+    except KeyboardInterrupt:  # before the service was ready and took care of signals itself
+        return 0
+    except (ExchangeError, ScenarioRefusedError, UnusableHostError) as error:
+        return _refuse(error, _UNUSABLE_INPUT)
+    except (TrueposeError, DriverError) as error:
+        return _refuse(error, _SERVICE_FAILED)
+    return 0
+
+
+def _refuse(error: Exception, status: int) -> int:
+    sys.stderr.write(f"{error}\n")
+    return status
+
+
+async def _serve(settings: Settings) -> None:
+    hosts = allowed_hosts(settings)
+    # The port first: a service that nobody can reach must not hold the database or start a cell.
+    with _listening(settings.host, settings.port) as listener:
+        census = Census(Limits(connection_limit()))
+        async with open_context(settings) as context, looked_after(census):
+            config = uvicorn.Config(
+                create_application(program_version(), lambda: contextlib.nullcontext(context), hosts),
+                # The server calls it like the class that it wants.
+                http=functools.partial(WatchedProtocol, census),  # type: ignore[arg-type]
+                ws="none",
+                backlog=_AT_ONCE,
+                proxy_headers=False,  # whoever asks could say anything in them
+                server_header=False,
+                access_log=False,
+                log_config=None,
+                log_level=logging.WARNING,
+                timeout_graceful_shutdown=_GRACE_S,
+            )
+            server = _Server(config, _url(listener), lambda: stop_streams(context))
+            with _ended_by_signals(server):
+                await server.serve([listener])
+
+
+class _Server(uvicorn.Server):
+    """Says when it is ready, and ends streams before it waits for connections to close."""
+
+    def __init__(self, config: uvicorn.Config, url: str, before_shutdown: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._url = url
+        self._before_shutdown = before_shutdown
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        for listener in sockets or ():
+            listener.listen(_QUEUE)
+        sys.stdout.write(json.dumps({"url": self._url}) + "\n")
+        sys.stdout.flush()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._before_shutdown()
+        await super().shutdown(sockets)
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        # The base class raises the signal again at the end, which would skip our own closing.
+        yield
+
+
+@contextlib.contextmanager
+def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
+    def end() -> None:
+        server.force_exit = server.should_exit
+        server.should_exit = True
+
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, end)
+    try:
+        yield
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.remove_signal_handler(number)
+
+
+@contextlib.contextmanager
+def _listening(host: str, port: int) -> Iterator[socket.socket]:
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        listener = socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise PortInUseError(
+            f"Nothing can listen at {host}:{port} ({error}); stop what does, or choose another --port."
+        ) from error
+    # Connections inherit it. asyncio sets it only where a socket names its protocol, which create_server
+    # leaves open; without it the body of an answer waits 40 ms for the acknowledgement of its head.
+    listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    # A tablet without power takes nothing and says nothing; a quarter of an hour it would still watch.
+    if sys.platform == "linux":
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _UNHEARD_MS)
+    with listener:
+        yield listener
+
+
+def _url(listener: socket.socket) -> str:
+    """Return where it is reached; an address that stands for all is none, so this computer's own is said."""
+    host, port = listener.getsockname()[:2]
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}"

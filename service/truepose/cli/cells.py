@@ -1,0 +1,113 @@
+"""Commands that start something: the service, a simulated cell, the demo, the night run."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Seed = Annotated[int, typer.Option(min=0, help="Which cell of that kind.")]
+
+
+def demo_command(
+    out: Annotated[Path, typer.Option(help="Folder for result.json and the reports.")] = Path(
+        "truepose-demo"
+    ),
+    seed: Seed = 0,
+    scenario: Annotated[str, typer.Option(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
+) -> int:
+    """Measure, identify, validate and diagnose a simulated robot through real drivers and the REST API.
+
+    Example: truepose demo --out demo --seed 3
+    """
+    from truepose.showcase.demo import run_demo
+
+    return run_demo(out, seed, scenario)
+
+
+def nightly_command(
+    out: Annotated[Path, typer.Option(help="Folder for junit.xml and report.html.")] = Path(
+        "truepose-nightly"
+    ),
+    seed: Seed = 0,
+) -> int:
+    """Run every scenario end to end against simulated devices and check the figures.
+
+    Example: truepose nightly --out nightly
+    """
+    from truepose.showcase.nightly import run_nightly
+
+    return run_nightly(out, seed)
+
+
+def serve_command(
+    cell: Annotated[
+        Path | None, typer.Option(help="Cell file (TOML); without it: the simulated cell.")
+    ] = None,
+    database: Annotated[
+        str | None, typer.Option(help="URL of the SQLite database, e.g. sqlite:///cell.db.")
+    ] = None,
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 picks a free one.")] = 8000,
+    allowed_host: Annotated[
+        list[str] | None,
+        typer.Option(
+            envvar="TRUEPOSE_ALLOWED_HOSTS",
+            help="Name or address under which it may be asked, beside localhost and --host; "
+            "https://NAME behind a proxy with TLS. May be repeated.",
+        ),
+    ] = None,
+) -> int:
+    """Run the service; prints one JSON line with its url when ready.
+
+    Example: truepose serve --cell cell.toml --database sqlite:///cell.db --port 8000
+    """
+    from truepose.app import serve
+    from truepose.settings import Settings, default_database_url
+
+    return serve(
+        Settings(
+            database_url=database or default_database_url(),
+            host=host,
+            port=port,
+            allowed_hosts=tuple(allowed_host or ()),
+            cell_file=cell,
+        )
+    )
+
+
+def simulate_command(
+    scenario: Annotated[str, typer.Argument(help="Shipped scenario, or a scenario file.")] = "irb120-tilted",
+    seed: Seed = 0,
+    port_base: Annotated[int, typer.Option(min=0, max=65535, help="First port; 0 picks free ones.")] = 0,
+    pace: Annotated[int, typer.Option(min=0, max=1, help="1: real time; 0: waiting costs nothing.")] = 1,
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    model: Annotated[
+        Path | None,
+        typer.Option(help="Identified model (JSON): its robot, base and tool replace the scenario's."),
+    ] = None,
+    state: Annotated[
+        Path | None,
+        typer.Option(
+            help="Keep what is done in this file; started with it again, the cell stands where it stood."
+        ),
+    ] = None,
+) -> int:
+    """Start only the simulated instruments and robot; prints one JSON line per endpoint.
+
+    Example: truepose simulate irb120-clean --seed 3 --port-base 7000 --pace 0
+    Example: truepose simulate --model robot.json
+    """
+    arguments = ["--seed", seed, "--port-base", port_base, "--pace", pace, "--host", host]
+    arguments += [] if model is None else ["--model", model]
+    arguments += [] if state is None else ["--state", state]
+    command = [
+        sys.executable,
+        "-m",
+        "truepose_simulators",
+        scenario,
+        *(str(argument) for argument in arguments),
+    ]
+    # In our place, not beside us: whoever signals this process ends the cell, and no child is left behind.
+    os.execv(sys.executable, command)

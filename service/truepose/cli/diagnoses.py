@@ -1,0 +1,94 @@
+"""The command that says what a model gets wrong. Heavy imports wait until it runs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
+from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+
+if TYPE_CHECKING:
+    from truepose.domain.campaign import Campaign
+    from truepose.domain.diagnosis import Diagnosis
+
+
+def diagnose_command(
+    campaign: CampaignPath,
+    effects: Annotated[
+        str,
+        typer.Option(
+            help="Effects of the model to start from, separated by commas; none of them is a finding. "
+            "`auto`: base,tool,geometry,compliance."
+        ),
+    ] = "auto",
+    model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
+    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    json: Json = False,
+) -> int:
+    """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
+
+    Status 1: nothing could be fitted, so there is no answer.
+
+    Example: truepose diagnose my-campaign --model-out extended.json --report diagnosis.html
+    """
+    require_folders(model_out, report)
+    names = effect_names(effects)
+    _check_known(names)
+    measured = read_measured(campaign)
+    remark(measured.ignored)
+    answer = _diagnosed(measured, names)
+    # Files first: who reads "explained" may rely on the model being there.
+    if model_out is not None:
+        _write_model(model_out, answer)
+    if report is not None:
+        _write_report(report, campaign, measured, answer)
+    _print(answer, as_json=json)
+    return 0 if answer.model is not None else 1
+
+
+def _check_known(names: tuple[str, ...] | None) -> None:
+    """Refuse a misspelt or doubled effect before a large campaign is read; raises TrueposeError."""
+    from truepose.effects.registry import chosen_effects
+
+    chosen_effects(names or ())
+
+
+def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagnosis":
+    from truepose.diagnosis.diagnose import diagnose
+
+    with shown_progress() as told:
+        return diagnose(campaign, effects, told)
+
+
+def _write_model(path: Path, answer: "Diagnosis") -> None:
+    from truepose.exchange.model_file import write_model
+
+    if answer.model is None:
+        remark([f"No model was written to {path}: {answer.message}"])
+        return
+    with writing(path):
+        write_model(answer.model, path)
+
+
+def _write_report(path: Path, campaign: Path, measured: "Campaign", answer: "Diagnosis") -> None:
+    from truepose.reports import DiagnosisInput, ReportConditions, write_diagnosis_report
+
+    day = "day not stated" if measured.measured_on is None else f"measured {measured.measured_on}"
+    named = f"{campaign.resolve().name}, {day}"
+    conditions = ReportConditions(simulated=bool(measured.simulated))
+    write_diagnosis_report(path, DiagnosisInput(answer, named, conditions))
+
+
+def _print(answer: "Diagnosis", *, as_json: bool) -> None:
+    if as_json:
+        from truepose.exchange.diagnosis_document import diagnosis_document
+
+        print_json(diagnosis_document(answer))
+        return
+    from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
+
+    print_lines(diagnosis_lines(answer))
+    table = errors_table(answer)
+    if table is not None:
+        print_tables(table)

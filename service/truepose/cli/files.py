@@ -1,0 +1,65 @@
+"""What the commands on campaign folders share: names of effects, campaigns in, files out."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.output import remark
+from truepose.domain.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from truepose.domain.campaign import Campaign
+
+CampaignPath = Annotated[Path, typer.Argument(help="Campaign folder, or a zip of one.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
+
+
+def effect_names(effects: str) -> tuple[str, ...] | None:
+    """Return the names that `--effects` gives, None for `auto`; raises ConfigurationError for none at all."""
+    if effects.strip() == "auto":
+        return None
+    names = tuple(name.strip() for name in effects.split(",") if name.strip())
+    if not names:
+        raise ConfigurationError(
+            "--effects names no effect: give `auto`, or names separated by commas, e.g. base,geometry."
+        )
+    return names
+
+
+def require_folders(*files: Path | None) -> None:
+    """Refuse before the work is done what could not be written after it."""
+    for file in files:
+        if file is not None and not file.parent.is_dir():
+            raise ConfigurationError(f"{file}: there is no folder {file.parent}; make it first.")
+        if file is not None and file.is_dir():
+            raise ConfigurationError(f"{file} is a folder: name a file in it.")
+
+
+@contextlib.contextmanager
+def writing(file: Path) -> Iterator[None]:
+    """Turn a file that cannot be written into a sentence."""
+    try:
+        yield
+    except OSError as error:
+        raise ConfigurationError(
+            f"{file} cannot be written ({error.strerror}); choose another file."
+        ) from error
+
+
+def read_measured(path: Path) -> "Campaign":
+    """Read a campaign folder or the zip of one, and say which installed causes will not look at it.
+
+    Heavy imports wait until then.
+    """
+    from truepose.effects.registry import unusable_causes
+    from truepose.exchange.campaign_folder import read_campaign
+    from truepose.exchange.campaign_zip import read_campaign_zip
+    from truepose.exchange.input_file import read_bytes
+
+    remark(unusable_causes())
+    if path.suffix.lower() == ".zip" and not path.is_dir():
+        return read_campaign_zip(read_bytes(path), path.name)
+    return read_campaign(path)

@@ -1,0 +1,76 @@
+"""The command's entry point: options, exit status, and the one place where errors become sentences.
+
+Exit status: 0 done, 1 the question was answered with "no", 2 unusable input, 3 a device or the
+service failed, 130 interrupted.
+"""
+
+import functools
+import sys
+from collections.abc import Callable
+
+import typer
+
+from truepose.cli.campaigns import identify_command, predict_command, validate_command
+from truepose.cli.cells import demo_command, nightly_command, serve_command, simulate_command
+from truepose.cli.diagnoses import diagnose_command
+from truepose.cli.inspection import inspect_command
+from truepose.cli.records import verify_command
+from truepose.domain.errors import TrueposeError
+
+UNUSABLE_INPUT = 2
+INTERRUPTED = 130
+
+_COMMANDS: dict[str, Callable[..., int]] = {
+    "demo": demo_command,
+    "serve": serve_command,
+    "simulate": simulate_command,
+    "identify": identify_command,
+    "diagnose": diagnose_command,
+    "predict": predict_command,
+    "validate": validate_command,
+    "nightly": nightly_command,
+    "inspect": inspect_command,
+    "verify": verify_command,
+}
+
+
+def main() -> int:
+    """Run the command and return its exit status."""
+    app = typer.Typer(
+        name="truepose",
+        help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    for name, command in _COMMANDS.items():
+        app.command(name)(_exiting(command))
+    try:
+        app(prog_name="truepose")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 0
+    return 0
+
+
+def _exiting(command: Callable[..., int]) -> Callable[..., None]:
+    """Make a command end with its own status, and with a sentence where the input cannot be used."""
+
+    @functools.wraps(command)
+    def ending(*arguments: object, **options: object) -> None:
+        try:
+            status = command(*arguments, **options)
+        except (TrueposeError, OSError) as error:
+            sys.stderr.write(f"{_sentence(error)}\n")
+            status = UNUSABLE_INPUT
+        except KeyboardInterrupt:
+            sys.stderr.write("Interrupted.\n")
+            status = INTERRUPTED
+        raise typer.Exit(status)
+
+    return ending
+
+
+def _sentence(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename}: {error.strerror}."
+    return str(error)

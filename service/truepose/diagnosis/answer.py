@@ -1,0 +1,309 @@
+"""The answer: findings with their words, rivals and gain, what is left, and the verdict."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose import __version__
+from truepose.diagnosis.curves import finding_curve, remaining_curve
+from truepose.diagnosis.doubts import better_families
+from truepose.diagnosis.evidence import described
+from truepose.diagnosis.gathered import gathered
+from truepose.diagnosis.groups import names_of
+from truepose.diagnosis.held_out import CrossValidation, Judged, on_validation
+from truepose.diagnosis.left import Depends, Left
+from truepose.diagnosis.line_orders import with_known_orders
+from truepose.diagnosis.next_measurements import next_measurements
+from truepose.diagnosis.open_shapes import with_open_shapes
+from truepose.diagnosis.readings_found import readings_found
+from truepose.diagnosis.rivals import Weighed, weighed
+from truepose.diagnosis.ruled_out import ruled_out
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.selection import Choice, Propose, Selected, refitted
+from truepose.diagnosis.small_findings import parted
+from truepose.diagnosis.spectra import finding_spectrum
+from truepose.diagnosis.standing import Tested, standing
+from truepose.diagnosis.start import NUISANCE, Start
+from truepose.diagnosis.unseen import Unseen, curve_with_unseen, unseen_of
+from truepose.diagnosis.ways import shown_of, worth_of
+from truepose.diagnosis.whole import Whole
+from truepose.diagnosis.witnesses import CONTRADICTED, accused, speak_against
+from truepose.diagnosis.wording import first_line, noise_of, remaining_sentence
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import (
+    Cause,
+    Confidence,
+    Dependence,
+    Diagnosis,
+    Finding,
+    Remaining,
+    Verdict,
+    WorstPoint,
+)
+from truepose.domain.results import Model
+from truepose.effects.causes import Candidate, Scene, Shown
+from truepose.effects.cells import cell_of
+from truepose.effects.tool_certificate import NAME as CERTIFICATE
+from truepose.identification.considered import considered
+from truepose.identification.identify import nominal_fit
+from truepose.identification.models import Fits, model_of
+from truepose.identification.reference import ReferenceBlock
+from truepose.identification.robust import RobustFit
+from truepose.identification.robust import fit as refit
+from truepose.identification.statistics import statistics
+
+_BEYOND = 1.5  # typical validation error over what explains it: more than a common error of the parameters
+_FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does
+
+Tell = Callable[[float, str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    """What the parts of an answer are made from."""
+
+    start: Start
+    tested: Tested  # doubts included in what is left
+    whole: Whole | None  # None: the findings are all that the model is extended by
+    judged: Judged  # on validation readings, where there are any
+    scene: Scene  # of the extended model
+    unseen: Unseen | None  # the extended model at validation readings, where there are any
+
+    @property
+    def found(self) -> RobustFit:
+        """The fit with the findings, none that validation readings contradict."""
+        return self.start.fit if self.tested.left.contradicted else self.tested.selected.fit
+
+    @property
+    def end(self) -> RobustFit:
+        """The fit of the model that may be used."""
+        return self.found if self.whole is None or self.tested.left.contradicted else self.whole.fit
+
+
+def answered(
+    start: Start, first: Choice, selected: Selected, propose: Propose, without: tuple[str, ...], tell: Tell
+) -> Diagnosis:
+    """Put everything that a diagnosis found together."""
+    judging = CrossValidation(first)
+    tested, withdrawn = standing(start, selected, judging, propose, without)
+    tell(0.85, "judging on readings that were not seen, and putting it into words")
+    tested = replace(tested, left=_with_doubts(tested))
+    whole = _whole(start, tested, judging)
+    judged = _judged(start, tested, judging, whole)
+    left = replace(
+        _with_shared(start, tested.left),
+        worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
+        worse_at=_worse_at(judged),
+        contradicted=bool(tested.groups) and judged.together.rms_before_mm <= judged.together.rms_after_mm,
+    )
+    scene = scene_of(start.problem, tested.selected.fit)
+    unseen = unseen_of(start, tested.selected)
+    return _told(_Answer(start, replace(tested, left=left), whole, judged, scene, unseen), withdrawn, without)
+
+
+def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | None:
+    """Return the model with what is left described too, where configurations left out ask for it.
+
+    What is left over time is not foretold by a description of where the arm was when.
+    """
+    in_time = any(one.kind == "time" for one in tested.left.depends)
+    groups = tuple(group for _, group in tested.groups)
+    if in_time or not (tested.left.structure and judging.asks_for_description(groups)):
+        return None
+    found = described(tested.selected.pool, tested.selected.picks)
+    return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
+
+
+def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole | None) -> Judged:
+    groups = tuple(group for _, group in tested.groups)
+    end = whole.fit if whole else tested.selected.fit
+    seen = on_validation(start.campaign, (start.fit, end), tested.selected, groups)
+    if seen is None and whole is not None:
+        return judging.of(tested.selected, groups, described=True)
+    return seen or tested.judged
+
+
+def _worse_at(judged: Judged) -> WorstPoint | None:
+    """Return the worst held-out point where it is far worse than the worst one was without the findings.
+
+    A mean that gets better hides it: a shape that fits where readings are may do anything in between.
+    """
+    largest_before_mm = float(np.linalg.norm(judged.errors.before_mm, axis=1).max())
+    worst = judged.errors.worst
+    limit_mm = max(_FAR_WORSE * largest_before_mm, largest_before_mm + 5.0 * judged.noise_mm)
+    return worst if worst.after_mm > limit_mm else None
+
+
+def _with_doubts(tested: Tested) -> Left:
+    """Add the families that tell the story of a finding better than its name."""
+    selected, left = tested.selected, tested.left
+    together: dict[Cause, tuple[Candidate, ...]] = {}
+    for subject, group in tested.groups:
+        cause = Cause(group[0].effect, subject)
+        together[cause] = (*together.get(cause, ()), *group)
+    better = tuple(
+        one for group in together.values() for one in better_families(selected, group, tested.families)
+    )
+    known = {one.variable for one in left.depends}
+    new = {one.variable: one for one in better if one.variable not in known}
+    return replace(left, depends=(*left.depends, *new.values()))
+
+
+def _with_shared(start: Start, left: Left) -> Left:
+    """Add what bad readings share. No description holds it: they have no weight in it."""
+    shared = gathered(start.scene, left.tails.bad)
+    if shared is None or shared.on.variable in {one.variable for one in left.depends}:
+        return left
+    added = Depends(shared.on.variable, shared.p_value, shared.on.kind, shared.on.joint, None)
+    return replace(left, depends=(*left.depends, added))
+
+
+def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
+    start, tested = answer.start, answer.tested
+    selected, judged, left = tested.selected, answer.judged, tested.left
+    whole = None if left.contradicted else answer.whole
+    readings = readings_found(start, selected, left, judged)
+    found = (*_findings(answer), *(one for one in readings if one.effect not in without))
+    findings, small = parted(found)
+    remaining = Remaining(
+        structure=left.structure,
+        depends_on=tuple(
+            Dependence(one.variable, one.p_value, remaining_curve(selected, start.scene, one))
+            for one in left.depends
+        ),
+        sentence=remaining_sentence(left, full=selected.full),
+        worse_at=left.worse_at,
+        described=whole.beside(selected) if whole else (),
+        described_gain=judged.described if whole else None,
+    )
+    verdict = _verdict(bool(findings), left.structure)
+    before = statistics(judged.errors.before_mm, judged.noise_mm)
+    after = statistics(judged.errors.after_mm, judged.noise_mm)
+    named = frozenset(Cause(one.effect, one.subject) for one in found)
+    return Diagnosis(
+        robot=start.campaign.robot.name,
+        verdict=verdict,
+        message=first_line(verdict, findings, before, after, remaining),
+        start_effects=start.effects,
+        findings=findings,
+        quantity=start.problem.quantity,
+        before=before,
+        after=after,
+        held_out="validation" if judged.source == "validation" else "cross_validation",
+        remaining=remaining,
+        next_measurements=next_measurements(start, selected, tested.groups, findings, left),
+        ruled_out=ruled_out(start.scene, selected, named, without),
+        withdrawn=withdrawn,
+        noise=noise_of(left),
+        errors=judged.errors,
+        model=_model(answer),
+        small=small,
+    )
+
+
+def _verdict(found: bool, structure: bool) -> Verdict:
+    if found:
+        return Verdict.PARTLY_EXPLAINED if structure else Verdict.EXPLAINED
+    return Verdict.UNEXPLAINED if structure else Verdict.CONSISTENT
+
+
+def _findings(answer: _Answer) -> tuple[Finding, ...]:
+    structured = answer.tested.left.structure
+    scales = [
+        weighed(answer.tested.selected, group, structure_left=structured) for _, group in answer.tested.groups
+    ]
+    total = sum(scale.explained for scale in scales) or 1.0
+    found = [_finding(answer, index, scale, scale.explained / total) for index, scale in enumerate(scales)]
+    return tuple(sorted(found, key=lambda finding: -finding.share))
+
+
+def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Finding:
+    subject, group = answer.tested.groups[index]
+    gain = answer.judged.gains[index]
+    shown = shown_of(answer.tested.selected, answer.scene, subject, group)
+    cell = cell_of(group[0]._replace(subject=subject))
+    helps = gain.interval_95_mm[0] > 0.0 and not answer.tested.left.structure
+    against = speak_against(answer.tested.selected.fit, cell)
+    sure = helps and not scale.rivals and not shown.impossible and not against
+    instead = accused(answer.tested.selected, cell) if against else ()
+    curve = finding_curve(answer.tested.selected, answer.start.scene, group)
+    return Finding(
+        effect=group[0].effect,
+        subject=shown.subject,
+        amplitude=shown.amplitude,
+        unit=shown.unit,
+        amplitude_standard_uncertainty=shown.standard_uncertainty,
+        p_value=scale.p_value,
+        confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
+        details=with_known_orders(answer.tested.selected, group, shown.details, answer.scene),
+        sentence=f"{_sentence(shown)} {CONTRADICTED}" if against else _sentence(shown),
+        confusable_with=tuple(dict.fromkeys((*scale.rivals, *instead))),
+        gain=gain,
+        parameters=names_of(group),
+        share=share,
+        curve=curve_with_unseen(curve, answer.unseen, group),
+        where=cell.where,
+        over=cell.over,
+        shape=cell.shape,
+        worth=worth_of(answer.tested.selected, names_of(group)),
+        spectrum=finding_spectrum(answer.tested.selected, group),
+    )
+
+
+def _sentence(shown: Shown) -> str:
+    """Return what is said of a finding; beyond physical limits also that it cannot be what it says."""
+    if shown.limits is None or not shown.impossible:
+        return shown.sentence
+    return f"{shown.sentence.removesuffix('.')}; {shown.limits.why}: something else acts here."
+
+
+def _model(answer: _Answer) -> Model:
+    """Return the extended model, fitted without what only the diagnosis needed."""
+    start, full = answer.start, answer.end
+    structure = full.structure.without(NUISANCE)
+    blocks = tuple(block for block in full.blocks if not isinstance(block, ReferenceBlock))
+    if _acts_on_instrument(structure.effects):
+        structure, blocks = full.structure.without((CERTIFICATE,)), full.blocks
+    values = np.array([full.values[full.structure.index_of(name)] for name in structure.names])
+    solution = refit(structure, blocks, values)
+    plain = RobustFit(structure, blocks, solution, full.gross[: len(blocks)], full.chi2_per_dof)
+    nominal = nominal_fit(start.problem, start.fit)
+    honest = with_open_shapes(plain, answer.found)
+    fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
+    return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
+
+
+def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
+    return bool({"instrument_drift", "instrument_scale"} & set(effects))
+
+
+def _discrepancy_mm(answer: _Answer) -> float:
+    """Return what the usual held-out residuals show per axis beyond the readings' noise [mm]."""
+    squared = (answer.tested.judged.errors.after_mm**2).mean(axis=1)
+    usual = squared <= 25.0 * float(np.median(squared))
+    noise = answer.start.problem.blocks[0].stated_sigma()
+    return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))
+
+
+def unanswerable(campaign: Campaign, effects: tuple[str, ...], sentence: str) -> Diagnosis:
+    """Return what is said where the present model cannot even be fitted."""
+    position = campaign.calibration is not None
+    return Diagnosis(
+        robot=campaign.robot.name,
+        verdict=Verdict.UNEXPLAINED,
+        message=sentence,
+        start_effects=effects,
+        findings=(),
+        quantity="position" if position else "length",
+        before=None,
+        after=None,
+        held_out="validation",
+        remaining=Remaining(True, (), sentence),
+        next_measurements=(),
+        ruled_out=(),
+        withdrawn=(),
+        noise=None,
+        errors=None,
+        model=None,
+    )

@@ -1,0 +1,86 @@
+"""The diagnosis of a campaign, from its readings to the answer: the one function that others call."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from truepose.diagnosis.answer import answered, unanswerable
+from truepose.diagnosis.jump_moments import with_exact_moments
+from truepose.diagnosis.line_orders import with_lines_between
+from truepose.diagnosis.pool import pooled
+from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.selection import chosen, select
+from truepose.diagnosis.start import stands, started
+from truepose.domain.campaign import Campaign
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.last_moves import with_last_moves
+from truepose.effects.causes import Candidate, Scene
+from truepose.effects.registry import CAUSES
+from truepose.identification.reach import within_reach
+from truepose.identification.robust import RobustFit
+
+Progress = Callable[[float, str], None]
+
+
+def diagnose(
+    campaign: Campaign,
+    effects: tuple[str, ...] | None = None,
+    progress: Progress | None = None,
+    *,
+    without: tuple[str, ...] = (),
+) -> Diagnosis:
+    """Show what a model gets wrong, name the cause, extend the model and measure the gain.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str, optional
+        The model that it starts from; None takes base, tool as far as unknown, geometry, and compliance
+        where masses or torques are known.
+    progress : callable, optional
+        Told the fraction done and what is being done.
+    without : tuple of str
+        Causes that are left out of the library, to see what is said when the true one is unknown.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    UnknownEffectError, ConfigurationError
+        The request cannot be understood.
+    """
+    tell = progress or _silent
+    tell(0.02, "fitting the present model")
+    reached = within_reach(with_last_moves(campaign))
+    start = started(reached.campaign, effects, relabel="label_swap" not in without)
+    if isinstance(start, str):
+        return unanswerable(campaign, effects or (), start)
+
+    def propose(fit: RobustFit) -> tuple[Candidate, ...]:
+        return proposed(scene_of(start.problem, fit), without)
+
+    tell(0.1, "screening the ways in which the model may be wrong")
+    first = chosen(pooled(start.fit, propose(start.fit)))
+    selected = select(first, propose, lambda share: tell(0.1 + 0.5 * share, "choosing among causes"))
+    selected = with_lines_between(start.fit, selected, propose, start.scene)
+    selected = with_exact_moments(start.fit, selected, propose, start.scene)
+    if start.doubt and not (selected.picks and stands(start, selected.fit)):
+        return unanswerable(campaign, effects or (), start.doubt)
+    tell(0.6, "judging on points that were not seen")
+    answer = answered(start, first, selected, propose, without, tell)
+    return replace(answer, message=f"{answer.message} {reached.sentence}".rstrip())
+
+
+def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:
+    """Return every way in which every known cause may be present in these data."""
+    return tuple(
+        candidate
+        for name, cause in CAUSES.items()
+        if name not in without and cause.unseen(scene) is None
+        for candidate in cause.candidates(scene)
+    )
+
+
+def _silent(_fraction: float, _doing: str) -> None:
+    return None

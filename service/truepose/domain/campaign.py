@@ -1,0 +1,133 @@
+"""A campaign: one robot measured with one set-up, as tables of equal-length arrays."""
+
+from dataclasses import dataclass
+from datetime import date
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
+
+
+@dataclass(frozen=True, slots=True)
+class Stops:
+    """What is known of the arm at each row, whatever was measured there; n rows, J joints.
+
+    A missing optional column is None; a missing entry is NaN (0 in `direction`).
+    """
+
+    config: IntArray  # (n,) number of the configuration
+    joints_rad: FloatArray  # (n, J) commanded where the robot was commanded, else reported
+    direction: IntArray | None = None  # (n, J) sign of each joint's last motion, 0 unknown
+    time_s: FloatArray | None = None  # (n,)
+    temperature_c: FloatArray | None = None  # (n,)
+    attachment: IntArray | None = None  # (n,) how often the tool has been mounted
+    torque_n_mm: FloatArray | None = None  # (n, J) measured joint torques
+    group: IntArray | None = None  # (n,) rows measured in one go
+    repeat_of: IntArray | None = None  # (n,) an earlier configuration with the same joints, -1 for none
+    move_rad: FloatArray | None = None  # (n, J) how far each joint came from the stop before
+
+    def __len__(self) -> int:
+        return int(self.config.size)
+
+
+@dataclass(frozen=True, slots=True)
+class PointReadings:
+    """Positions of tool nests in the world frame; n rows."""
+
+    stops: Stops
+    nest: IntArray  # (n,) 1-based
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray  # (n,) per axis
+    covariance_mm2: FloatArray | None = None  # (n, 3, 3) where the file gives more than u_mm
+    quaternion: FloatArray | None = None  # (n, 4) w first, orientation of the tool
+    rotation_uncertainty_rad: FloatArray | None = None  # (n,) NaN: estimate from the residuals
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+
+@dataclass(frozen=True, slots=True)
+class LegReadings:
+    """Lengths between a base nest and a tool nest; n rows."""
+
+    stops: Stops
+    placement: IntArray  # (n,) of the base fixture, from 1
+    base_point: IntArray  # (n,)
+    nest: IntArray  # (n,) tool point
+    length_mm: FloatArray  # (n,)
+    standard_uncertainty_mm: FloatArray  # (n,)
+    initialisation: IntArray | None = None  # (n,) number of the last one on the calibrator
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+
+@dataclass(frozen=True, slots=True)
+class FixedNestReadings:
+    """The tracker's looks at fixed nests; n rows, world frame."""
+
+    time_s: FloatArray
+    fixed_nest: IntArray  # 1-based
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray
+
+    def __len__(self) -> int:
+        return int(self.fixed_nest.size)
+
+
+@dataclass(frozen=True, slots=True)
+class FixtureLengths:
+    """Sides of the triangles, measured with the ballbar; n rows. Placement 0 is the tool."""
+
+    placement: IntArray
+    point_a: IntArray
+    point_b: IntArray
+    length_mm: FloatArray
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class CupSetups:
+    """Joint angles at which the robot held the ball in tool nest 1 while a cup was clamped on it; n rows."""
+
+    placement: IntArray
+    base_point: IntArray
+    joints_rad: FloatArray  # (n, J)
+
+
+@dataclass(frozen=True, slots=True)
+class CupReadings:
+    """Tracker readings of base cups in the world frame of the validation: a judge, never used to identify."""
+
+    placement: IntArray
+    base_point: IntArray
+    position_mm: FloatArray  # (n, 3)
+    standard_uncertainty_mm: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """One robot, one set-up, its readings and what is known beforehand."""
+
+    robot: Robot
+    base_nominal: FramePlacement | None  # None: found from the data
+    nests: tuple[Nest, ...]
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world frame
+    calibration: PointReadings | None = None
+    validation: PointReadings | None = None
+    reference: FixedNestReadings | None = None
+    legs: LegReadings | None = None
+    validation_legs: LegReadings | None = None
+    fixture: FixtureLengths | None = None
+    setup: CupSetups | None = None
+    cups: CupReadings | None = None
+    repeatability_in_uncertainty: bool = False  # u_mm already contains the robot's repeatability
+    tracker_position_mm: tuple[float, float, float] | None = None
+    fixed_nests: tuple[FixedNest, ...] = ()
+    registration: WorldRegistration | None = None
+    ballbar_nominal_mm: float | None = None
+    ballbar_range_mm: float | None = None
+    setup_uncertainty_mm: float | None = None
+    simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
+    measured_on: date | None = None  # None: nobody said
+    notes: tuple[str, ...] = ()
+    ignored: tuple[str, ...] = ()  # columns and keys kept but not understood, one sentence each

@@ -1,0 +1,197 @@
+"""What identifications and validations answer."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Literal
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import FramePlacement, Robot
+
+Unit = Literal[
+    "mm",
+    "rad",
+    "rad/(N*mm)",
+    "rad*s2/m",
+    "1",
+    "1/K",
+    "mm/h",
+    "rad/h",
+    "rad/K",
+    "kg",
+    "kg*mm",
+    "1/(N*mm2)",
+    "mm/N",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Norms of errors of n observations [mm]; `noise_mm` is the mean norm that stated noise alone gives."""
+
+    n: int
+    mean_mm: float
+    rms_mm: float
+    sd_mm: float
+    max_mm: float
+    noise_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """An identified parameter, in internal units (angles in rad)."""
+
+    name: str
+    effect: str
+    value: float
+    unit: Unit
+    standard_uncertainty: float
+    prior_width: float
+
+
+class Status(StrEnum):
+    """How an identification ended."""
+
+    CONVERGED = "converged"
+    NOT_CONVERGED = "not_converged"
+    TOO_FEW_DATA = "too_few_data"
+    WRONG_NOMINAL_MODEL = "wrong_nominal_model"
+    OUTLIERS_DOMINATE = "outliers_dominate"
+
+
+@dataclass(frozen=True, slots=True)
+class NotIdentifiable:
+    """Parameters that the data see only together, or not at all, and why."""
+
+    parameters: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Outlier:
+    """A reading that was given no weight, and why; it stays in the data."""
+
+    row: int  # 0-based row of its table
+    config: int
+    nest: int
+    residual_mm: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class NestCentre:
+    """A tool nest as the model holds it [mm, last frame]."""
+
+    nest: int
+    centre_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Anchor:
+    """A base nest whose place the legs gave [mm, world frame]."""
+
+    placement: int
+    base_point: int
+    centre_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """An identified model: the nominal robot, its effects and their parameters; predicts any configuration.
+
+    `covariance` is that of `parameters` in their order and internal units; it contains what certified
+    nests and the registration of the world frame add.
+    """
+
+    robot: Robot
+    base: FramePlacement  # start value of the base; the parameters base_* are added to it
+    nests: tuple[NestCentre, ...]  # start values; parameters nest_* are added to them
+    tool_rotation_rad: tuple[float, float, float]  # start value of the tool's orientation: RotX RotY RotZ
+    effects: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
+    covariance: FloatArray
+    gravity_m_s2: tuple[float, float, float]
+    discrepancy_mm: float  # per axis: what held-out residuals show beyond noise, scatter and parameters
+    repeatability_mm: float
+    nominal_base: FramePlacement  # nominal model with only base and unknown nests fitted
+    nominal_nests: tuple[NestCentre, ...]
+    nominal_tool_rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    instrument_mm: tuple[float, float, float] | None = None  # place of the instrument in the world
+    torques_measured: bool = False  # compliance was identified from measured joint torques
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
+    nominal_leg_offset_mm: float = 0.0
+    nominal_anchors: tuple[Anchor, ...] = ()
+    identified_from: dict[str, str | int | float] = field(default_factory=dict)
+    program_version: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """How many of what took part."""
+
+    configurations: int
+    observations: int
+    parameters: int
+    outliers: int
+
+
+@dataclass(frozen=True, slots=True)
+class NominalAndIdentified:
+    """The same statistics for the nominal model (base and unknown nests fitted) and the identified one."""
+
+    nominal: Statistics
+    identified: Statistics
+
+
+@dataclass(frozen=True, slots=True)
+class PositionsJudged:
+    """A model of lengths against held-out positions, whose frame lengths leave open."""
+
+    tied: NominalAndIdentified | None  # by the base cups, as measured in the frame of the positions
+    aligned: NominalAndIdentified  # after the best rigid alignment
+
+
+@dataclass(frozen=True, slots=True)
+class PureError:
+    """What revisited configurations say: repeatability, and whether the model lacks something beyond it."""
+
+    revisits: int
+    degrees_of_freedom: int
+    repeatability_mm: float  # standard deviation per axis of one reading, from revisits alone
+    lack_of_fit_ratio: float  # F statistic of lack of fit over pure error
+    p_value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Identification:
+    """The answer of an identification, whatever its status."""
+
+    status: Status
+    message: str
+    effects: tuple[str, ...]
+    counts: Counts
+    parameters: tuple[Parameter, ...]
+    not_identifiable: tuple[NotIdentifiable, ...]
+    outliers: tuple[Outlier, ...]
+    quantity: Literal["position", "length"]
+    calibration: NominalAndIdentified | None
+    validation: NominalAndIdentified | None
+    cross_validation: NominalAndIdentified | None
+    calibration_without_outliers: NominalAndIdentified | None
+    chi2_per_dof: float
+    pure_error: PureError | None
+    model: Model | None  # None where nothing could be fitted
+    positions: PositionsJudged | None = None  # of a model of lengths
+
+
+@dataclass(frozen=True, slots=True)
+class Validation:
+    """A model against points it was not made from."""
+
+    quantity: Literal["position", "length"]
+    position: NominalAndIdentified
+    distance: NominalAndIdentified | None
+    limit_mm: float | None
+    passed: bool
+    claimed_mm: float = float(
+        "nan"
+    )  # mean error that the model's own uncertainty and the readings' let expect

@@ -1,0 +1,91 @@
+"""The robot as its maker describes it."""
+
+from dataclasses import dataclass
+
+from truepose.domain.arrays import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class JointRow:
+    """One row of a DH-Modified table (Craig): RotX(alpha) TransX(a) RotZ(sign*q + theta_offset) TransZ(d)."""
+
+    alpha_rad: float
+    a_mm: float
+    theta_offset_rad: float
+    d_mm: float
+    sign: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class LinkMass:
+    """A mass fixed in the frame of one joint (1-based); the last frame carries the tool."""
+
+    frame: int
+    mass_kg: float
+    centre_of_gravity_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class JointRange:
+    """Closed interval of one joint angle."""
+
+    lower_rad: float
+    upper_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """The nominal robot: any number of revolute joints in series."""
+
+    name: str
+    joints: tuple[JointRow, ...]
+    masses: tuple[LinkMass, ...] = ()
+    gear_ratios: tuple[float, ...] | None = None
+    typical_compliances_rad_per_n_mm: tuple[float, ...] | None = None
+    repeatability_mm: float = 0.0  # standard deviation of the arm itself, per axis
+    calibration_ranges: tuple[JointRange, ...] | None = None
+    rated_payload_kg: float | None = None
+    source: str = ""
+    joint_limits: tuple[JointRange, ...] | None = None  # of the controller; None: unknown
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return len(self.joints)
+
+
+@dataclass(frozen=True, slots=True)
+class FramePlacement:
+    """A frame placed in another: Trans(x, y, z) RotX RotY RotZ, in that order."""
+
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+    z_mm: float = 0.0
+    rx_rad: float = 0.0
+    ry_rad: float = 0.0
+    rz_rad: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Nest:
+    """A tool nest in the frame of the last joint; `None` where it must be found from the data."""
+
+    centre_mm: tuple[float, float, float] | None
+    standard_uncertainty_mm: float | None = None
+    # Unit vector its reflector faces; None: seen from everywhere.
+    facing: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FixedNest:
+    """A nest on the table, certified in the world frame."""
+
+    centre_mm: tuple[float, float, float]
+    standard_uncertainty_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class WorldRegistration:
+    """How well the frame of the readings sits in the world: covariance of a small motion about its origin."""
+
+    covariance: FloatArray  # (6, 6): translation [mm], rotation vector [rad]

@@ -1,0 +1,131 @@
+"""A session: one run of a plan with fixed artefacts, tool and base placement."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+from truepose.domain.arrays import FloatArray
+
+Vector = tuple[float, float, float]
+
+
+class SessionState(StrEnum):
+    """Where a session stands; `sequencing.states` holds the table of transitions."""
+
+    PLANNED = "planned"
+    RUNNING = "running"
+    PAUSING = "pausing"  # asked for; takes effect when the motion under way has ended
+    PAUSED = "paused"
+    AWAITING_CONFIRMATION = "awaiting_confirmation"  # a person confirms before anything moves
+    ABORTING = "aborting"  # asked for; takes effect when the motion under way has ended
+    ABORTED = "aborted"
+    FINISHED = "finished"
+    FAILED = "failed"
+
+
+Role = Literal["calibration", "validation"]  # of readings of points
+SessionRole = Literal["calibration", "validation", "ballbar"]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStop:
+    """One configuration to visit and the nest to measure there."""
+
+    config: int  # number in the campaign, unique in the session
+    joints_rad: tuple[float, ...]
+    nest: int  # 1-based tool nest that faces the tracker
+    repeat_of: int | None = None  # an earlier configuration with the same joints: pure error
+
+
+@dataclass(frozen=True, slots=True)
+class SessionPlan:
+    """What a tracker session will do, in order; can be listed and dry-run before anything moves."""
+
+    role: Role
+    stops: tuple[PlannedStop, ...]
+    approach_offset_rad: float | None = -0.0872664626  # -5 deg on all joints; None: mixed directions
+    settle_s: float = 4.0  # thesis section 2.4
+    measure_s: float = 1.0
+    search_radius_mm: float = 10.0
+    tool_speed_mm_s: float = 500.0
+    orientation_speed_rad_s: float = 0.349
+    reference_every: int = 10  # fixed nests are read before, after every so many configurations, and after
+    reference_limit_mm: float = 0.1  # a fixed nest that moved further pauses the session
+    registration_readings: int = 20  # of each fixed nest at the start
+    two_face_check: bool = True
+    two_face_limit_mm: float = 0.1  # half the difference of the faces; beyond it the session pauses
+    joint_tolerance_rad: float = 0.00035  # reported against commanded; the protocol rounds to 0.01 deg
+    rms_limit_mm: float = 0.1  # scatter within a reading; the table moves 0.01, the tracker scatters 0.03
+    failures_in_a_row: int = 3  # so many configurations without a reading pause the session
+
+
+@dataclass(frozen=True, slots=True)
+class PointTaken:
+    """A reading of a tool nest, with everything known of the stop; world frame where registered."""
+
+    config: int
+    nest: int
+    commanded_rad: tuple[float, ...]
+    reported_rad: tuple[float, ...]
+    direction: tuple[int, ...]
+    time_s: float
+    temperature_c: float
+    attachment: int
+    position_tracker_mm: Vector
+    position_world_mm: Vector
+    standard_uncertainty_mm: float
+    rms_mm: float
+    samples: int
+    repeat_of: int | None = None
+    # Of the reading, world frame; None where the instrument states a standard uncertainty only.
+    covariance_mm2: tuple[Vector, Vector, Vector] | None = None
+    instrument_serial: str = ""  # as the tracker says it; empty where it does not
+
+
+@dataclass(frozen=True, slots=True)
+class FixedNestTaken:
+    """A reading of a fixed nest; `phase` says in which part of the session."""
+
+    phase: Literal["registration", "two_face", "reference"]
+    fixed_nest: int
+    face: Literal[1, 2]
+    time_s: float
+    position_tracker_mm: Vector
+    position_world_mm: Vector | None  # None until the registration is known
+    standard_uncertainty_mm: float
+    instrument_serial: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class StopSkipped:
+    """A configuration that was not measured, and why; never filled in."""
+
+    config: int
+    time_s: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """The tracker's place in the world, from the fixed nests: x_world = R x_tracker + t."""
+
+    rotation: FloatArray  # (3, 3)
+    translation_mm: FloatArray  # (3,)
+    covariance: FloatArray  # (6, 6) of a small motion about the world origin: [mm, rad]
+    rms_mm: float  # of the fixed nests' residuals after the rigid motion
+    two_face_mm: float | None  # half the difference between the faces
+    scale: float | None = None  # certified over measured lengths; None: scale not verified
+    scale_standard_uncertainty: float | None = None
+    instrument_serial: str = ""  # of the tracker that it is the place of
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a session is."""
+
+    done: int
+    skipped: int
+    planned: int
+    elapsed_s: float
+    remaining_s: float | None
+    doing: str

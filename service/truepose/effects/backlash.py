@@ -1,0 +1,91 @@
+"""Backlash: a joint stops short of where it is sent, by half of its gap, whichever way it comes.
+
+The angle, as the controller counts it, is off by -gap / 2 times the direction of the joint's last motion.
+Where the direction is unknown the joint is taken to stand in the middle of its gap.
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.names import joint_name, joint_of, joint_subject
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "backlash"
+_WIDTH_RAD = np.deg2rad(0.1)  # belief: three times the widest gap of the thesis (table 2.3)
+_FEWEST_EACH_WAY = 4  # stops from either side without which a gap is hardly more than a reading's error
+_FEWEST_TOGETHER = 3  # fewer joints are named one by one
+
+
+class Backlash:
+    """One gap per joint."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"direction"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return one gap per joint."""
+        return tuple(_spec(joint) for joint in range(setting.robot.n_joints))
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Turn each joint back by half of its gap."""
+        joints = [joint_of(name) for name in names]
+        return [Term(k, Port(PortKind.THETA, j), _short_of(rows, j)) for k, j in enumerate(joints)]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need stops that were approached from both sides."""
+        if scene.stops.direction is None:
+            return (
+                "the readings do not tell from which side each joint came to its stop: record the direction "
+                "and approach configurations from both sides"
+            )
+        if not from_both_sides(scene.stops.direction):
+            return (
+                "every joint came to its stops from one side only: approach about half of the "
+                "configurations from the other side"
+            )
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose each joint that came from both sides, and all of them together."""
+        joints = [] if scene.stops.direction is None else from_both_sides(scene.stops.direction)
+        specs = [spec for spec in map(_spec, joints) if spec.name not in scene.present]
+        found = [Candidate(NAME, joint_subject(joint_of(spec.name)), (spec,)) for spec in specs]
+        if len(specs) >= _FEWEST_TOGETHER:
+            found.append(Candidate(NAME, "joints", tuple(specs)))
+        return tuple(found)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how wide the gap is; of several joints the widest, with the others in the details."""
+        gaps, spreads = np.rad2deg(fitted.values), np.rad2deg(np.sqrt(np.diag(fitted.covariance)))
+        widest = int(np.abs(gaps).argmax())
+        which = joint_subject(joint_of(fitted.names[widest]))
+        width = f"{abs(float(gaps[widest])):.4f} deg"
+        way = "stops short of where it is sent" if gaps[widest] >= 0.0 else "goes past where it is sent"
+        if len(gaps) == 1:
+            sentence = f"{which.capitalize()} {way}, by half of a gap of {width} on either side: backlash."
+            details: tuple[Detail, ...] = ()
+        else:
+            sentence = f"The joints have backlash; the widest gap is that of {which}, {width}."
+            details = tuple(
+                Detail(f"gap of {joint_subject(joint_of(name))}", float(gap), "deg", float(spread))
+                for name, gap, spread in zip(fitted.names, gaps, spreads, strict=True)
+            )
+        return Shown(subject, float(gaps[widest]), "deg", float(spreads[widest]), sentence, details)
+
+
+def _spec(joint: int) -> ParameterSpec:
+    return ParameterSpec(joint_name("gap", joint), "rad", 0.0, _WIDTH_RAD)
+
+
+def _short_of(rows: Rows, joint: int) -> FloatArray:
+    if rows.stops.direction is None:
+        return np.zeros(len(rows.stops))
+    return -0.5 * rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint])
+
+
+def from_both_sides(direction: IntArray) -> list[int]:
+    """Return the joints (0-based) that came to stops enough from either side; direction is (n, J)."""
+    forth, back = (direction > 0).sum(axis=0), (direction < 0).sum(axis=0)
+    return np.flatnonzero(np.minimum(forth, back) >= _FEWEST_EACH_WAY).tolist()

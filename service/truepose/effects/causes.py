@@ -1,0 +1,190 @@
+"""Causes: effects that a diagnosis may find, with what it must know to look for them and to name them.
+
+A cause proposes *candidates*: the ways in which it may be present in these data (which joint, which order,
+which moment), each with the parameters that it would add to the model. It says when it cannot be seen at
+all, and puts what was fitted into its own words.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.domain.diagnosis import Detail, Shape
+from truepose.effects.ports import Effect, ParameterSpec, Setting
+from truepose.kinematics.chain import Chain
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The data in which causes are looked for: n readings and the model that they were fitted with."""
+
+    setting: Setting
+    stops: Stops
+    nest: IntArray  # (n,)
+    chain: Chain  # of the fitted model
+    torque_n_mm: FloatArray | None  # (n, J)
+    turn_rad: FloatArray  # (n, J)
+    softness_rad_per_n_mm: FloatArray  # (J,) of the fitted model, 0 where it has no spring
+    present: frozenset[str]  # names of the model's parameters
+    effects: tuple[str, ...]  # of the model
+    reference_s: FloatArray  # (r,) times at which fixed nests were read
+    origin_s: float
+    legs: bool = False  # lengths of a ballbar instead of positions
+    initialisation: IntArray | None = None
+    placement: IntArray | None = None
+    gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world
+    between_s: tuple[float, float] | None = None  # jumps: every gap there is tried; None: some, anywhere
+    instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
+
+    @property
+    def robot_name(self) -> str:
+        """Name of the robot."""
+        return self.setting.robot.name
+
+
+class Candidate(NamedTuple):
+    """One way in which a cause may be present.
+
+    The parameters of a `function` are those of one random function: each is small, there may be more of them
+    than readings, and how large they are together is told by the data; their prior widths tell how they
+    compare among each other, and how large they are at most.
+    """
+
+    effect: str
+    subject: str
+    specs: tuple[ParameterSpec, ...]
+    variant: float = 0.0  # what was searched over: an order, a time; 0 where nothing was
+    function: bool = False
+    size: float = 1.0  # of a function: its prior widths over those that it was proposed with
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its parameters."""
+        return tuple(spec.name for spec in self.specs)
+
+    def same_as(self, other: "Candidate") -> bool:
+        """Whether both are the same way of the same cause, whatever their sizes are."""
+        return (self.effect, self.subject, self.names) == (other.effect, other.subject, other.names)
+
+    def sized(self, factor: float) -> "Candidate":
+        """Return it with all prior widths multiplied."""
+        specs = tuple(spec._replace(prior_width=factor * spec.prior_width) for spec in self.specs)
+        return self._replace(specs=specs, size=factor * self.size)
+
+
+class Limits(NamedTuple):
+    """What an amplitude can be by physics, in its own unit."""
+
+    low: float
+    high: float
+    why: str  # what is wrong beyond them: "a spring cannot do that"
+    withdrawn: bool = False  # a finding beyond them is not kept: under more load its model errs more
+
+
+# What gives, gives way: a passive part that moved against its load would add energy.
+SPRING = Limits(0.0, np.inf, "a spring cannot do that")
+_CLEARLY = 2.0  # standard uncertainties beyond a limit
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A fitted cause in its own words and units (angles in deg)."""
+
+    subject: str
+    amplitude: float
+    unit: str
+    standard_uncertainty: float
+    sentence: str
+    details: tuple[Detail, ...] = ()
+    limits: Limits | None = None
+
+    @property
+    def impossible(self) -> bool:
+        """Whether the amplitude is beyond its physical limits by more than it is uncertain."""
+        if self.limits is None:
+            return False
+        slack = _CLEARLY * self.standard_uncertainty
+        return not self.limits.low - slack <= self.amplitude <= self.limits.high + slack
+
+
+class Fitted(NamedTuple):
+    """Parameters of one cause on one subject as they were fitted; several candidates may share a subject."""
+
+    names: tuple[str, ...]
+    values: FloatArray  # (k,) internal units
+    covariance: FloatArray  # (k, k)
+
+
+class Cause(Effect, Protocol):
+    """An effect that a diagnosis looks for."""
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Return why these data cannot show it, and what would; None where they can."""
+        ...
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Return the ways in which it may be present, none where the model already has it."""
+        ...
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Put fitted parameters into words."""
+        ...
+
+
+class CellRow(NamedTuple):
+    """Where a cause acts, over what, in which shape; `{subject}` and `{variant}` are the candidate's."""
+
+    where: str
+    over: str
+    shape: Shape
+    amplitude: str = ""  # what its amplitude is
+    searched: Shape | None = None  # of candidates that were searched over
+    function: Shape | None = None  # of random functions
+    plural: str = ""  # subject of several that share it: "joints", "links"; "": each stands alone
+    at: str = "joint"  # what its subject is one of, where the subject is the place
+
+
+@dataclass(frozen=True, slots=True)
+class NamedCause:
+    """A cause with the cell in which it acts: what another package brings for a diagnosis to look for."""
+
+    cause: Cause
+    cell: CellRow
+
+
+def norm_with_uncertainty(vector: FloatArray, covariance: FloatArray) -> tuple[float, float]:
+    """Length of a vector that is known with a covariance, less what noise adds to it, and its uncertainty.
+
+    The expected squared length of the estimate exceeds the true one by the trace of the covariance; what is
+    taken off makes the amplitude a steeper function of the length, and so less certain than that.
+    """
+    length = float(np.linalg.norm(vector))
+    if length == 0.0:
+        return 0.0, float(np.sqrt(np.trace(covariance)))
+    spread = _spread_along(vector, covariance)
+    amplitude = max(norm_beyond_noise(vector, covariance), spread)
+    return amplitude, spread * max(1.0, length / amplitude)
+
+
+def norm_beyond_noise(vector: FloatArray, covariance: FloatArray) -> float:
+    """Length of a vector less what noise across it adds; 0 where that explains all of it."""
+    if not vector.any():
+        return 0.0
+    across = float(np.trace(covariance)) - _spread_along(vector, covariance) ** 2
+    return float(np.sqrt(max(float(vector @ vector) - across, 0.0)))
+
+
+def _spread_along(vector: FloatArray, covariance: FloatArray) -> float:
+    along = vector / np.linalg.norm(vector)
+    return float(np.sqrt(along @ covariance @ along))
+
+
+def varied(column: FloatArray | IntArray | None) -> bool:
+    """Whether a column is there and takes more than one known value."""
+    if column is None:
+        return False
+    known = column[np.isfinite(column)]
+    return known.size > 0 and bool(np.ptp(known) > 0)

@@ -1,0 +1,155 @@
+"""Effects, causes and cells that other packages bring, in the entry-point group `truepose.causes`.
+
+What cannot be loaded, or is none of these, is kept with its reason: it must not take the others down. What
+fails later, while it works, is refused in one sentence with its name.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint, entry_points
+from typing import ParamSpec, TypeVar, get_args
+
+from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
+from truepose.effects.causes import Candidate, Cause, Fitted, NamedCause, Scene, Shown
+from truepose.effects.ports import Effect, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.unnamed.kinds import Kind
+
+GROUP = "truepose.causes"
+_OF_EFFECTS = ("specs", "terms")
+_OF_CAUSES = ("unseen", "candidates", "shown")
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Installed:
+    """What other packages bring, by name; `broken` says why an entry cannot be used."""
+
+    effects: Mapping[str, Effect]  # causes among them
+    causes: Mapping[str, NamedCause]
+    kinds: Mapping[str, Kind]
+    broken: Mapping[str, str]
+
+
+def load_installed(entries: Iterable[EntryPoint]) -> Installed:
+    """Load entries; never raises for a single one."""
+    effects: dict[str, Effect] = {}
+    causes: dict[str, NamedCause] = {}
+    kinds: dict[str, Kind] = {}
+    broken: dict[str, str] = {}
+    for entry in entries:
+        try:
+            if any(entry.name in known for known in (effects, kinds, broken)):
+                raise ConfigurationError("another installed package brings one of that name: remove one")
+            match _loaded(entry):
+                case Kind() as kind:
+                    kinds[entry.name] = _guarded_kind(kind)
+                case NamedCause(cause, cell):
+                    effects[entry.name] = guarded = _GuardedCause(cause)
+                    causes[entry.name] = NamedCause(guarded, cell)
+                case effect:
+                    effects[entry.name] = _GuardedEffect(effect)
+        except ConfigurationError as error:
+            broken[entry.name] = str(error)
+    return Installed(effects, causes, kinds, broken)
+
+
+def _loaded(entry: EntryPoint) -> Kind | NamedCause | Effect:
+    """Return what an entry names; raises ConfigurationError where it cannot be loaded or is nothing known."""
+    try:
+        found: Kind | NamedCause | Effect = entry.load()
+    except (Exception, SystemExit) as error:  # whatever foreign code does while it is imported
+        told = f"loading {entry.value} failed with {type(error).__name__}: {error}"
+        raise ConfigurationError(told) from error
+    if isinstance(found, Kind):
+        return _checked_kind(found, entry.name)
+    effect = found.cause if isinstance(found, NamedCause) else found
+    _check_effect(effect, entry.name, _OF_EFFECTS + (_OF_CAUSES if effect is not found else ()))
+    return found
+
+
+def _checked_kind(kind: Kind, name: str) -> Kind:
+    _check_name(kind.name, name)
+    if any("_" in one for one in (kind.name, *(part.name for part in kind.parts))):
+        raise ConfigurationError("names of a kind and of its parts have no underscore: it parts the two")
+    return kind
+
+
+def _check_effect(effect: object, name: str, methods: tuple[str, ...]) -> None:
+    lacking = [one for one in methods if not callable(getattr(effect, one, None))]
+    if lacking:
+        raise ConfigurationError(
+            f"its entry point is a {type(effect).__name__} without {', '.join(lacking)}: no effect, "
+            "no NamedCause and no Kind"
+        )
+    _check_name(getattr(effect, "name", None), name)
+    unknown = set(getattr(effect, "needs", ())) - set(get_args(Need))
+    if unknown:
+        raise ConfigurationError(f"it needs {', '.join(sorted(unknown))}, which no row tells")
+
+
+def _check_name(own: object, registered: str) -> None:
+    if own != registered:
+        raise ConfigurationError(f"it calls itself {own!r} but is registered as {registered!r}")
+
+
+def _asked(name: str, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    try:
+        return what(*args, **kwargs)
+    except TrueposeError:
+        raise
+    except Exception as error:
+        raise InstalledCauseError(
+            f"The installed cause {name!r} failed with {type(error).__name__}: {error}. Mend or remove the "
+            "package that brings it."
+        ) from error
+
+
+class _GuardedEffect:
+    """An effect of another package."""
+
+    def __init__(self, effect: Effect) -> None:
+        self._effect = effect
+        self.name = effect.name
+        self.needs = effect.needs
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        return _asked(self.name, lambda: tuple(self._effect.specs(setting)))
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        return _asked(self.name, lambda: list(self._effect.terms(names, rows)))
+
+
+class _GuardedCause(_GuardedEffect):
+    """A cause of another package."""
+
+    def __init__(self, cause: Cause) -> None:
+        super().__init__(cause)
+        self._cause = cause
+
+    def unseen(self, scene: Scene) -> str | None:
+        return _asked(self.name, self._cause.unseen, scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        return _asked(self.name, lambda: tuple(self._cause.candidates(scene)))
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        return _asked(self.name, self._cause.shown, subject, fitted, scene)
+
+
+def _guarded_kind(kind: Kind) -> Kind:
+    """Return a kind whose functions name it where they fail; what they yield is taken at once."""
+    return replace(
+        kind,
+        where=lambda place: _asked(kind.name, kind.where, place),
+        over=lambda place: _asked(kind.name, kind.over, place),
+        places=lambda scene: _asked(kind.name, lambda: tuple(kind.places(scene))),
+        variants=lambda scene: _asked(kind.name, lambda: tuple(kind.variants(scene))),
+        moves=lambda key, rows: _asked(kind.name, lambda: list(kind.moves(key, rows))),
+        sentence=lambda key, size, scene: _asked(kind.name, kind.sentence, key, size, scene),
+        variant_known_to=lambda variant, scene: _asked(kind.name, kind.variant_known_to, variant, scene),
+    )
+
+
+INSTALLED = load_installed(entry_points(group=GROUP))

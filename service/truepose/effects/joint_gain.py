@@ -1,0 +1,58 @@
+"""Joint gain: a joint turns by a factor 1 + k of what it should (level 1 with an offset)."""
+
+import numpy as np
+
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.names import joint_name, joint_of, joint_subject
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "joint_gain"
+_WIDTH = 1e-3  # gear ratios are exact; scale errors of encoders stay well below this
+_SMALLEST_TURN_RAD = np.deg2rad(5.0)  # over less, a gain is an offset
+
+
+class JointGain:
+    """One factor per joint on its own angle."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return one gain per joint, the first included: no other parameter scales its angle."""
+        return tuple(_spec(joint) for joint in range(setting.robot.n_joints))
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Turn the joint by gain times its own angle."""
+        joints = [joint_of(name) for name in names]
+        return [Term(k, Port(PortKind.THETA, j), rows.turn_rad[:, j]) for k, j in enumerate(joints)]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need joints that turn."""
+        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose each joint that turns."""
+        turning = np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist()
+        return tuple(
+            Candidate(NAME, joint_subject(j), (_spec(j),))
+            for j in turning
+            if joint_name("gain", j) not in scene.present
+        )
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say by how much the joint turns too far or not far enough."""
+        gain, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
+        joint = joint_of(fitted.names[0])
+        way = float(np.rad2deg(np.ptp(scene.turn_rad[:, joint]) * abs(gain)))
+        far = "too far" if gain > 0 else "not far enough"
+        sentence = (
+            f"{subject.capitalize()} turns {far}, by {abs(gain):.1e} of its way ({way:.3f} deg from one end "
+            "of the measured range to the other): a wrong gear ratio or encoder scale."
+        )
+        return Shown(subject, gain, "1", uncertainty, sentence)
+
+
+def _spec(joint: int) -> ParameterSpec:
+    return ParameterSpec(joint_name("gain", joint), "1", 0.0, _WIDTH)

@@ -1,0 +1,222 @@
+"""Joint harmonics: a joint is off by waves of its own angle (gear, bearing, encoder).
+
+theta turns by s sin(order q) + c cos(order q), q the joint's own turn. Orders are searched from one wave per
+turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn of its generator. Those that
+are looked for are whole; one that was found may lie between them, as the stages of a gear do.
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.diagnosis import Detail, Spectrum
+from truepose.effects.causes import (
+    Candidate,
+    Fitted,
+    Scene,
+    Shown,
+    norm_beyond_noise,
+    norm_with_uncertainty,
+)
+from truepose.effects.names import joint_of_subject, joint_subject
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "joint_harmonics"
+_WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
+# Of a robot that does not tell its gears no fast wave can be laid at their door: up to here bearings,
+# encoders and the stages of common gears explain one.
+_HIGHEST_OF_UNKNOWN_GEAR = 12
+_HIGHEST_OF_CURVE = 60.0  # per turn, of curves that no few waves describe
+_FEW_WAVES = 24  # that are told as waves; more are a curve
+_TOLD = 5  # waves of a curve that are told, the largest ones
+_ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
+_SMALLEST_TURN_RAD = np.deg2rad(5.0)
+
+
+class JointHarmonics:
+    """Waves of any order on any joint."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return orders 1 and 2 of every joint but the waves once per turn that offsets and tilts mimic."""
+        return tuple(
+            spec
+            for joint in range(setting.robot.n_joints)
+            for order in (1.0, 2.0)
+            for spec in wave_specs(joint, order)
+        )
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Turn the joint by its waves."""
+        if not names:
+            return []
+        joints = [joint_of_wave(name) for name in names]
+        weights = _weights(names, rows.turn_rad[:, joints].T)
+        return [Term(k, Port(PortKind.THETA, joint), weights[k]) for k, joint in enumerate(joints)]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need joints that turn."""
+        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""
+        found = []
+        for joint in np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist():
+            for order in orders(scene, joint):
+                specs = wave_specs(joint, order)
+                if specs[0].name not in scene.present:
+                    found.append(Candidate(NAME, joint_subject(joint), specs, order))
+            found += _curve(scene, joint)
+        return tuple(found)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how large the waves are and what has that many waves per turn."""
+        waves = _fitted_waves(fitted)
+        if len(waves) > _FEW_WAVES:
+            return _shown_curve(subject, waves, fitted, scene)
+        details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
+        largest = max(waves, key=lambda wave: wave.amplitude_deg)
+        joint = joint_of_subject(subject)
+        listed = ", ".join(spoken_order(wave.order) for wave in sorted(waves, key=lambda wave: wave.order))
+        what = "a wave" if len(waves) == 1 else f"waves of {listed} periods per turn, the largest"
+        sentence = (
+            f"{subject.capitalize()} is off by {what} of {spoken_order(largest.order)} "
+            f"period{'s' if largest.order != 1 else ''} per turn, {largest.amplitude_deg:.3f} deg: "
+            f"{_typical_of(largest.order, _gear_ratio(scene, joint))}."
+        )
+        return Shown(subject, largest.amplitude_deg, "deg", largest.uncertainty_deg, sentence, details)
+
+
+def _curve(scene: Scene, joint: int) -> list[Candidate]:
+    """Propose the sum of all waves that a joint may have; none where the model has a curve of it."""
+    waves = [wave_specs(joint, order) for order in np.arange(1.0, _HIGHEST_OF_CURVE + 1.0).tolist()]
+    left = tuple(spec for wave in waves for spec in wave if spec.name not in scene.present)
+    if len(left) < len(waves):
+        return []
+    return [Candidate(NAME, joint_subject(joint), left, _HIGHEST_OF_CURVE, function=True)]
+
+
+class _FittedWave:
+    def __init__(self, order: float, vector: FloatArray, covariance: FloatArray) -> None:
+        self.order = order
+        self.beyond_noise_deg = float(np.rad2deg(norm_beyond_noise(vector, covariance)))
+        amplitude, uncertainty = norm_with_uncertainty(vector, covariance)
+        self.amplitude_deg, self.uncertainty_deg = (
+            float(np.rad2deg(amplitude)),
+            float(np.rad2deg(uncertainty)),
+        )
+        self._phase_deg = float(np.rad2deg(np.arctan2(vector[1], vector[0])))
+
+    def details(self, *, several: bool) -> list[Detail]:
+        turn = float(np.rad2deg(np.arctan2(np.deg2rad(self.uncertainty_deg), np.deg2rad(self.amplitude_deg))))
+        found = [Detail("order", self.order, "1", 0.0)]
+        if several:
+            found.append(Detail("amplitude", self.amplitude_deg, "deg", self.uncertainty_deg))
+        return [*found, Detail("phase", self._phase_deg, "deg", turn)]
+
+
+def _shown_curve(subject: str, waves: list[_FittedWave], fitted: Fitted, scene: Scene) -> Shown:
+    """Say how far a curve goes either way over what was measured, and which of its waves are the largest."""
+    turn = scene.turn_rad[:, joint_of_subject(subject)]
+    angle = np.linspace(float(turn.min()), float(turn.max()), _ANGLES)
+    weights = _weights(fitted.names, angle)
+    curve = fitted.values @ weights
+    ends = 0.5 * (weights[:, int(np.argmax(curve))] - weights[:, int(np.argmin(curve))])
+    amplitude, uncertainty = np.rad2deg([fitted.values @ ends, np.sqrt(ends @ fitted.covariance @ ends)])
+    largest = sorted(waves, key=lambda wave: -wave.amplitude_deg)[:_TOLD]
+    listed = ", ".join(f"{wave.order:g}" for wave in sorted(largest, key=lambda wave: wave.order))
+    sentence = (
+        f"{subject.capitalize()} is off by a curve of its angle, {amplitude:.3f} deg either way; of its "
+        f"waves those of {listed} periods per turn are the largest: an error of the gear or encoder that "
+        "repeats with the joint's angle."
+    )
+    details = tuple(detail for wave in largest for detail in wave.details(several=True))
+    return Shown(subject, float(amplitude), "deg", float(uncertainty), sentence, details)
+
+
+def spectrum(fitted: Fitted) -> Spectrum:
+    """Return the amplitudes of fitted waves by their order."""
+    waves = _fitted_waves(fitted)
+    return Spectrum(
+        np.array([wave.order for wave in waves]),
+        np.array([wave.beyond_noise_deg for wave in waves]),
+        np.array([wave.uncertainty_deg for wave in waves]),
+    )
+
+
+def orders(scene: Scene, joint: int) -> tuple[float, ...]:
+    """Return the orders that are looked for on a joint (0-based)."""
+    ratio = _gear_ratio(scene, joint)
+    highest = round(2.0 * ratio) if ratio else _HIGHEST_OF_UNKNOWN_GEAR
+    return tuple(float(order) for order in range(1, highest + 1))
+
+
+def is_whole(order: float) -> bool:
+    """Whether a wave repeats with the turns of its joint."""
+    return order == round(order)
+
+
+def spoken_order(order: float) -> str:
+    """Return an order as people read it: a whole number, else with two decimals."""
+    return f"{order:g}" if is_whole(order) else f"{order:.2f}"
+
+
+def wave_names(joint: int, order: float) -> tuple[str, str]:
+    """Return the names of the two parameters of a wave."""
+    return f"wave_{joint + 1}_{order:g}_sin", f"wave_{joint + 1}_{order:g}_cos"
+
+
+def joint_of_wave(name: str) -> int:
+    """Return the joint, 0-based, that a parameter is of."""
+    return int(name.split("_")[1]) - 1
+
+
+def order_of_wave(name: str) -> float:
+    """Return the order, periods per turn, that a parameter is of."""
+    return float(name.split("_")[2])
+
+
+def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
+    """Return sine and cosine of a wave."""
+    sine, cosine = wave_names(joint, order)
+    return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
+
+
+def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
+    """Return the sines and cosines that parameters are of, at angles (n,) or (k, n), shape (k, n)."""
+    angle = np.array([order_of_wave(name) for name in names])[:, None] * turn_rad
+    sine = np.array([name.endswith("_sin") for name in names])
+    weights = np.empty_like(angle)
+    weights[sine], weights[~sine] = np.sin(angle[sine]), np.cos(angle[~sine])
+    return weights
+
+
+def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:
+    found = []
+    for order in sorted({float(name.split("_")[2]) for name in fitted.names}):
+        rows = [k for k, name in enumerate(fitted.names) if float(name.split("_")[2]) == order]
+        rows.sort(key=lambda k: fitted.names[k].endswith("_cos"))
+        found.append(_FittedWave(order, fitted.values[rows], fitted.covariance[np.ix_(rows, rows)]))
+    return found
+
+
+def _gear_ratio(scene: Scene, joint: int) -> float:
+    ratios = scene.setting.robot.gear_ratios
+    return 0.0 if ratios is None else float(ratios[joint])
+
+
+def _typical_of(order: float, ratio: float) -> str:
+    if ratio and abs(order - 2.0 * ratio) < 0.5:
+        return "two waves per turn of the wave generator, typical of a strain-wave gear"
+    if ratio and abs(order - ratio) < 0.5:
+        return "one wave per turn of the motor: its gear or its encoder runs out of true"
+    if order <= 1.5:
+        return "a gear, bearing or encoder disc that runs out of true"
+    if order <= 2.5:
+        return "typical of a strain-wave gear or of an oval encoder disc"
+    if not is_whole(order):
+        return "a wheel or bearing inside its gear, which does not turn whole times per turn of the joint"
+    return "an error of the gear or encoder that repeats with the joint's angle"

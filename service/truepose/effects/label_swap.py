@@ -1,0 +1,57 @@
+"""Label swap: what is written down for one nest was read at another.
+
+No parameters: the readings say it one by one, when each fits the other nest. `shown` is given the share of
+the readings of the two nests that are swapped as the one value of what was fitted.
+"""
+
+import numpy as np
+
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+
+NAME = "label_swap"
+_SEVERAL = 2
+
+
+def pair_subject(first: int, second: int) -> str:
+    """Return e.g. `nest 1, nest 3`, ascending."""
+    return f"nest {min(first, second)}, nest {max(first, second)}"
+
+
+class LabelSwap:
+    """Two nests confused."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none: a wrong label is no property of the robot."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Return none."""
+        return []
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need several nests."""
+        if len(np.unique(scene.nest)) < _SEVERAL:
+            return "one nest was read: nothing can be confused with it"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Return none: readings are tried one by one against the other nests."""
+        return ()
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how many of the readings of two nests are swapped."""
+        share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
+        first, second = (int(part.split()[1]) for part in subject.split(", "))
+        readings = int(np.isin(scene.nest, (first, second)).sum())
+        swapped = round(share * readings)
+        sentence = (
+            f"Nests {first} and {second} were confused in {swapped} of their {readings} readings: "
+            "each of these fits the other nest. Correct the labels in the table."
+        )
+        details = (Detail("readings", float(swapped), "1", 0.0),)
+        return Shown(subject, share, "1", uncertainty, sentence, details)

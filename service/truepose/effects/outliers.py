@@ -1,0 +1,50 @@
+"""Outliers: single bad readings (a reflector not seated, a beam brushed, a person leaning on the table).
+
+No parameters: bad readings are known by what they are off by, and get no weight. `shown` is given their share
+as the one value of what was fitted.
+"""
+
+import numpy as np
+
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+
+NAME = "outliers"
+_FEWEST = 10  # readings among which one can stand out
+
+
+class Outliers:
+    """Readings that belong to no model."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none: a bad reading is no property of the robot."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Return none."""
+        return []
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need readings enough for one to stand out."""
+        if len(scene.stops) < _FEWEST:
+            return "too few readings for a bad one to stand out: measure more configurations"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Return none: readings are judged one by one."""
+        return ()
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how many readings are bad."""
+        share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
+        bad, all_readings = round(share * len(scene.stops)), len(scene.stops)
+        verb = "reading belongs" if bad == 1 else "readings belong"
+        sentence = (
+            f"{bad} of {all_readings} {verb} to no model of this robot and get no weight: "
+            "look whether the reflector was seated and the arm at rest, or measure them again."
+        )
+        return Shown(subject, share, "1", uncertainty, sentence, (Detail("readings", float(bad), "1", 0.0),))

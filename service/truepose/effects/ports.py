@@ -1,0 +1,129 @@
+"""Ports: the places at which an effect acts on the kinematic chain."""
+
+from enum import Enum
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.domain.results import Unit
+from truepose.domain.robot import Robot
+from truepose.kinematics.chain import Chain
+
+
+class PortKind(Enum):
+    """What a port moves; its index says which one."""
+
+    BASE = "base"  # 0..2 translation [mm] in the world, 3..5 RotX RotY RotZ [rad] before the start rotation
+    ALPHA = "alpha"  # joint, 0-based
+    A = "a"
+    BETA = "beta"
+    THETA = "theta"
+    D = "d"
+    NEST = "nest"  # 3 * (nest - 1) + component [mm, last frame]
+    TOOL_ROTATION = "tool_rotation"  # 0..2: RotX RotY RotZ [rad] of the tool before its start rotation
+    SCALE = "scale"  # lengths as the instrument sees them, about its own place [1]
+    # 6 * body + component [mm, rad]: body 0 is the base, 1..J the link that joint turns, J carries the tool;
+    # shift, then RotX RotY RotZ, in the body's own axes.
+    MOTION = "motion"
+    TORQUE = "torque"  # joint: load on its gearbox beyond what is known [N mm]
+    INSTRUMENT = "instrument"  # 0..5: shift and turn of everything that is read, about the world's origin
+    LENGTH = "length"  # 0: what a length reads too much [mm]
+    # 6 * (placement - 1) + component [mm, rad]: shift and turn of a base fixture, about the world's origin
+    FIXTURE = "fixture"
+
+
+class Port(NamedTuple):
+    """One scalar place of action."""
+
+    kind: PortKind
+    number: int  # which of that kind, 0-based
+
+
+class Term(NamedTuple):
+    """Parameter -> port: the port moves by `weight` per unit of the parameter."""
+
+    parameter: int  # index within the names given to the effect
+    port: Port
+    weight: float | FloatArray  # scalar, or (n,) for n rows
+
+
+def motion_port(body: int, component: int) -> Port:
+    """Return the port of one component (0..5) of the motion of a body (0..J)."""
+    return Port(PortKind.MOTION, 6 * body + component)
+
+
+class ParameterSpec(NamedTuple):
+    """A parameter as an effect proposes it."""
+
+    name: str
+    unit: Unit
+    prior_mean: float
+    prior_width: float  # standard deviation of what is believed before any reading
+
+
+class Setting(NamedTuple):
+    """What is known before any identification; effects choose their parameters from it."""
+
+    robot: Robot
+    unknown_nests: tuple[int, ...]  # 1-based
+    has_orientations: bool
+    torque_source: str  # "measured", "masses" or "unknown"
+    largest_torque_n_mm: FloatArray  # (J,) over the configurations; zeros where unknown
+    certified_nests: tuple[int, ...] = ()  # 1-based, known and measured
+    attachments: tuple[int, ...] = ()  # numbers of the tool's mountings
+    initialisations: tuple[int, ...] = ()  # numbers of the ballbar's
+    lengths: bool = False  # lengths were read instead of positions
+
+
+class Rows(NamedTuple):
+    """The n evaluation rows with what effects may depend on."""
+
+    stops: Stops
+    nest: IntArray  # (n,)
+    torque_n_mm: FloatArray | None  # (n, J) measured, or gravity's at the present parameters; None: unknown
+    turn_rad: FloatArray  # (n, J) what each joint turns by: its angle with its sign
+    chain: Chain  # at the present parameters
+    gravity_m_s2: FloatArray  # (3,) world
+    robot: Robot
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
+    last_s: float | None = None  # of the readings that a model was made from; None while it is made
+    initialisation: IntArray | None = None  # (n,) of the ballbar
+    placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
+    length_mm: FloatArray | None = None  # (n,) nominal length of each leg
+    sighted_mm: FloatArray | None = None  # (n, 3) where the instrument looks, world
+    instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
+
+
+Need = Literal["torque", "direction", "move", "time", "temperature", "attachment", "initialisation"]
+NOTHING: frozenset[Need] = frozenset()
+
+
+class Effect(Protocol):
+    """A physical source of error."""
+
+    @property
+    def name(self) -> str:
+        """Name in commands and documents."""
+        ...
+
+    @property
+    def needs(self) -> frozenset[Need]:
+        """What a row must tell so that this effect can be predicted there."""
+        ...
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the parameters this effect has in that setting."""
+        ...
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Return how the parameters `names` of this effect act on the ports of each row."""
+        ...
+
+
+@runtime_checkable
+class Drifting(Protocol):
+    """An effect of which some parameters move things ever further in time: a made model holds these."""
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of these parameters does."""
+        ...

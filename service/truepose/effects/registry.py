@@ -1,0 +1,118 @@
+"""The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
+
+from collections.abc import Sequence
+
+from truepose.domain.errors import ConfigurationError, UnknownEffectError
+from truepose.effects.axis_parallelism import AxisParallelism
+from truepose.effects.backlash import Backlash
+from truepose.effects.ballbar_zero import BallbarZero
+from truepose.effects.base import Base
+from truepose.effects.base_compliance import BaseCompliance
+from truepose.effects.base_drift import BaseDrift
+from truepose.effects.base_shift import BaseShift
+from truepose.effects.causes import Cause
+from truepose.effects.compliance import Compliance
+from truepose.effects.compliance_nonlinear import ComplianceNonlinear
+from truepose.effects.fixture_shift import FixtureShift
+from truepose.effects.geometry import Geometry, JointOffset
+from truepose.effects.installed import INSTALLED
+from truepose.effects.instrument_drift import InstrumentDrift
+from truepose.effects.instrument_scale import InstrumentScale
+from truepose.effects.joint_coupling import JointCoupling
+from truepose.effects.joint_gain import JointGain
+from truepose.effects.joint_harmonics import JointHarmonics
+from truepose.effects.label_swap import LabelSwap
+from truepose.effects.link_bending import LinkBending
+from truepose.effects.link_mass import LinkMasses
+from truepose.effects.nest_offset import NestOffset
+from truepose.effects.outliers import Outliers
+from truepose.effects.payload import Payload
+from truepose.effects.ports import Drifting, Effect, Need
+from truepose.effects.reference import Reference
+from truepose.effects.thermal_growth import ThermalGrowth
+from truepose.effects.tool import Tool
+from truepose.effects.tool_certificate import ToolCertificate
+from truepose.effects.tool_reseating import ToolReseating
+from truepose.effects.unnamed.cause import Unnamed
+from truepose.effects.unnamed.table import OWN
+
+_CAUSES: tuple[Cause, ...] = (
+    AxisParallelism(),
+    Backlash(),
+    BallbarZero(),
+    BaseCompliance(),
+    BaseDrift(),
+    BaseShift(),
+    Compliance(),
+    ComplianceNonlinear(),
+    FixtureShift(),
+    InstrumentDrift(),
+    InstrumentScale(),
+    JointCoupling(),
+    JointGain(),
+    JointHarmonics(),
+    LabelSwap(),
+    LinkBending(),
+    LinkMasses(),
+    NestOffset(),
+    Outliers(),
+    Payload(),
+    ThermalGrowth(),
+    ToolReseating(),
+    Unnamed(),
+)
+_EFFECTS: tuple[Effect, ...] = (
+    Base(),
+    Tool(),
+    Geometry("geometry", tilt=True),
+    Geometry("geometry_dhm", tilt=False),
+    JointOffset(),
+    Reference(),
+    ToolCertificate(),
+    *_CAUSES,
+)
+_OWN = frozenset(effect.name for effect in _EFFECTS)
+EFFECTS = {effect.name: effect for effect in _EFFECTS} | {
+    name: effect for name, effect in INSTALLED.effects.items() if name not in _OWN
+}
+CAUSES = {cause.name: cause for cause in _CAUSES} | {
+    name: brought.cause for name, brought in INSTALLED.causes.items() if name not in _OWN
+}
+_SHADOWED = (INSTALLED.effects.keys() & _OWN) | (INSTALLED.kinds.keys() & OWN.keys())
+_UNUSABLE = {**INSTALLED.broken, **dict.fromkeys(_SHADOWED, "truepose has one of that name itself")}
+
+
+def unusable_causes() -> tuple[str, ...]:
+    """Return one sentence for every cause or cell of another package that cannot be used."""
+    return tuple(
+        f"The installed cause {name!r} is not used: {why}." for name, why in sorted(_UNUSABLE.items())
+    )
+
+
+def chosen_effects(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names that somebody asks for; raises UnknownEffectError, ConfigurationError."""
+    for place, name in enumerate(names):
+        if effect_named(name).name in names[:place]:
+            raise ConfigurationError(f"Effect {name!r} is named twice: name it once.")
+    return tuple(names)
+
+
+def needs_of(effect: str, names: tuple[str, ...]) -> frozenset[Need]:
+    """Return what a row must tell so that these parameters of an effect can be predicted there."""
+    found = effect_named(effect)
+    return found.needs_of(names) if isinstance(found, Unnamed) else found.needs
+
+
+def goes_on(effect: str, names: tuple[str, ...]) -> bool:
+    """Return whether these parameters of an effect move things ever further in time."""
+    found = effect_named(effect)
+    return isinstance(found, Drifting) and found.goes_on(names)
+
+
+def effect_named(name: str) -> Effect:
+    """Return the effect of that name; raises UnknownEffectError, which lists the known ones or says why."""
+    if name in _UNUSABLE and name not in EFFECTS:
+        raise UnknownEffectError(f"Effect {name!r} is installed but cannot be used: {_UNUSABLE[name]}.")
+    if name not in EFFECTS:
+        raise UnknownEffectError(f"There is no effect {name!r}; known are {', '.join(EFFECTS)}.")
+    return EFFECTS[name]

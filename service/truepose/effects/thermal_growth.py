@@ -1,0 +1,86 @@
+"""Thermal growth: the links are longer the warmer it is, all at one rate.
+
+Every nominal length a_i and d_i grows by growth times what the temperature is above 20 degC, the reference
+temperature of lengths (ISO 1). The tool and the table under the base keep their sizes.
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Stops
+from truepose.effects.causes import Candidate, Fitted, Limits, Scene, Shown
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "thermal_growth"
+_GROWTH = "growth"
+_REFERENCE_C = 20.0
+_WIDTH_PER_K = 1e-4  # belief: four times what aluminium grows by
+# From carbon fibre, which shrinks a little, to the softer plastics.
+MATERIALS = Limits(-5e-6, 60e-6, "no material of a robot does that")
+_SMALLEST_RANGE_K = 0.5  # over less, a metre of aluminium grows by less than a tracker's noise
+
+
+class ThermalGrowth:
+    """One coefficient of expansion for all links."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"temperature"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the coefficient of expansion."""
+        return (ParameterSpec(_GROWTH, "1/K", 0.0, _WIDTH_PER_K),)
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Lengthen every link that has a length."""
+        warmer = warmer_k(rows.stops)
+        lengths = [
+            (Port(kind, joint), length)
+            for joint, row in enumerate(rows.robot.joints)
+            for kind, length in ((PortKind.A, row.a_mm), (PortKind.D, row.d_mm))
+            if length != 0.0
+        ]
+        return [Term(k, port, length * warmer) for k in range(len(names)) for port, length in lengths]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need temperatures that differ."""
+        if scene.stops.temperature_c is None or not np.isfinite(scene.stops.temperature_c).any():
+            return "the readings do not tell the temperature: record it beside each configuration"
+        if range_k(scene.stops) < _SMALLEST_RANGE_K:
+            return (
+                f"the temperature stayed within {range_k(scene.stops):.1f} K: measure while the robot warms "
+                "up, or on a warmer and on a colder day"
+            )
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose growth of all links where the temperature changed."""
+        if self.unseen(scene) is not None or _GROWTH in scene.present:
+            return ()
+        return (Candidate(NAME, "links", self.specs(scene.setting)),)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say by how much lengths follow the temperature."""
+        growth, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
+        reach_m = sum(abs(row.a_mm) + abs(row.d_mm) for row in scene.setting.robot.joints) / 1000.0
+        over_um = 1e6 * abs(growth) * reach_m * range_k(scene.stops)
+        way = "grow" if growth >= 0.0 else "shrink"
+        sentence = (
+            f"The links {way} with the temperature, by {1e6 * abs(growth):.1f} um per metre and K: "
+            f"{over_um:.0f} um from the coldest to the warmest reading, over the length of the arm."
+        )
+        return Shown(subject, growth, "1/K", spread, sentence, limits=MATERIALS)
+
+
+def warmer_k(stops: Stops) -> FloatArray:
+    """Temperature above the reference, shape (n,); 0 where it is unknown."""
+    if stops.temperature_c is None:
+        return np.zeros(len(stops))
+    return np.nan_to_num(stops.temperature_c - _REFERENCE_C, nan=0.0)
+
+
+def range_k(stops: Stops) -> float:
+    """Return the span of the temperatures [K], 0 where they are unknown."""
+    if stops.temperature_c is None:
+        return 0.0
+    known = stops.temperature_c[np.isfinite(stops.temperature_c)]
+    return float(np.ptp(known)) if known.size else 0.0

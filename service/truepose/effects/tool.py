@@ -1,0 +1,38 @@
+"""The tool as far as it is unknown: nests in the last frame, and its orientation where poses are measured."""
+
+from truepose.effects.names import nest_name, nest_port_index
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "tool"
+# About the start that was found from the data; see `base`.
+_NEST_WIDTH_MM = 10.0
+_WIDTH_RAD = 0.05
+_ROTATIONS = ("tool_rx", "tool_ry", "tool_rz")
+
+
+class Tool:
+    """Unknown nests and the unknown orientation of the tool; certified nests are no parameters."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return three coordinates per unknown nest, three rotations where orientations were measured."""
+        specs = [
+            ParameterSpec(nest_name(nest, component), "mm", 0.0, _NEST_WIDTH_MM)
+            for nest in setting.unknown_nests
+            for component in range(3)
+        ]
+        if setting.has_orientations:
+            specs += [ParameterSpec(name, "rad", 0.0, _WIDTH_RAD) for name in _ROTATIONS]
+        return tuple(specs)
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Act on the nest's coordinate or the tool's rotation, one to one."""
+        return [Term(k, _port(name), 1.0) for k, name in enumerate(names)]
+
+
+def _port(name: str) -> Port:
+    if name in _ROTATIONS:
+        return Port(PortKind.TOOL_ROTATION, _ROTATIONS.index(name))
+    return Port(PortKind.NEST, nest_port_index(name))

@@ -1,0 +1,39 @@
+"""Certified places of the tool nests are known to an uncertainty: small errors that need no cause.
+
+An identification holds certified nests and carries their uncertainty afterwards; a diagnosis lets them move
+within it, so that what a certificate allows is never named a nest that is out of place.
+"""
+
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+
+NAME = "tool_certificate"
+
+
+class ToolCertificate:
+    """Errors of certified nests within their certificates."""
+
+    name = NAME
+    needs: frozenset[Need] = NOTHING
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none: `certificate_specs` has them."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Act on the nest's coordinate, one to one."""
+        return [Term(k, Port(PortKind.NEST, _number(name)), 1.0) for k, name in enumerate(names)]
+
+
+def certificate_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ...]:
+    """Return the errors of certified nests (1-based), as wide as their certificates say."""
+    return tuple(
+        ParameterSpec(f"certified_{nest}_{axis}", "mm", 0.0, u_mm)
+        for nest, u_mm in sorted(uncertainty_mm.items())
+        for axis in "xyz"
+        if u_mm > 0.0
+    )
+
+
+def _number(name: str) -> int:
+    _, nest, axis = name.split("_")
+    return 3 * (int(nest) - 1) + "xyz".index(axis)

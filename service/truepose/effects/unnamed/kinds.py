@@ -1,0 +1,91 @@
+"""What a cell without a trade name is: a place, what it depends on there, a shape, and how to say it.
+
+A kind is a row of the table of such cells. Each of its cells acts at one place, given by one or two numbers
+(of joints, from 1), in one variant (a moment, an order), with one parameter for each part of the kind.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.diagnosis import Shape
+from truepose.domain.results import Unit
+from truepose.effects.causes import Limits, Scene
+from truepose.effects.ports import NOTHING, Need, Port, Rows
+
+_PREFIX = "cell"
+ALONE = (0,)  # the place of what a cell has one of: the tool, the instrument
+STEADY = (("line", 0.0),)  # the variant of shapes that have one only
+
+Place = tuple[int, ...]
+Moves = list[tuple[Port, float | FloatArray]]  # ports, each with what it moves by per unit of the parameter
+Variants = Iterable[tuple[str, float]]  # as names carry them, and as a number
+
+
+class Key(NamedTuple):
+    """A parameter of a cell: its name is `cell_<kind>_<place>_<variant>_<part>`."""
+
+    kind: str
+    place: Place
+    variant: str
+    part: str
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        return "_".join((_PREFIX, self.kind, "-".join(map(str, self.place)), self.variant, self.part))
+
+
+def key_of(name: str) -> Key:
+    """Return what a parameter is of, from its name alone."""
+    _, kind, place, variant, part = name.split("_")
+    return Key(kind, tuple(map(int, place.split("-"))), variant, part)
+
+
+class Part(NamedTuple):
+    """One parameter of every cell of a kind."""
+
+    name: str
+    unit: Unit
+    width: float  # standard deviation of what is believed before any reading
+
+
+class Size(NamedTuple):
+    """How large a cell is, in the units of documents (angles in deg)."""
+
+    amplitude: float  # of the parts in the unit of the first one
+    beside: float = 0.0  # of the others
+
+
+def exactly(_variant: float, _scene: Scene) -> float:
+    """Return the uncertainty of what is a whole number."""
+    return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One row of the table."""
+
+    name: str
+    shape: Shape
+    parts: tuple[Part, ...]
+    where: Callable[[Place], str]
+    over: Callable[[Place], str]
+    places: Callable[[Scene], Iterable[Place]]  # those that the data can show
+    variants: Callable[[Scene], Variants]
+    moves: Callable[[Key, Rows], Moves]
+    sentence: Callable[[Key, Size, Scene], str]
+    variant_is: tuple[str, str] | None = None  # name and unit of the variant among the details
+    variant_known_to: Callable[[float, Scene], float] = exactly  # standard uncertainty of the variant
+    limits: Limits | None = None  # of the amplitude, by physics
+    needs: frozenset[Need] = NOTHING  # what a row must tell so that a cell can be predicted there
+
+    def subject(self, place: Place) -> str:
+        """Return what tells a cell from all others, e.g. `joint 3, time, jump`."""
+        return f"{self.where(place)}, {self.over(place)}, {self.shape}"
+
+
+def once(of: str) -> Callable[[Place], str]:
+    """Return the words of a place, or of a variable, that is the same for all cells of a kind."""
+    return lambda _place: of

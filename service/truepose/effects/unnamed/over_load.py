@@ -1,0 +1,145 @@
+"""What follows loads without a name: bearings that tilt, a flange that gives, friction that grows."""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.effects.backlash import from_both_sides
+from truepose.effects.causes import SPRING, Limits, Scene
+from truepose.effects.compliance import known_torque
+from truepose.effects.names import joint_subject
+from truepose.effects.ports import Port, PortKind, Rows, motion_port
+from truepose.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
+from truepose.kinematics.chain import Chain
+from truepose.kinematics.gravity import gravity_moments
+
+# Belief: a bearing stands moments across its axis several times better than its gear does those about it.
+_TILT = 1e-6  # rad/(N mm)
+_RUB = 1e-6  # rad/(N mm), belief: friction that holds a joint off as far as its gearbox winds up
+_FRICTION = Limits(0.0, np.inf, "friction cannot push")
+_SHIFT = 2e-3  # mm/N, belief: what shifts visibly by hand
+_FIRST_BEARING = 2  # what the first one carries tilts with the base
+_FIRST_TURN = 3  # components 3..5 of a motion
+_SMALLEST_LOAD_N_MM = 1.0
+# Axes of the last frame about which a mount is soft; it shifts along the other one, as a cantilever does.
+_SOFT_ABOUT = {"any": (0, 1), "x": (0,), "y": (1,)}
+
+
+def _bearings(scene: Scene) -> list[Place]:
+    robot = scene.setting.robot
+    if not robot.masses:
+        return []
+    moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
+    joints = range(_FIRST_BEARING, robot.n_joints)  # what the last one carries tilts with the flange
+    return [(j,) for j in joints if _largest(_across(scene.chain, j, moments)) > _SMALLEST_LOAD_N_MM]
+
+
+def _tilts(key: Key, rows: Rows) -> Moves:
+    joint = key.place[0]
+    moments = gravity_moments(rows.chain, rows.robot.masses, rows.gravity_m_s2)
+    across = _across(rows.chain, joint, moments)
+    return [(motion_port(joint, _FIRST_TURN + axis), across[:, axis]) for axis in range(2)]
+
+
+def _across(chain: Chain, joint: int, moments: FloatArray) -> FloatArray:
+    """Return the moment on a bearing along the two axes of its link across its own, shape (n, 2) [N mm]."""
+    in_link: FloatArray = np.einsum("nij,ni->nj", chain.rotation[joint - 1], moments[joint - 1])
+    return in_link[:, :2]
+
+
+def _mount(scene: Scene) -> list[Place]:
+    """Return the flange where the weight of a tool turns it."""
+    robot = scene.setting.robot
+    carried = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
+    return [ALONE] if _largest(_across(scene.chain, robot.n_joints, carried)) > _SMALLEST_LOAD_N_MM else []
+
+
+def _axes(_scene: Scene) -> Variants:
+    return [("any", 0.0), ("x", 1.0), ("y", 2.0)]
+
+
+def _gives(key: Key, rows: Rows) -> Moves:
+    """Tilt the tool about axes of the last frame by the moment of its weight; shift it by that weight."""
+    body, soft = rows.robot.n_joints, _SOFT_ABOUT[key.variant]
+    if key.part == "tilt":
+        moments = gravity_moments(rows.chain, rows.robot.masses, rows.gravity_m_s2)
+        about = _across(rows.chain, body, moments)
+        return [(motion_port(body, _FIRST_TURN + axis), about[:, axis]) for axis in soft]
+    weight_n = _tool_weight_n(rows)
+    return [(motion_port(body, 1 - axis), weight_n[:, 1 - axis]) for axis in soft]
+
+
+def _tool_weight_n(rows: Rows) -> FloatArray:
+    """Return the weight of the tool in the axes of the last frame, shape (n, 3)."""
+    mass_kg = sum(link.mass_kg for link in rows.robot.masses if link.frame == rows.robot.n_joints)
+    weight: FloatArray = np.einsum("nij,i->nj", rows.chain.rotation[-1], mass_kg * rows.gravity_m_s2)
+    return weight
+
+
+def _largest(loads: FloatArray) -> float:
+    return float(np.linalg.norm(np.nan_to_num(loads), axis=-1).max())
+
+
+def _rubbing(scene: Scene) -> list[Place]:
+    if scene.torque_n_mm is None or scene.stops.direction is None:
+        return []
+    load = np.nan_to_num(scene.torque_n_mm)
+    loaded = np.ptp(np.abs(load), axis=0) > _SMALLEST_LOAD_N_MM  # an even load is backlash
+    return [(joint + 1,) for joint in from_both_sides(scene.stops.direction) if loaded[joint]]
+
+
+def _rubs(key: Key, rows: Rows) -> Moves:
+    joint = key.place[0] - 1
+    port = Port(PortKind.THETA, joint)
+    if rows.stops.direction is None:
+        return [(port, np.zeros(len(rows.stops)))]
+    way = rows.robot.joints[joint].sign * np.sign(rows.stops.direction[:, joint])
+    return [(port, -way * np.abs(known_torque(rows, joint)))]
+
+
+def _of_tilt(key: Key, size: Size, scene: Scene) -> str:
+    masses = scene.setting.robot.masses
+    moments = gravity_moments(scene.chain, masses, np.array(scene.gravity_m_s2))
+    largest = np.rad2deg(size.amplitude * _largest(_across(scene.chain, key.place[0], moments)))
+    return (
+        f"The bearing of joint {key.place[0]} tilts under the moment across its axis, by "
+        f"{size.amplitude:.1e} rad/(N*mm): up to {largest:.4f} deg in these configurations."
+    )
+
+
+def _of_mount(key: Key, size: Size, scene: Scene) -> str:
+    robot = scene.setting.robot
+    moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
+    soft = list(_SOFT_ABOUT[key.variant])
+    largest = _largest(_across(scene.chain, robot.n_joints, moments)[:, soft])
+    about = f" about its {key.variant} axis" if len(soft) == 1 else ""
+    return (
+        f"The flange, or what holds the tool on it, gives{about} under the moment of the tool's weight, by "
+        f"{size.amplitude:.1e} rad/(N*mm): up to {np.rad2deg(size.amplitude * largest):.4f} deg in these "
+        "configurations."
+    )
+
+
+def _of_rub(key: Key, size: Size, scene: Scene) -> str:
+    joint = key.place[0] - 1
+    largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
+    return (
+        f"Joint {joint + 1} stops short of where it is sent, the farther the larger its load: by "
+        f"up to {np.rad2deg(size.amplitude * largest):.4f} deg, as friction that follows the load does."
+    )
+
+
+KINDS = (
+    Kind(
+        "tilt", "line", (Part("tilt", "rad/(N*mm)", _TILT),), lambda place: f"link {place[0]}",
+        once("load"), _bearings, lambda _scene: STEADY, _tilts, _of_tilt, limits=SPRING,
+    ),
+    Kind(
+        "mount", "line", (Part("tilt", "rad/(N*mm)", _TILT), Part("shift", "mm/N", _SHIFT)),
+        once("flange"), once("load"), _mount, _axes, _gives, _of_mount, limits=SPRING,
+    ),
+    Kind(
+        "rub", "sign", (Part("turn", "rad/(N*mm)", _RUB),), lambda place: joint_subject(place[0] - 1),
+        lambda place: f"torque of joint {place[0]}", _rubbing, lambda _scene: STEADY, _rubs, _of_rub,
+        limits=_FRICTION, needs=frozenset({"torque", "direction"}),
+    ),
+)  # fmt: skip

@@ -1,0 +1,91 @@
+"""Errors of reading and writing files.
+
+ExchangeError
+├── InputFileError           a file given by the user cannot be used; says where in it
+│   ├── MissingFileError       it is not there
+│   ├── UnreadableFileError    it is not what its name promises: not UTF-8, not CSV, JSON, TOML or zip
+│   ├── MissingEntryError      a required column or key is absent
+│   ├── WrongUnitError         a column or key is there in another unit
+│   ├── BadValueError          a value cannot be meant
+│   ├── NewerVersionError      it was written by a later program
+│   └── UnsafeArchiveError     an archive that no honest program writes
+└── UnknownRobotError        no shipped robot has that name
+"""
+
+from truepose.domain.errors import TrueposeError
+
+
+class ExchangeError(TrueposeError):
+    """Base of every error of this package."""
+
+
+class InputFileError(ExchangeError):
+    """A file given by the user cannot be used.
+
+    Parameters
+    ----------
+    sentence : str
+        What is wrong and what to do, without the place and without a full stop.
+    file : str
+        Name of the file as the user knows it.
+    line : int, optional
+        1-based line in it.
+    column : str, optional
+        Name of the column of a table.
+    key : str, optional
+        Path of the key in a JSON or TOML document, such as ``dhm_nominal[2].a_mm`` (0-based).
+    """
+
+    def __init__(
+        self,
+        sentence: str,
+        *,
+        file: str,
+        line: int | None = None,
+        column: str | None = None,
+        key: str | None = None,
+    ) -> None:
+        place = [file]
+        if line is not None:
+            place.append(f"line {line}")
+        if column is not None:
+            place.append(f"column {column}")
+        if key:
+            place.append(f"key {key}")
+        super().__init__(f"{', '.join(place)}: {sentence}.")
+        self.file = file
+        self.line = line
+        self.column = column
+        self.key = key
+
+
+class MissingFileError(InputFileError):
+    """The file, or one that it names, is not there."""
+
+
+class UnreadableFileError(InputFileError):
+    """The file is not what its name promises."""
+
+
+class MissingEntryError(InputFileError):
+    """A required column or key is absent."""
+
+
+class WrongUnitError(InputFileError):
+    """A column or key is there in another unit than the format's."""
+
+
+class BadValueError(InputFileError):
+    """A value cannot be meant: text for a number, not finite, out of its range, at odds with another."""
+
+
+class NewerVersionError(InputFileError):
+    """The file was written by a later program and may say what this one does not know."""
+
+
+class UnsafeArchiveError(InputFileError):
+    """The archive has members outside itself, or of a size that no campaign has."""
+
+
+class UnknownRobotError(ExchangeError):
+    """No shipped robot has that name."""

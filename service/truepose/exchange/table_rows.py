@@ -1,0 +1,98 @@
+"""Rows of a CSV text, within limits: nothing is held of it but the text itself and the rows at hand."""
+
+import csv
+import io
+import itertools
+from collections.abc import Iterator
+from typing import Final, TypeAlias
+
+from truepose.exchange.errors import UnreadableFileError
+
+# A hundred times the largest campaign that was seen; beyond it a fit would take more memory than there is.
+MOST_ROWS: Final = 200_000
+MOST_COLUMNS: Final = 500  # an arm of seven joints with everything that the format knows has 50
+_LONGEST_LINE: Final = 2**16
+_ROWS_AT_A_TIME: Final = 4096
+Numbered: TypeAlias = tuple[int, list[str]]  # line and cells of a row
+
+
+def read_header(file: str, numbered: Iterator[Numbered]) -> list[str]:
+    """Return the names of the columns, from the first row."""
+    first = next(numbered, None)
+    if first is None:
+        raise UnreadableFileError("the file is empty; a header line and rows are required", file=file)
+    header = [name.strip() for name in first[1]]
+    if len(header) > MOST_COLUMNS:
+        raise UnreadableFileError(
+            f"{len(header)} columns are more than the {MOST_COLUMNS} that are read", file=file, line=first[0]
+        )
+    _check_separator(file, first[0], header)
+    return header
+
+
+def parts(file: str, header: list[str], numbered: Iterator[Numbered]) -> Iterator[list[Numbered]]:
+    """Yield the rows, every one as long as the header, some thousand at a time."""
+    total = 0
+    while part := list(itertools.islice(numbered, _ROWS_AT_A_TIME)):
+        total += len(part)
+        if total > MOST_ROWS:
+            raise UnreadableFileError(
+                f"the file has more than {MOST_ROWS:,} rows, the most that is read", file=file
+            )
+        for line, row in part:
+            if len(row) != len(header):
+                raise UnreadableFileError(
+                    f"{len(row)} cells stand where the header has {len(header)} columns", file=file, line=line
+                )
+        yield part
+
+
+def numbered_rows(file: str, data: bytes) -> Iterator[Numbered]:
+    """Yield line number and cells of every line that is not blank."""
+    reader = csv.reader(_lines(file, data), strict=True)
+    line = 1
+    try:
+        for row in reader:
+            if any(cell.strip() for cell in row):
+                yield line, row
+            line = reader.line_num + 1
+    except csv.Error as error:
+        raise UnreadableFileError(f"the line is not CSV ({error})", file=file, line=line) from error
+
+
+def _lines(file: str, data: bytes) -> Iterator[str]:
+    """Yield the lines of the text with their ends; nothing is copied but the line."""
+    stream = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+    try:
+        for number in itertools.count(1):
+            line = stream.readline(_LONGEST_LINE + 1)
+            if len(line) > _LONGEST_LINE:
+                raise UnreadableFileError(
+                    f"the line has more than {_LONGEST_LINE:,} characters", file=file, line=number
+                )
+            if not line:
+                return
+            yield line
+    except UnicodeDecodeError as error:
+        raise UnreadableFileError(
+            "the text is not UTF-8; save the file as UTF-8", file=file, line=_line_of_fault(data)
+        ) from error
+
+
+def _line_of_fault(data: bytes) -> int:
+    """Return the line of the first byte that is no text: the stream only knows where it is in its buffer."""
+    try:
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        return data.count(b"\n", 0, error.start) + 1
+    return 1
+
+
+def _check_separator(file: str, line: int, header: list[str]) -> None:
+    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and mark in header[0]:
+            raise UnreadableFileError(
+                f"the columns are separated by {word}; commas are required, with . as decimal point",
+                file=file,
+                line=line,
+            )

@@ -1,0 +1,113 @@
+"""From a fit to a model that can be saved and predicts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.results import Anchor, Model, NestCentre, Parameter
+from truepose.domain.robot import FramePlacement
+from truepose.identification.leg_observations import LEG_OFFSET, anchor_name
+from truepose.identification.missing import spanned
+from truepose.identification.robust import RobustFit
+from truepose.identification.rows import sites
+from truepose.identification.structure import Structure, base_axes
+from truepose.kinematics.frames import angles_xyz, placement_of
+
+
+@dataclass(frozen=True, slots=True)
+class Fits:
+    """What a model is made from."""
+
+    campaign: Campaign
+    identified: RobustFit
+    nominal: RobustFit
+    covariance: FloatArray  # (P, P) with what certificates add
+
+
+def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Model:
+    """Return the model of a fit."""
+    structure, campaign = fits.identified.structure, fits.campaign
+    nominal_base, nominal_nests = _placed(fits.nominal)
+    return Model(
+        robot=structure.robot,
+        base=placement_of(structure.base_rotation, structure.base_origin_mm),
+        nests=_nests(structure.nests_mm),
+        tool_rotation_rad=angles_xyz(structure.tool_rotation),
+        effects=structure.effects,
+        parameters=_parameters(fits),
+        covariance=fits.covariance,
+        gravity_m_s2=campaign.gravity_m_s2,
+        discrepancy_mm=discrepancy_mm,
+        repeatability_mm=campaign.robot.repeatability_mm,
+        nominal_base=nominal_base,
+        nominal_nests=nominal_nests,
+        instrument_mm=campaign.tracker_position_mm,
+        torques_measured="compliance" in structure.effects and structure.torques_measured,
+        origin_s=structure.origin_s,
+        nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
+        nominal_anchors=_anchors(fits.nominal),
+        identified_from=_origin(fits),
+        program_version=program_version,
+    )
+
+
+def _parameters(fits: Fits) -> tuple[Parameter, ...]:
+    structure = fits.identified.structure
+    uncertainty = np.sqrt(np.diag(fits.covariance))
+    rows = zip(structure.specs, structure.owners, fits.identified.values, uncertainty, strict=True)
+    return tuple(
+        Parameter(spec.name, owner, float(value), spec.unit, float(u), spec.prior_width)
+        for spec, owner, value, u in rows
+    )
+
+
+def _placed(nominal: RobustFit) -> tuple[FramePlacement, tuple[NestCentre, ...]]:
+    structure = nominal.structure
+    shift = np.array([_value(nominal, name) for name in ("base_x", "base_y", "base_z")])
+    turn = np.array([_value(nominal, name) for name in ("base_rx", "base_ry", "base_rz")])
+    rotation, _ = base_axes(structure.base_rotation, turn)
+    moved = structure.nests_mm + np.array([
+        [_value(nominal, f"nest_{number}_{axis}") for axis in "xyz"]
+        for number in range(1, len(structure.nests_mm) + 1)
+    ]).reshape(-1, 3)
+    return placement_of(rotation, structure.base_origin_mm + shift), _nests(moved)
+
+
+def _nests(centres_mm: FloatArray) -> tuple[NestCentre, ...]:
+    return tuple(
+        NestCentre(number, (float(x), float(y), float(z)))
+        for number, (x, y, z) in enumerate(centres_mm, start=1)
+    )
+
+
+def _value(fit: RobustFit, name: str) -> float:
+    structure: Structure = fit.structure
+    return float(fit.values[structure.index_of(name)]) if name in structure.names else 0.0
+
+
+def _anchors(fit: RobustFit) -> tuple[Anchor, ...]:
+    found = []
+    for anchor in fit.structure.anchors:
+        x, y, z = (_value(fit, anchor_name(anchor, component)) for component in range(3))
+        found.append(Anchor(*anchor, (x, y, z)))
+    return tuple(found)
+
+
+def _origin(fits: Fits) -> dict[str, str | int | float]:
+    stops = fits.identified.blocks[0].targets.stops
+    return {
+        "robot": fits.campaign.robot.name,
+        "configurations": len(np.unique(sites(stops))),
+        "readings": len(stops),
+        "readings_without_weight": int(fits.identified.gross[0].sum()),
+        "chi2_per_dof": fits.identified.chi2_per_dof,
+        **spanned((stops, *_judging(fits.campaign)), fits.identified.structure.origin_s),
+    }
+
+
+def _judging(campaign: Campaign) -> tuple[Stops, ...]:
+    """Return the stops of the readings that judge a model, where the campaign has any."""
+    validation = campaign.validation if campaign.calibration is not None else campaign.validation_legs
+    return () if validation is None else (validation.stops,)

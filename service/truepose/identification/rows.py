@@ -1,0 +1,46 @@
+"""Rows of stops: one for each nest."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+
+import numpy as np
+
+from truepose.domain.arrays import IntArray
+from truepose.domain.campaign import Stops
+
+
+def taken(stops: Stops, rows: IntArray) -> Stops:
+    """Return some rows of a table of stops, shape (m,) indices."""
+    optional = {
+        field.name: None if (column := getattr(stops, field.name)) is None else column[rows]
+        for field in fields(stops)
+        if field.name not in ("config", "joints_rad")
+    }
+    return Stops(stops.config[rows], stops.joints_rad[rows], **optional)
+
+
+def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
+    """Return every stop once per nest, stops in their order, and the nest of each row."""
+    rows = np.repeat(np.arange(len(stops)), len(nests))
+    return taken(stops, rows), np.tile(nests, len(stops))
+
+
+def sites(stops: Stops) -> IntArray:
+    """Return the configuration of each row, a revisit counting as the one it revisits, shape (n,).
+
+    Revisits of revisits lead back to the first; names that go round in a circle count as one site.
+    """
+    if stops.repeat_of is None:
+        return stops.config
+    named = stops.repeat_of >= 0
+    earlier = dict(zip(stops.config[named].tolist(), stops.repeat_of[named].tolist(), strict=True))
+    first = {config: _first(config, earlier) for config in np.unique(stops.config).tolist()}
+    return np.array([first[config] for config in stops.config.tolist()], dtype=np.int64)
+
+
+def _first(config: int, earlier: Mapping[int, int]) -> int:
+    seen: list[int] = []
+    while config in earlier and config not in seen:
+        seen.append(config)
+        config = earlier[config]
+    return min(seen[seen.index(config) :]) if config in seen else config

@@ -1,0 +1,100 @@
+"""What is being identified: the nominal robot, its start placement and the parameters of its effects."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import Robot
+from truepose.effects.ports import ParameterSpec
+from truepose.kinematics.frames import rotation_xyz
+
+
+@dataclass(frozen=True)  # without slots: what follows from the parameters is kept once it was asked for
+class Structure:
+    """A model without values: where it starts and which parameters move it.
+
+    `anchors` are unknown base nests of legs, named `anchor_<placement>_<point>_x`..; they and the
+    offset of the length come after the effects' parameters.
+    """
+
+    robot: Robot
+    base_rotation: FloatArray  # (3, 3) start
+    base_origin_mm: FloatArray  # (3,) start
+    nests_mm: FloatArray  # (K, 3) start, nest k in row k - 1
+    tool_rotation: FloatArray  # (3, 3) start
+    gravity_m_s2: FloatArray  # (3,)
+    effects: tuple[str, ...]
+    specs: tuple[ParameterSpec, ...]
+    owners: tuple[str, ...]  # effect of each parameter
+    anchors: tuple[tuple[int, int], ...] = ()  # (placement, base point)
+    instrument_mm: FloatArray | None = None  # (3,) place of the instrument in the world
+    torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
+    origin_s: float = 0.0  # time from which drifts and warm-ups count
+    last_s: float | None = None  # of the readings that a model was made from; None while it is made
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(spec.name for spec in self.specs)
+
+    @property
+    def prior_means(self) -> FloatArray:
+        """Prior means, shape (P,)."""
+        return np.array([spec.prior_mean for spec in self.specs])
+
+    @property
+    def prior_widths(self) -> FloatArray:
+        """Prior standard deviations, shape (P,)."""
+        return np.array([spec.prior_width for spec in self.specs])
+
+    def names_of(self, effect: str) -> tuple[str, ...]:
+        """Return the names of the parameters of one effect."""
+        return tuple(
+            spec.name for spec, owner in zip(self.specs, self.owners, strict=True) if owner == effect
+        )
+
+    def index_of(self, name: str) -> int:
+        """Return the index of a parameter."""
+        return self._places[name]
+
+    @cached_property
+    def _places(self) -> Mapping[str, int]:
+        return {name: place for place, name in enumerate(self.names)}
+
+    def extended(self, effect: str, specs: tuple[ParameterSpec, ...]) -> "Structure":
+        """Return the structure with more parameters of an effect, at its end."""
+        effects = self.effects if effect in self.effects else (*self.effects, effect)
+        owners = (*self.owners, *(effect for _ in specs))
+        return replace(self, effects=effects, specs=(*self.specs, *specs), owners=owners)
+
+    def without(self, effects: tuple[str, ...]) -> "Structure":
+        """Return the structure without the parameters of these effects."""
+        keep = [k for k, owner in enumerate(self.owners) if owner not in effects]
+        return replace(
+            self,
+            effects=tuple(name for name in self.effects if name not in effects),
+            specs=tuple(self.specs[k] for k in keep),
+            owners=tuple(self.owners[k] for k in keep),
+        )
+
+
+def base_axes(start: FloatArray, angles_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotation RotX RotY RotZ * start, and the three axes about which its angles turn, in rows.
+
+    Parameters
+    ----------
+    start : ndarray, shape (3, 3)
+    angles_rad : ndarray, shape (3,)
+
+    Returns
+    -------
+    rotation : ndarray, shape (3, 3)
+    axes : ndarray, shape (3, 3)
+    """
+    rx, ry, rz = (float(angle) for angle in angles_rad)
+    about_x, about_xy = rotation_xyz(rx, 0.0, 0.0), rotation_xyz(rx, ry, 0.0)
+    axes = np.stack([np.array([1.0, 0.0, 0.0]), about_x[:, 1], about_xy[:, 2]])
+    return rotation_xyz(rx, ry, rz) @ start, axes

@@ -1,0 +1,96 @@
+"""Weights: covariance of each reading plus what all readings of one stop share.
+
+The scatter of the arm is drawn once per stop, so readings of one stop are correlated: with D the
+covariance of the readings and S what one standard deviation of each shared thing does to each of them,
+cov = D + S S^T. Whitening multiplies residuals and derivatives by the inverse of its
+Cholesky factor.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+
+# A weight below this is none at all: however far off a reading is, it has no part in what is whitened.
+_LEAST_WEIGHT = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Whitener:
+    """Inverse Cholesky factors, grouped by the number of readings of a stop."""
+
+    groups: tuple[tuple[IntArray, FloatArray], ...]  # rows (S, m) and factors (S, m*d, m*d)
+    isotropic: FloatArray | None  # (n,) where every factor is a number, else None
+
+    def apply(self, array: FloatArray) -> FloatArray:
+        """Whiten an array of shape (..., n, d)."""
+        if self.isotropic is not None:
+            return array * self.isotropic[:, None]
+        result = np.empty_like(array)
+        for rows, factors in self.groups:
+            block = array[..., rows, :]
+            flat = block.reshape(*array.shape[:-2], *factors.shape[:2])
+            white = np.einsum("sab,...sb->...sa", factors, flat)
+            result[..., rows, :] = white.reshape(block.shape)
+        return result
+
+
+def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared: FloatArray) -> Whitener:
+    """Build the whitening of n readings of d components.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n, d, d)
+        Of each reading on its own [mm2 or rad2].
+    weights : ndarray, shape (n,)
+        1 for a full reading, 0 for one that counts for nothing.
+    stop : ndarray, shape (n,)
+        Readings with equal numbers belong to one stop.
+    shared : ndarray, shape (n, d, k)
+        What a standard deviation of each of k things that a stop's readings share does to each component.
+
+    Returns
+    -------
+    Whitener
+    """
+    counts = (weights > _LEAST_WEIGHT)[:, None, None]
+    share = np.where(counts, weights[:, None, None], 1.0)
+    inflated = covariance / share
+    _, inverse, sizes = np.unique(stop, return_inverse=True, return_counts=True)
+    if not shared.any() or sizes.max(initial=1) == 1:
+        return _of_single(inflated + shared @ np.swapaxes(shared, 1, 2) / share, counts)
+    order = np.argsort(inverse, kind="stable")
+    ends = np.cumsum(sizes)
+    groups = []
+    for size in np.unique(sizes):
+        starts = (ends - sizes)[sizes == size]
+        rows = order[starts[:, None] + np.arange(size)]
+        groups.append((rows, _factors(inflated, shared, counts, rows)))
+    return Whitener(tuple(groups), None)
+
+
+def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
+    diagonal = total[:, 0, 0]
+    if np.allclose(total, diagonal[:, None, None] * np.eye(total.shape[1]), rtol=1e-12, atol=0.0):
+        return Whitener((), counts[:, 0, 0] / np.sqrt(diagonal))
+    rows = np.arange(len(total))[:, None]
+    return Whitener(((rows, counts * _inverse_cholesky(total)),), None)
+
+
+def _factors(inflated: FloatArray, shared: FloatArray, counts: BoolArray, rows: IntArray) -> FloatArray:
+    stops, size = rows.shape
+    d = inflated.shape[1]
+    blocks = np.zeros((stops, size, d, size, d))
+    for k in range(size):
+        blocks[:, k, :, k, :] = inflated[rows[:, k]]
+    # What does not count shares nothing with the others either.
+    arms = (counts * shared)[rows].reshape(stops, size * d, -1)
+    covariance = blocks.reshape(stops, size * d, size * d) + arms @ np.swapaxes(arms, 1, 2)
+    kept = np.repeat(counts[rows].reshape(stops, size), d, axis=1)
+    return kept[:, :, None] * _inverse_cholesky(covariance)
+
+
+def _inverse_cholesky(covariance: FloatArray) -> FloatArray:
+    factor = np.linalg.cholesky(covariance)
+    return np.linalg.solve(factor, np.broadcast_to(np.eye(factor.shape[-1]), factor.shape))

@@ -1,0 +1,170 @@
+"""Rotations and frames; a rotation matrix takes coordinates in the turned frame to the reference frame."""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import FramePlacement
+
+_LOCKED = 1e-14  # cosine of ry below which rx and rz turn about the same axis as far as doubles can tell
+
+
+def rotation_x(angle_rad: FloatArray | float) -> FloatArray:
+    """Return rotations about x, shape (..., 3, 3)."""
+    return _about(angle_rad, 0)
+
+
+def rotation_y(angle_rad: FloatArray | float) -> FloatArray:
+    """Return rotations about y, shape (..., 3, 3)."""
+    return _about(angle_rad, 1)
+
+
+def rotation_z(angle_rad: FloatArray | float) -> FloatArray:
+    """Return rotations about z, shape (..., 3, 3)."""
+    return _about(angle_rad, 2)
+
+
+def _about(angle_rad: FloatArray | float, axis: int) -> FloatArray:
+    angle = np.asarray(angle_rad, dtype=float)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    rotation = np.zeros((*angle.shape, 3, 3))
+    rotation[..., axis, axis] = 1.0
+    rotation[..., first, first] = rotation[..., second, second] = np.cos(angle)
+    rotation[..., second, first] = np.sin(angle)
+    rotation[..., first, second] = -rotation[..., second, first]
+    return rotation
+
+
+def rotation_xyz(rx_rad: float, ry_rad: float, rz_rad: float) -> FloatArray:
+    """Return RotX(rx) RotY(ry) RotZ(rz), shape (3, 3)."""
+    return rotation_x(rx_rad) @ rotation_y(ry_rad) @ rotation_z(rz_rad)
+
+
+def turned_axes(angles_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotations RotX RotY RotZ of (n, 3) angles, and the axes about which each of the angles turns.
+
+    Returns
+    -------
+    rotation : ndarray, shape (n, 3, 3)
+    axes : ndarray, shape (3, n, 3)
+    """
+    about_x = rotation_x(angles_rad[:, 0])
+    about_xy = about_x @ rotation_y(angles_rad[:, 1])
+    axes = np.stack([np.broadcast_to(np.eye(3)[0], angles_rad.shape), about_x[:, :, 1], about_xy[:, :, 2]])
+    return about_xy @ rotation_z(angles_rad[:, 2]), axes
+
+
+def angles_xyz(rotation: FloatArray) -> tuple[float, float, float]:
+    """Return rx, ry, rz [rad] of a rotation RotX RotY RotZ; at ry = +-90 deg, rz is 0.
+
+    Close to there rx is ill determined, but the three together are not: ry and rz are those of what
+    remains once the chosen rx is undone.
+    """
+    if np.hypot(rotation[1, 2], rotation[2, 2]) < _LOCKED:
+        rx = float(np.arctan2(rotation[2, 1], rotation[1, 1]))
+    else:
+        rx = float(np.arctan2(-rotation[1, 2], rotation[2, 2]))
+    rest = rotation_x(-rx) @ rotation
+    return rx, float(np.arctan2(rest[0, 2], rest[2, 2])), float(np.arctan2(rest[1, 0], rest[1, 1]))
+
+
+def placement_rotation(placement: FramePlacement) -> FloatArray:
+    """Return the rotation of a placement, shape (3, 3)."""
+    return rotation_xyz(placement.rx_rad, placement.ry_rad, placement.rz_rad)
+
+
+def placement_translation(placement: FramePlacement) -> FloatArray:
+    """Return the translation of a placement [mm], shape (3,)."""
+    return np.array([placement.x_mm, placement.y_mm, placement.z_mm])
+
+
+def placement_of(rotation: FloatArray, translation_mm: FloatArray) -> FramePlacement:
+    """Return the placement Trans RotX RotY RotZ of a rotation and a translation."""
+    rx, ry, rz = angles_xyz(rotation)
+    x, y, z = (float(value) for value in translation_mm)
+    return FramePlacement(x, y, z, rx, ry, rz)
+
+
+def rotation_from_quaternion(quaternion: FloatArray) -> FloatArray:
+    """Return rotations of unit quaternions (w first), shape (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=float), -1, 0)
+    rotation = np.empty((*w.shape, 3, 3))
+    rotation[..., 0, :] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1)
+    rotation[..., 1, :] = np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1)
+    rotation[..., 2, :] = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1)
+    return rotation
+
+
+def rotation_from_vector(vector_rad: FloatArray) -> FloatArray:
+    """Return rotations of rotation vectors (Rodrigues), shape (..., 3, 3)."""
+    vector = np.asarray(vector_rad, dtype=float)
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    cross = cross_matrix(vector)
+    sine_ratio = np.sinc(angle / np.pi)
+    cosine_ratio = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    rotation: FloatArray = np.eye(3) + sine_ratio * cross + cosine_ratio * (cross @ cross)
+    return rotation
+
+
+def vector_from_rotation(rotation: FloatArray) -> FloatArray:
+    """Return rotation vectors [rad] of rotations of less than half a turn, shape (..., 3)."""
+    skew = np.stack(
+        [
+            rotation[..., 2, 1] - rotation[..., 1, 2],
+            rotation[..., 0, 2] - rotation[..., 2, 0],
+            rotation[..., 1, 0] - rotation[..., 0, 1],
+        ],
+        -1,
+    )
+    sine = 0.5 * np.linalg.norm(skew, axis=-1)
+    cosine = 0.5 * (np.trace(rotation, axis1=-2, axis2=-1) - 1.0)
+    angle = np.arctan2(sine, cosine)
+    ratio = np.divide(angle, 2 * sine, out=np.full_like(angle, 0.5), where=sine > 1e-9)
+    vector: FloatArray = skew * ratio[..., None]
+    return vector
+
+
+def cross_matrix(vector: FloatArray) -> FloatArray:
+    """Return the matrices of the cross product `vector x`, shape (..., 3, 3)."""
+    matrix = np.zeros((*vector.shape[:-1], 3, 3))
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vector, -1, 0)
+    return matrix - np.swapaxes(matrix, -1, -2)
+
+
+def cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the cross product of (..., 3) arrays; several times faster than numpy's for short axes."""
+    result = np.empty(np.broadcast_shapes(first.shape, second.shape))
+    result[..., 0] = first[..., 1] * second[..., 2] - first[..., 2] * second[..., 1]
+    result[..., 1] = first[..., 2] * second[..., 0] - first[..., 0] * second[..., 2]
+    result[..., 2] = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+    return result
+
+
+def rigid_alignment(
+    moving: FloatArray, fixed: FloatArray, weights: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Rotation and translation that bring `moving` onto `fixed` with least squared distance.
+
+    Parameters
+    ----------
+    moving, fixed : ndarray, shape (n, 3)
+        Points [mm]; n >= 3, not on a line.
+    weights : ndarray, shape (n,), optional
+        Weight of each pair [1].
+
+    Returns
+    -------
+    rotation : ndarray, shape (3, 3)
+    translation_mm : ndarray, shape (3,)
+
+    References
+    ----------
+    W. Kabsch, Acta Crystallographica A32, 1976, 922-923; reflection excluded after S. Umeyama,
+    IEEE Trans. PAMI 13(4), 1991, 376-380.
+    """
+    share = np.full(len(moving), 1.0 / len(moving)) if weights is None else weights / weights.sum()
+    centre_moving, centre_fixed = share @ moving, share @ fixed
+    covariance = (fixed - centre_fixed).T @ (share[:, None] * (moving - centre_moving))
+    left, _, right = np.linalg.svd(covariance)
+    mirror = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    rotation = left @ mirror @ right
+    return rotation, centre_fixed - rotation @ centre_moving

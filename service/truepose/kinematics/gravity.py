@@ -1,0 +1,90 @@
+"""Gravity torques about the joint axes, and their regressors where the masses are unknown.
+
+Sign: the torque that the weight exerts about the z axis of the joint, so that a gearbox of
+compliance c turns by +c * torque (thesis of A. Nubiola, 2014, annex I, equation I.10).
+"""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.robot import LinkMass
+from truepose.kinematics.chain import Chain
+from truepose.kinematics.frames import cross
+
+
+def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
+    """Torques of the weight of all links beyond each joint.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations, J joints.
+    masses : tuple of LinkMass
+    gravity_m_s2 : ndarray, shape (3,)
+        In the world frame [m/s2]; kg m/s2 times mm is N mm.
+
+    Returns
+    -------
+    ndarray, shape (n, J)
+        Torques [N mm].
+    """
+    return np.asarray(np.einsum("jni,jni->nj", chain.z, gravity_moments(chain, masses, gravity_m_s2)))
+
+
+def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
+    """Moments of the weight of all links beyond each joint about the origin of its frame.
+
+    Parameters
+    ----------
+    chain : Chain
+        n configurations, J joints.
+    masses : tuple of LinkMass
+    gravity_m_s2 : ndarray, shape (3,)
+        In the world frame [m/s2].
+
+    Returns
+    -------
+    ndarray, shape (J, n, 3)
+        In the world frame [N mm].
+    """
+    joints, n, _ = chain.z.shape
+    moments = np.empty((joints, n, 3))
+    mass_kg, first = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
+    for joint in reversed(range(joints)):
+        for link in masses:
+            if link.frame - 1 == joint:
+                centre = chain.rotation[joint] @ np.array(link.centre_of_gravity_mm)
+                mass_kg, first = (
+                    mass_kg + link.mass_kg,
+                    first + link.mass_kg * (chain.origin[joint] + centre),
+                )
+        moments[joint] = cross(first - mass_kg * chain.origin[joint], gravity_m_s2)
+    return moments
+
+
+def moment_regressor(
+    chain: Chain, joint: int, frame: int, component: int, gravity_m_s2: FloatArray
+) -> FloatArray:
+    """Torque about a joint per first moment of mass of a frame.
+
+    Only the two components across each joint axis are needed: the mass and the component along the
+    axis regroup into the frames before it (M. Gautier, W. Khalil, IEEE Trans. Robotics and Automation
+    6(3), 1990, 368-373).
+
+    Parameters
+    ----------
+    chain : Chain
+    joint, frame : int
+        0-based, frame >= joint.
+    component : int
+        0 for x, 1 for y of the frame.
+    gravity_m_s2 : ndarray, shape (3,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Torque per moment [N mm per kg mm].
+    """
+    turning = cross(chain.rotation[frame, :, :, component], gravity_m_s2)
+    torque: FloatArray = np.einsum("ni,ni->n", chain.z[joint], turning)
+    return torque

@@ -1,0 +1,193 @@
+"""The devices of the cell: opened by the drivers, connected on request, lent to one session at a time."""
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, cast
+
+from truepose.domain.cell import DeviceEntry
+from truepose.domain.identities import IdentityOf
+from truepose.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
+from truepose.sequencing.acquaintances import Expected
+from truepose.sequencing.identities import same_number, told
+from truepose.sequencing.notices import motion_notice
+from truepose_drivers.api import (
+    AnyDevice,
+    Ballbar,
+    Clock,
+    Device,
+    DeviceIdentity,
+    DeviceKind,
+    PointTracker,
+    RobotController,
+    SimulatedHands,
+    motion_guard,
+)
+from truepose_drivers.errors import DriverError
+
+_ASKED: Final[tuple[IdentityOf, ...]] = ("tracker", "robot", "ballbar")
+
+
+@dataclass(frozen=True, slots=True)
+class MountedDevice:
+    """A device that a driver has opened, not necessarily connected."""
+
+    entry: DeviceEntry
+    kind: DeviceKind
+    protocol: str
+    device: AnyDevice
+    expected_serial: str = ""  # as the cell file says; empty: whoever answers
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceStatus:
+    """What is known of a device without asking it."""
+
+    mounted: MountedDevice
+    connected: bool
+    identity: DeviceIdentity | None  # as it last said itself
+    fault: str | None  # of the last attempt to connect
+    session_id: int | None  # which session holds it
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether another device answered than the cell file names."""
+        answered, expected = self.answered_serial, self.mounted.expected_serial
+        return bool(answered and expected) and not same_number(answered, expected)
+
+    @property
+    def answered_serial(self) -> str:
+        """Return the serial number that it told, empty where it told none."""
+        return "" if self.identity is None else told(self.identity.serial)
+
+
+class Rack:
+    """All devices of the cell but its clock."""
+
+    def __init__(self, mounted: Sequence[MountedDevice], clock: Clock) -> None:
+        self.clock = clock
+        self._mounted = {device.entry.name: device for device in mounted}
+        self._identities: dict[str, DeviceIdentity] = {}
+        self._faults: dict[str, str] = {}
+        self._turns = {name: asyncio.Lock() for name in self._mounted}
+        self._session_id: int | None = None
+
+    def statuses(self) -> list[DeviceStatus]:
+        """Return every device in the order of the cell file."""
+        return [self.status(name) for name in self._mounted]
+
+    def status(self, name: str) -> DeviceStatus:
+        """Return a device by name; raises UnknownDeviceError."""
+        mounted = self._find(name)
+        return DeviceStatus(
+            mounted=mounted,
+            connected=_link(mounted).connected,
+            identity=self._identities.get(name),
+            fault=self._faults.get(name),
+            session_id=self._session_id,
+        )
+
+    async def connect(self, name: str) -> DeviceStatus:
+        """Open the link and ask the device who it is.
+
+        Raises UnknownDeviceError, DeviceInUseError, or what the driver raises.
+        """
+        device = self._idle(name)
+        async with self._turns[name]:
+            try:
+                if not device.connected:
+                    await device.connect()
+                self._identities[name] = await device.identify()
+                self._faults.pop(name, None)
+            except DriverError as error:
+                self._faults[name] = str(error)
+                raise
+        return self.status(name)
+
+    async def disconnect(self, name: str) -> DeviceStatus:
+        """Close the link; raises UnknownDeviceError, DeviceInUseError."""
+        device = self._idle(name)
+        async with self._turns[name]:
+            await device.close()
+        return self.status(name)
+
+    def expected(self) -> Expected:
+        """Return which devices must answer, for a session that asks them itself."""
+        by_kind = {mounted.kind: mounted.expected_serial for mounted in reversed(self._mounted.values())}
+        return Expected({kind: by_kind.get(kind, "") for kind in _ASKED}, self._hear)
+
+    def name_of(self, kind: DeviceKind) -> str:
+        """Return the name of the device of this kind that sessions use; empty where there is none."""
+        return next((name for name, mounted in self._mounted.items() if mounted.kind == kind), "")
+
+    def _hear(self, kind: IdentityOf, identity: DeviceIdentity) -> None:
+        """Remember what a device said of itself in a session."""
+        self._identities[self.name_of(kind)] = identity
+
+    def lend(self, session_id: int) -> None:
+        """Give all devices to a session; raises DeviceInUseError where another has them."""
+        if self._session_id not in {None, session_id}:
+            raise DeviceInUseError(
+                f"Session {self._session_id} holds the devices of this cell; end it first."
+            )
+        self._session_id = session_id
+
+    def take_back(self) -> None:
+        """End the loan."""
+        self._session_id = None
+
+    @property
+    def tracker(self) -> PointTracker:
+        """The instrument that measures points; raises MissingDeviceError."""
+        return cast(PointTracker, self._of_kind("tracker"))
+
+    @property
+    def robot(self) -> RobotController:
+        """The robot's controller; raises MissingDeviceError."""
+        return cast(RobotController, self._of_kind("robot"))
+
+    @property
+    def motion_notice(self) -> str | None:
+        """What whoever lets the arm move has to know of its controller; None in a cell without one."""
+        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "robot"]
+        return motion_notice(motion_guard(found[0])) if found else None
+
+    @property
+    def ballbar(self) -> Ballbar:
+        """The instrument that measures lengths; raises MissingDeviceError."""
+        return cast(Ballbar, self._of_kind("ballbar"))
+
+    @property
+    def hands(self) -> SimulatedHands | None:
+        """The person of a simulated cell; None where a real one stands there."""
+        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "hands"]
+        return cast(SimulatedHands, found[0]) if found else None
+
+    async def close(self) -> None:
+        """Close every link."""
+        for mounted in self._mounted.values():
+            await _link(mounted).close()
+
+    def _of_kind(self, kind: DeviceKind) -> AnyDevice:
+        for mounted in self._mounted.values():
+            if mounted.kind == kind:
+                return mounted.device
+        raise MissingDeviceError(f"The cell file lists no {kind}; a session needs one.")
+
+    def _find(self, name: str) -> MountedDevice:
+        try:
+            return self._mounted[name]
+        except KeyError:
+            known = ", ".join(self._mounted) or "none"
+            raise UnknownDeviceError(f"The cell has no device '{name}'; it has: {known}.") from None
+
+    def _idle(self, name: str) -> Device:
+        mounted = self._find(name)
+        if self._session_id is not None:
+            raise DeviceInUseError(f"Session {self._session_id} holds the device '{name}'; end it first.")
+        return _link(mounted)
+
+
+def _link(mounted: MountedDevice) -> Device:
+    # The clock, the one device without a link of its own, is never mounted here.
+    return cast(Device, mounted.device)

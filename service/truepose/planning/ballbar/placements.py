@@ -1,0 +1,207 @@
+"""Where the base fixture stands: a search over places and tilts before the robot.
+
+Each place is judged by the error that the session's model will have over the whole work space, were all
+configurations measured that can be from there. Random places first; of them the best one, the one that goes
+best with it, and so on; then each is moved about a little as long as that helps.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import FramePlacement
+from truepose.kinematics.frames import (
+    placement_of,
+    placement_rotation,
+    placement_translation,
+    rotation_from_vector,
+    rotation_z,
+)
+from truepose.kinematics.inverse import has_closed_form
+from truepose.kinematics.pose_device import Assembly
+from truepose.planning.ballbar.bodies import BallbarCell
+from truepose.planning.ballbar.choice import Candidates, candidates, known_after
+from truepose.planning.ballbar.fixture import BaseFixture, base_fixture
+from truepose.planning.ballbar.information import (
+    SPACE_POINTS,
+    ArmModel,
+    WorkSpaceSample,
+    arm_model,
+    predicted_error_mm,
+    work_space_sample,
+)
+from truepose.planning.ballbar.poses import device
+from truepose.planning.ballbar.setups import setup_joints
+from truepose.planning.errors import TooFewCandidatesError
+
+_LOWEST_MM: Final = 60.0  # of cup and hub above the table
+_HIGHEST_MM: Final = 600.0  # a stand that high is still stiff
+_MOST_TILT_RAD: Final = float(np.radians(75.0))
+_SHIFT_MM: Final = 60.0  # of the moves that refine a place
+_TURN_RAD: Final = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What is asked of the search."""
+
+    placements: int = 1
+    base_points: int = 3
+    poses: int = 61  # of the whole session, thesis of A. Nubiola, 2014, section 4.4
+    draws: int = 360
+    moves: int = 150  # of all placements, per start
+    starts: int = 4  # sets of places that are refined
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.placements < 1 or self.poses < self.placements:
+            raise ConfigurationError(
+                f"{self.placements} placements with {self.poses} poses are no session; ask for one pose per "
+                "placement or more."
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestion:
+    """Where to place the base fixture, one after the other."""
+
+    fixtures: tuple[BaseFixture, ...]
+    error_mm: float  # root mean square over the work space, as far as readings scatter as stated
+    tried: int  # places that were looked at
+    usable: int  # of these, places from which enough can be measured
+
+
+def suggest(cell: BallbarCell, wish: Wish | None = None) -> Suggestion:
+    """Search for the placements from which a session identifies the model best.
+
+    Raises
+    ------
+    TooFewCandidatesError
+        From none of the places that were tried enough configurations can be measured.
+    """
+    wish = _affordable(cell, wish or Wish())
+    rng = np.random.default_rng(wish.seed)
+    model = arm_model(cell)
+    made = device(cell, base_fixture(1, FramePlacement(), wish.base_points, cell.leg_mm))
+    search = _Search(model, work_space_sample(model, SPACE_POINTS, rng), wish, made)
+    places = [own for own in (search.judged(frame) for frame in _frames(cell, wish, rng)) if own is not None]
+    pool = [own for own in places if len(own) >= search.fewest]
+    if not pool:
+        raise TooFewCandidatesError(search.too_few(places))
+    chosen = search.best(pool, rng)
+    fixtures = tuple(replace(own.fixture, number=number) for number, own in enumerate(chosen, start=1))
+    return Suggestion(fixtures, search.error_mm(chosen), wish.draws, len(pool))
+
+
+def _affordable(cell: BallbarCell, wish: Wish) -> Wish:
+    """Return a smaller search for arms whose inverse is searched for, too: it takes twenty times as long."""
+    if has_closed_form(cell.robot):
+        return wish
+    return replace(wish, draws=wish.draws // 8, moves=wish.moves // 8, starts=1)
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    model: ArmModel
+    sample: WorkSpaceSample
+    wish: Wish
+    made: tuple[Assembly, ...]  # of tool and base fixture, wherever it stands
+
+    @property
+    def fewest(self) -> int:
+        """Configurations that each placement must offer."""
+        return int(np.ceil(self.wish.poses / self.wish.placements))
+
+    def judged(self, frame: FramePlacement) -> Candidates | None:
+        """Return what can be measured from a place; None where the base fixture cannot stand."""
+        fixture = base_fixture(1, frame, self.wish.base_points, self.model.cell.leg_mm)
+        heights = np.array([*fixture.cups_mm[:, 2], fixture.hub_mm[2]]) - self.model.cell.table_z_mm
+        if heights.min() < _LOWEST_MM or heights.max() > _HIGHEST_MM:
+            return None
+        return candidates(self.model, fixture, made=self.made)
+
+    def too_few(self, places: Sequence[Candidates]) -> str:
+        """Say that no place offers what is asked for, and how much the best one does."""
+        most = max((len(own) for own in places), default=0)
+        return (
+            f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations be "
+            f"measured with the ballbar; the best offers {most}: ask for fewer or for more placements, or "
+            "widen the joint ranges."
+        )
+
+    def holds_ball(self, own: Candidates) -> bool:
+        """Whether the arm can hold the setting ball at every cup."""
+        points = range(1, len(own.fixture.cups_mm) + 1)
+        return all(setup_joints(self.model.cell, own.fixture, point) is not None for point in points)
+
+    def error_mm(self, placements: Sequence[Candidates]) -> float:
+        """Return the error over the work space with the share of poses that each placement gets."""
+        known = known_after(self.model, placements, [None] * len(placements), self.wish.poses)
+        return predicted_error_mm(known, self.sample)
+
+    def best(self, pool: Sequence[Candidates], rng: np.random.Generator) -> list[Candidates]:
+        """Return the best of several sets of places, each refined."""
+        ranked = sorted(pool, key=lambda own: self.error_mm([own]))
+        starts = [self.greedy(ranked, ranked[k:]) for k in range(min(self.wish.starts, max(1, len(ranked))))]
+        return min((self.refined(start, rng) for start in starts), key=self.error_mm)
+
+    def greedy(self, pool: Sequence[Candidates], first: Sequence[Candidates]) -> list[Candidates]:
+        """Return the first usable of `first`, then the place that goes best with those before."""
+        chosen: list[Candidates] = []
+        for place in range(self.wish.placements):
+            ranked = sorted(pool, key=lambda own: self.error_mm([*chosen, own])) if place else first
+            best = next((own for own in ranked if self.holds_ball(own)), None)
+            if best is None:
+                raise TooFewCandidatesError(
+                    "From none of the places that were tried can the arm hold the setting ball at every cup: "
+                    "widen the joint ranges."
+                )
+            chosen.append(best)
+        return chosen
+
+    def refined(self, chosen: list[Candidates], rng: np.random.Generator) -> list[Candidates]:
+        """Move each placement about as long as the error falls."""
+        best = self.error_mm(chosen)
+        for move in range(self.wish.moves):
+            k = move % len(chosen)
+            scale = 1.0 - 0.75 * move / self.wish.moves
+            own = self.judged(_moved(chosen[k].fixture.frame, scale, rng))
+            if own is None or len(own) < self.fewest:
+                continue
+            tried = [*chosen[:k], own, *chosen[k + 1 :]]
+            error = self.error_mm(tried)
+            if error < best and self.holds_ball(own):
+                chosen, best = tried, error
+        return chosen
+
+
+def _frames(cell: BallbarCell, wish: Wish, rng: np.random.Generator) -> Iterator[FramePlacement]:
+    """Random frames of the base triangle, its centre in the arm's reach, its normal up to a tilt."""
+    reach = sum(abs(row.a_mm) + abs(row.d_mm) for row in cell.robot.joints[1:])
+    first = cell.ranges[0]
+    base_rotation, base_origin = placement_rotation(cell.base), placement_translation(cell.base)
+    for _ in range(wish.draws):
+        turn = rng.uniform(max(first.lower_rad, -np.pi), min(first.upper_rad, np.pi))
+        distance = reach * rng.uniform(0.3, 0.85)
+        height = cell.table_z_mm - base_origin[2] + rng.uniform(_LOWEST_MM, 0.6 * _HIGHEST_MM)
+        centre = np.array([distance * np.cos(turn), distance * np.sin(turn), height])
+        rotation = _tilted(rng)
+        corner = np.array([0.5, np.sqrt(3.0) / 6.0, 0.0]) * cell.leg_mm
+        origin = base_rotation @ centre + base_origin - rotation @ corner
+        yield placement_of(rotation, origin)
+
+
+def _tilted(rng: np.random.Generator) -> FloatArray:
+    direction = rng.uniform(-np.pi, np.pi)
+    lean = np.array([np.cos(direction), np.sin(direction), 0.0]) * rng.uniform(0.0, _MOST_TILT_RAD)
+    return np.asarray(rotation_from_vector(lean) @ rotation_z(rng.uniform(-np.pi, np.pi)))
+
+
+def _moved(frame: FramePlacement, scale: float, rng: np.random.Generator) -> FramePlacement:
+    turn = rotation_from_vector(scale * _TURN_RAD * rng.standard_normal(3))
+    shift = scale * _SHIFT_MM * rng.standard_normal(3)
+    return placement_of(turn @ placement_rotation(frame), placement_translation(frame) + shift)

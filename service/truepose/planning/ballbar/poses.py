@@ -1,0 +1,177 @@
+"""Poses that can be measured from one placement of the base fixture, with everything that keeps out others.
+
+Every assembly of the pose device (design and solution, all twelve lengths nominal) is one pose of the tool;
+the arm reaches it by up to eight branches. A configuration counts when its joints are within the ranges, arm
+and tool are clear, and each leg alone finds room between its two balls.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.ballbar import Leg, PlannedPose
+from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_within, has_closed_form
+from truepose.kinematics.pose_device import Assembly, assemblies, measurable
+from truepose.planning.ballbar.bodies import BallbarCell, pose_in_base
+from truepose.planning.ballbar.clearance import Bars, arm_room_mm, bar_room_mm, scene
+from truepose.planning.ballbar.fixture import BaseFixture
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """Configurations that can be measured, n of them."""
+
+    joints_rad: FloatArray  # (n, J)
+    assembly: tuple[Assembly, ...]  # n, in the frame of the fixture
+    branch: tuple[str, ...]  # n, in words
+    refused: Mapping[str, int]  # how many (assembly, branch) pairs each reason kept out
+
+    def __len__(self) -> int:
+        return len(self.assembly)
+
+
+def device(cell: BallbarCell, fixture: BaseFixture) -> tuple[Assembly, ...]:
+    """Return the measurable assemblies of tool and base fixture, in the frame of the fixture.
+
+    They are the same wherever the fixture stands.
+    """
+    cups = fixture.own_cups_mm
+    made = assemblies(cups, cell.nests_mm, leg_mm=cell.leg_mm)
+    return measurable(made, cups, cell.nests_mm)
+
+
+def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | None = None) -> Reached:
+    """Return every measurable configuration of one placement, in order of assembly and branch.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+    made : sequence of Assembly, optional
+        What `device` returns, where many placements are looked at.
+    """
+    made = device(cell, fixture) if made is None else made
+    tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces()]
+    joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
+    bodies = scene(cell, fixture, joints)
+    clear = arm_room_mm(bodies) >= cell.arm_room_mm
+    refused["arm or tool too close to something"] = int((~clear).sum())
+    joints, index = joints[clear], index[clear]
+    free = _bars_free(cell, fixture, joints, [tried[row // BRANCHES_PER_POSE] for row in index])
+    refused["a leg has no room"] = int((~free).sum())
+    joints, index = joints[free], index[free]
+    return Reached(
+        joints,
+        tuple(tried[row // BRANCHES_PER_POSE] for row in index),
+        tuple(_branch_name(cell, int(row % BRANCHES_PER_POSE)) for row in index),
+        refused,
+    )
+
+
+def _poses(fixture: BaseFixture, tried: Sequence[Assembly]) -> FloatArray:
+    """Poses of the last frame in the world, shape (n, 4, 4)."""
+    placed = np.eye(4)
+    placed[:3, :3], placed[:3, 3] = placement_rotation(fixture.frame), placement_translation(fixture.frame)
+    return np.asarray(placed @ np.array([one.pose.matrix for one in tried]).reshape(-1, 4, 4))
+
+
+BRANCHES_PER_POSE: Final = len(BRANCH_NAMES)
+
+
+def _branch_name(cell: BallbarCell, branch: int) -> str:
+    return BRANCH_NAMES[branch] if has_closed_form(cell.robot) else f"branch {branch + 1}"
+
+
+def _within_ranges(cell: BallbarCell, poses: FloatArray) -> tuple[FloatArray, IntArray, dict[str, int]]:
+    """Joints (n, J) of all branches within the ranges, and their row among poses x branches."""
+    joints = all_branches(cell.robot, pose_in_base(cell, poses)).reshape(-1, cell.robot.n_joints)
+    turned, within = brought_within(joints, cell.ranges)
+    exists = np.isfinite(joints).all(axis=1)
+    refused = {
+        "out of reach": int((~exists).sum()),
+        "joints out of range": int((exists & ~within).sum()),
+    }
+    return turned[within], np.flatnonzero(within).astype(np.int64), refused
+
+
+def _bars_free(
+    cell: BallbarCell, fixture: BaseFixture, joints: FloatArray, tried: Sequence[Assembly]
+) -> BoolArray:
+    if not tried:
+        return np.zeros(0, dtype=bool)
+    legs = np.array([assembly.legs for assembly in tried])
+    joined = Bars(legs[:, :, 0].T, legs[:, :, 1].T)
+    room: BoolArray = np.all(bar_room_mm(scene(cell, fixture, joints), joined) >= cell.bar_room_mm, axis=0)
+    return room
+
+
+def in_hand_order(legs: Sequence[Leg]) -> tuple[Leg, ...]:
+    """Order legs so that from each to the next one ball stays where it is, as far as that is possible.
+
+    The person then moves one end of the ballbar at a time.
+    """
+    best: tuple[Leg, ...] = tuple(sorted(legs))
+    for start in sorted(legs):
+        path = _walk([start], [leg for leg in sorted(legs) if leg != start])
+        if path is not None:
+            return path
+    return best
+
+
+def _walk(path: list[Leg], left: list[Leg]) -> tuple[Leg, ...] | None:
+    if not left:
+        return tuple(path)
+    base, tool = path[-1]
+    for leg in left:
+        if leg[0] == base or leg[1] == tool:
+            found = _walk([*path, leg], [other for other in left if other != leg])
+            if found is not None:
+                return found
+    return None
+
+
+def reachable(cell: BallbarCell, fixture: BaseFixture, first_config: int = 1) -> tuple[PlannedPose, ...]:
+    """Return every measurable configuration as a planned pose, numbered from `first_config`.
+
+    Parameters
+    ----------
+    cell : BallbarCell
+    fixture : BaseFixture
+        Of three cups, or four: then any three of them carry poses.
+    first_config : int
+
+    Returns
+    -------
+    tuple of PlannedPose
+        Empty where the arm reaches none; `reach` says why.
+    """
+    return planned(reach(cell, fixture), fixture.number, first_config)
+
+
+def planned(found: Reached, placement: int, first_config: int = 1) -> tuple[PlannedPose, ...]:
+    """Return configurations as planned poses, in their order."""
+    rows = zip(found.joints_rad, found.assembly, found.branch, strict=True)
+    return tuple(
+        PlannedPose(
+            config=config,
+            placement=placement,
+            joints_rad=tuple(float(q) for q in joints),
+            legs=in_hand_order(assembly.legs),
+            assembly=f"{branch}, design {assembly.name}",
+        )
+        for config, (joints, assembly, branch) in enumerate(rows, start=first_config)
+    )
+
+
+def subset(found: Reached, rows: IntArray) -> Reached:
+    """Return some of the configurations, in the order of `rows`."""
+    return replace(
+        found,
+        joints_rad=found.joints_rad[rows],
+        assembly=tuple(found.assembly[row] for row in rows),
+        branch=tuple(found.branch[row] for row in rows),
+    )

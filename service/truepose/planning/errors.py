@@ -1,0 +1,30 @@
+"""Errors of planning.
+
+PlanningError
+├── WorkSpaceError           what is said of the cell does not allow any configuration
+├── TooFewCandidatesError    fewer configurations are feasible than were asked for
+├── AimError                 no joints near a pose give its legs the wanted lengths
+└── NoWayError               no clear way was found from one stop to the next, or to any in its place
+"""
+
+from truepose.domain.errors import TrueposeError
+
+
+class PlanningError(TrueposeError):
+    """Base of every error of planning."""
+
+
+class WorkSpaceError(PlanningError):
+    """What is said of the cell does not allow any configuration."""
+
+
+class TooFewCandidatesError(PlanningError):
+    """Fewer configurations are feasible than were asked for."""
+
+
+class AimError(PlanningError):
+    """No joints near a pose give its legs the wanted lengths."""
+
+
+class NoWayError(PlanningError):
+    """No clear way was found from one stop to the next."""

@@ -1,0 +1,15 @@
+"""Errors of the reports.
+
+ReportsError
+└── UnwritableReportError   the file cannot be written
+"""
+
+from truepose.domain.errors import TrueposeError
+
+
+class ReportsError(TrueposeError):
+    """Base of every error of this package."""
+
+
+class UnwritableReportError(ReportsError):
+    """The report cannot be written where it should go."""

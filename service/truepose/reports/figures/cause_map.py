@@ -1,0 +1,124 @@
+"""The map of a diagnosis as a picture: places by variables, shaded by their share."""
+
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from truepose.reports.cause_map import CauseMap, MapCell, Place
+from truepose.reports.figures.canvas import (
+    AFTER,
+    GRID,
+    INK,
+    MUTED,
+    label,
+    new_figure,
+    no_spines,
+    page_style,
+    to_svg,
+)
+
+_WIDTH_IN, _ROW_IN = 8.0, 0.42
+_LABELS_IN = 1.5  # below the columns, and the legend
+_FEWEST_COLUMNS = 5  # the room of; cells of fewer would be as wide as the page
+_LEVEL_COLUMNS = 6  # whose names stand side by side
+_SLANTED_COLUMNS = 8  # of more, slanted labels would lie on one another
+_WIDEST_LABEL = 18  # letters
+_HALF = (0.46, 0.42)  # of a cell, beside the lines of the grid
+_DARKEST = 0.6  # opacity of a share of 1; the text on it stays readable
+_FAINTEST = 0.06
+
+
+def map_picture(found: CauseMap) -> Markup:
+    """Draw the map; shares and numbers stand in the cells, so that nothing rests on a shade."""
+    with page_style():
+        figure = new_figure(_WIDTH_IN, _LABELS_IN + _ROW_IN * len(found.rows))
+        axes = figure.add_subplot()
+        _grid(axes, found)
+        for link in found.links:
+            _link(axes, found, link)
+        for cell in found.cells:
+            _cell(axes, found, cell)
+        figure.legend(handles=_legend(found), loc="outside upper left", ncols=4)
+        return to_svg(figure, "map", "Where something acts, by what it depends on; the same as a table below")
+
+
+def _grid(axes: Axes, found: CauseMap) -> None:
+    columns, rows = len(found.columns), len(found.rows)
+    axes.set_xlim(-0.5, max(columns, _FEWEST_COLUMNS) - 0.5)
+    axes.set_ylim(rows - 0.5, -0.5)
+    names = [label(name, _WIDEST_LABEL) for name in found.columns]
+    if columns > _SLANTED_COLUMNS:
+        axes.set_xticks(range(columns), names, ha="right", va="center", rotation=90, rotation_mode="anchor")
+    elif columns > _LEVEL_COLUMNS:
+        axes.set_xticks(range(columns), names, rotation=40, ha="right", rotation_mode="anchor")
+    else:
+        axes.set_xticks(range(columns), names)
+    axes.set_yticks(range(rows), [label(name, _WIDEST_LABEL) for name in found.rows])
+    axes.tick_params(length=0)
+    axes.grid(visible=False)
+    axes.hlines([k + 0.5 for k in range(rows - 1)], -0.5, columns - 0.5, color=GRID, linewidth=0.6)
+    axes.vlines([k + 0.5 for k in range(columns - 1)], -0.5, rows - 0.5, color=GRID, linewidth=0.6)
+    no_spines(axes)
+
+
+def _at(found: CauseMap, place: Place) -> tuple[int, int]:
+    return found.columns.index(place[1]), found.rows.index(place[0])
+
+
+def _link(axes: Axes, found: CauseMap, link: tuple[Place, Place]) -> None:
+    """Join two cells from edge to edge."""
+    (x, y), (to_x, to_y) = (_at(found, place) for place in link)
+    across, down = to_x - x, to_y - y
+    inside = min(half / abs(way) for half, way in zip(_HALF, (across, down), strict=True) if way)
+    ends = inside, 1.0 - inside
+    axes.plot(
+        [x + across * end for end in ends],
+        [y + down * end for end in ends],
+        color=MUTED,
+        linewidth=0.9,
+        linestyle=":",
+        zorder=1.5,
+    )
+
+
+def _cell(axes: Axes, found: CauseMap, cell: MapCell) -> None:
+    x, y = _at(found, cell.place)
+    corner, size = (x - _HALF[0], y - _HALF[1]), (2.0 * _HALF[0], 2.0 * _HALF[1])
+    if cell.share > 0.0:
+        axes.add_patch(Rectangle(corner, *size, color=AFTER, alpha=_opacity(cell.share), linewidth=0.0))
+    if cell.findings:
+        axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=INK, linewidth=1.6))
+    elif cell.rival_of:
+        axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=MUTED, linewidth=1.0, linestyle="--"))
+    axes.text(x, y, _text(cell), ha="center", va="center", fontsize=8.0 if len(found.columns) < 10 else 6.5)
+
+
+def _opacity(share: float) -> float:
+    """Return the shade of a share: by its root, as large as the error itself, so that small ones are seen."""
+    return float(_FAINTEST + (_DARKEST - _FAINTEST) * share**0.5)
+
+
+def _text(cell: MapCell) -> str:
+    numbers = f"({', '.join(map(str, cell.findings))})" if cell.findings else ""
+    return " ".join(filter(None, (numbers, share_text(cell.share))))
+
+
+def share_text(share: float) -> str:
+    """Return a share in per cent; nothing where there is none."""
+    if share == 0.0:
+        return ""
+    return "< 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
+
+
+def _legend(found: CauseMap) -> list[Patch | Line2D]:
+    handles: list[Patch | Line2D] = []
+    if any(cell.findings for cell in found.cells):
+        handles.append(Patch(fill=False, edgecolor=INK, linewidth=1.6, label="(1) finding and its number"))
+    if any(cell.share > 0.0 and not cell.findings for cell in found.cells):
+        handles.append(Patch(color=AFTER, alpha=0.3, linewidth=0.0, label="described without a name"))
+    if found.links:
+        handles.append(
+            Line2D([], [], color=MUTED, linewidth=1.0, linestyle="--", label="where a rival would act")
+        )
+    return handles

@@ -1,0 +1,49 @@
+"""How many held-out errors of which size: two models in the same bins."""
+
+import numpy as np
+from markupsafe import Markup
+
+from truepose.domain.arrays import FloatArray
+from truepose.reports.figures.canvas import AFTER, BEFORE, NOISE, new_figure, page_style, to_svg
+from truepose.reports.rounding import millimetres
+
+_BINS = 40
+_NEARLY_ALL = 0.995  # of the errors; what lies beyond is counted in the last bin
+_WORTH_A_CUT = 1.5  # a tail this much longer than nearly all errors would squeeze them
+
+
+def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> tuple[Markup, int]:
+    """Return the histogram of both norms, and how many errors of either stand in the last bin for more.
+
+    Parameters
+    ----------
+    before_mm, after_mm : ndarray, shape (n,)
+        Norms of the errors [mm].
+    noise_mm : float
+        Mean norm that stated noise alone gives; not drawn where it is not within the picture.
+    """
+    end = _end(np.concatenate([before_mm, after_mm]))
+    edges = np.linspace(0.0, end, _BINS + 1)
+    beyond = int((before_mm > end).sum() + (after_mm > end).sum())
+    with page_style():
+        figure = new_figure(8.0, 2.9)
+        axes = figure.add_subplot()
+        for norms, colour, name in ((before_mm, BEFORE, "before"), (after_mm, AFTER, "after")):
+            label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+            inside = np.minimum(norms, end)
+            axes.hist(inside, edges.tolist(), color=colour, alpha=0.5, label=label)
+            axes.hist(inside, edges.tolist(), color=colour, histtype="step", linewidth=1.4)
+        if 0.0 < noise_mm < end:
+            label = f"noise alone: mean {millimetres(noise_mm)} mm"
+            axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
+        axes.set_xlim(0.0, end)
+        axes.grid(axis="x", visible=False)
+        axes.set_xlabel("error [mm]")
+        axes.set_ylabel("readings")
+        figure.legend(loc="outside upper left", ncols=3)
+        return to_svg(figure, "comparison", "Histogram of held-out errors before and after"), beyond
+
+
+def _end(norms: FloatArray) -> float:
+    largest, nearly = float(norms.max()), float(np.quantile(norms, _NEARLY_ALL))
+    return max(largest if largest < _WORTH_A_CUT * nearly else nearly, 1e-6)

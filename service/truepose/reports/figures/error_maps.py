@@ -1,0 +1,149 @@
+"""Where held-out errors are, before and after, at one scale: from above and along y."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.axes import Axes
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.diagnosis import HeldOutErrors
+from truepose.reports.figures.canvas import AFTER, BEFORE, INK, MUTED, new_figure, page_style, to_svg
+from truepose.reports.figures.work_space import exaggeration
+
+_MOST_VECTORS = 250
+_VIEWS = ((0, 1, "from above"), (0, 2, "along y"))
+_PANEL_IN = 3.5
+_MOST_HEIGHT_IN = 6.0  # both rows; a page holds them with their caption
+_LEAST_SHARE = 0.25  # of the longest side, for the shortest: a flat campaign is still a picture
+_MARGIN = 0.06
+_LARGEST_DOT = 80.0  # area [pt2] of a large error of a length
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorMaps:
+    """The picture and what its caption must state."""
+
+    picture: Markup
+    exaggeration: float  # 1 where dots stand for lengths
+    largest_mm: float  # error of the largest dot of lengths
+    shown: int
+    total: int
+    lengths: bool
+
+
+def error_maps(errors: HeldOutErrors) -> ErrorMaps | None:
+    """Draw errors where the tool stood; None where nothing finite is held out."""
+    errors = _finite(errors)
+    total = len(errors.position_mm)
+    if total == 0:
+        return None
+    rows = slice(None, None, -(-total // _MOST_VECTORS))
+    points, before, after = errors.position_mm[rows], errors.before_mm[rows], errors.after_mm[rows]
+    lengths = before.shape[1] == 1
+    scale = 1.0 if lengths else exaggeration(errors.position_mm, errors.before_mm)
+    large = float(np.quantile(np.abs(np.concatenate([errors.before_mm, errors.after_mm])), 0.99))
+    tips = [] if lengths else [points + scale * before, points + scale * after]
+    limits = _limits(np.concatenate([points, *tips]))
+    panels = ((before * scale, BEFORE, "before"), (after * scale, AFTER, "after"))
+    with page_style():
+        picture = _picture(points, panels, limits, large if lengths else None, scale)
+    return ErrorMaps(picture, scale, large, len(points), total, lengths)
+
+
+def _finite(errors: HeldOutErrors) -> HeldOutErrors:
+    together = np.concatenate([errors.position_mm, errors.before_mm, errors.after_mm], axis=1)
+    known = np.isfinite(together).all(axis=1)
+    return HeldOutErrors(
+        errors.config[known], errors.position_mm[known], errors.before_mm[known], errors.after_mm[known]
+    )
+
+
+def _limits(points: FloatArray) -> FloatArray:
+    """Return lower and upper limits of x, y, z, shape (2, 3)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, extent = (low + high) / 2.0, high - low
+    longest = max(float(extent.max()), 1.0)
+    half = np.maximum(extent * (1.0 + _MARGIN), _LEAST_SHARE * longest) / 2.0
+    return np.stack([middle - half, middle + half])
+
+
+def _picture(
+    points: FloatArray,
+    panels: tuple[tuple[FloatArray, str, str], ...],
+    limits: FloatArray,
+    large_mm: float | None,
+    scale: float,
+) -> Markup:
+    width = limits[1] - limits[0]
+    heights = [float(np.clip(width[up] / width[across], 0.3, 1.4)) for across, up, _ in _VIEWS]
+    panel_in = min(_PANEL_IN, _MOST_HEIGHT_IN / sum(heights))
+    figure = new_figure(8.0, panel_in * sum(heights) + 1.3)
+    grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": heights}, sharex=True, sharey="row")
+    for row, (across, up, view) in enumerate(_VIEWS):
+        for axes, (errors, colour, name) in zip(grid[row], panels, strict=True):
+            _frame(axes, limits, across, up)
+            if large_mm is None:
+                _arrows(axes, points[:, [across, up]], errors[:, [across, up]], colour)
+            else:
+                _dots(axes, points[:, [across, up]], errors[:, 0] / max(large_mm, 1e-9), colour)
+            axes.set_title(f"{name}, {view}")
+        grid[row][0].set_ylabel(f"{'xyz'[up]} [mm]")
+    for axes in grid[1]:
+        axes.set_xlabel("x [mm]")
+    if large_mm is None:
+        _scale_bar(grid[0][0], limits, scale)
+    return to_svg(figure, "maps", "Held-out errors where the tool stood, before and after")
+
+
+def _frame(axes: Axes, limits: FloatArray, across: int, up: int) -> None:
+    axes.set_xlim(*limits[:, across])
+    axes.set_ylim(*limits[:, up])
+    axes.set_aspect("equal", adjustable="box")
+    axes.locator_params(nbins=5)
+
+
+def _arrows(axes: Axes, points: FloatArray, vectors: FloatArray, colour: str) -> None:
+    axes.quiver(
+        *points.T,
+        *vectors.T,
+        color=colour,
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        width=0.004,
+        headwidth=4,
+    )
+    axes.plot(*points.T, ".", color=MUTED, markersize=1.5)
+
+
+def _dots(axes: Axes, points: FloatArray, share: FloatArray, colour: str) -> None:
+    size = np.clip(np.abs(share), 0.002, 1.0) * _LARGEST_DOT
+    for rows, face in ((share > 0.0, colour), (share <= 0.0, "none")):
+        x, y = points[rows].T
+        axes.scatter(x, y, s=size[rows], facecolors=face, edgecolors=colour, linewidths=0.9)
+
+
+def _scale_bar(axes: Axes, limits: FloatArray, scale: float) -> None:
+    """Draw a length below the panel that errors can be compared with: a round one of about a fifth of it."""
+    wanted = 0.2 * float(limits[1, 0] - limits[0, 0]) / scale
+    decade = 10.0 ** np.floor(np.log10(wanted))
+    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted * (1.0 + 1e-9))
+    start, low = float(limits[0, 0]), float(limits[0, 1] - 0.10 * np.ptp(limits[:, 1]))
+    axes.plot(
+        [start, start + length * scale],
+        [low, low],
+        color=INK,
+        linewidth=2.5,
+        solid_capstyle="butt",
+        clip_on=False,
+    )
+    axes.annotate(
+        f"error of {length:g} mm",
+        (start + length * scale, low),
+        (6, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=9.0,
+        annotation_clip=False,
+    )

@@ -1,0 +1,61 @@
+"""How many errors of which size, before and after."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.ticker import FuncFormatter, LogLocator
+
+from truepose.domain.arrays import FloatArray
+from truepose.reports.figures.canvas import AFTER, BEFORE, NOISE, new_figure, page_style, to_svg
+from truepose.reports.judged import Judged
+from truepose.reports.rounding import millimetres
+
+_BINS = 60
+_SMALLEST_SHARE = 1e-4  # of the largest error: what lies below is drawn in the first bin
+_DECADES_OF_LABELS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Histogram:
+    """The picture, and what its caption must state."""
+
+    picture: Markup
+    noise_drawn: bool
+
+
+def histogram(judged: Judged, noise_mm: float) -> Histogram:
+    """Draw the histogram of error norms, both on one logarithmic axis: they differ by decades.
+
+    `noise_mm` is the mean that noise alone would show; below the first bin it is not drawn.
+    """
+    before = np.linalg.norm(judged.nominal_mm, axis=1)
+    after = np.linalg.norm(judged.identified_mm, axis=1)
+    with page_style():
+        figure = new_figure(8.0, 3.0)
+        axes = figure.add_subplot()
+        edges = _edges(np.concatenate([before, after]))
+        for norms, colour, name in ((before, BEFORE, "nominal"), (after, AFTER, "identified")):
+            label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+            axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
+        noise_drawn = bool(noise_mm > edges[0])
+        if noise_drawn:
+            label = f"noise alone: mean {millimetres(noise_mm)} mm"
+            axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
+        axes.grid(axis="x", visible=False)
+        axes.set_xlabel("error [mm], logarithmic")
+        axes.set_ylabel("readings")
+        figure.legend(loc="outside upper left", ncols=3)
+        picture = to_svg(figure, "histogram", "Histogram of errors before and after identification")
+        return Histogram(picture, noise_drawn)
+
+
+def _edges(norms: FloatArray) -> FloatArray:
+    largest = max(float(norms.max()), 1e-6)
+    # A handful of tiny errors would stretch the axis over empty decades.
+    smallest = max(float(np.quantile(norms, 0.005)), largest * _SMALLEST_SHARE)
+    return np.geomspace(smallest / 1.2, largest * 1.05, _BINS + 1)

@@ -1,0 +1,180 @@
+"""The report of an identification: one HTML file for the operator, the metrologist and the archive."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.reports.budget import Budget, budget
+from truepose.reports.conditions import ReportConditions, condition_rows
+from truepose.reports.figures.correlation import correlation_map, strongest_pairs
+from truepose.reports.figures.histogram import histogram
+from truepose.reports.figures.joint_residuals import joint_residuals
+from truepose.reports.figures.work_space import work_space
+from truepose.reports.headline import headline
+from truepose.reports.judged import FAR_OUT, Judged, judged, noise_split, shown_noise_mm, without_far_out
+from truepose.reports.pages import write_page
+from truepose.reports.parameter_rows import parameter_rows
+from truepose.reports.shifts import DRAWS
+from truepose.reports.truth import Truth, truth_row
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosisLink:
+    """Where the report of a diagnosis of the same readings lies, and its first line."""
+
+    href: str  # relative to the report that links it
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReportInput:
+    """What a report is made from; only the identification and its campaign are needed."""
+
+    identification: Identification
+    campaign: Campaign
+    conditions: ReportConditions = field(default_factory=ReportConditions)
+    truth: Truth | None = None
+    diagnosis: DiagnosisLink | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FiguresRow:
+    """One block of the table of figures."""
+
+    label: str
+    remark: str
+    pair: NominalAndIdentified
+
+
+def write_identification_report(path: Path, report: ReportInput) -> None:
+    """Write the report of an identification as one self-contained HTML file.
+
+    Whatever the status: where nothing was fitted the report says why and has no figures.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced where it exists; its folder is made.
+    report : ReportInput
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    ConfigurationError
+        The campaign is not the one that the identification was made from.
+    """
+    identification, campaign = report.identification, report.campaign
+    conditions = _with_temperature(report.conditions, campaign)
+    shown = judged(identification, campaign)
+    uncertainties = _budget(shown, identification, campaign, conditions)
+    write_page(
+        path,
+        "identification.html",
+        identification=identification,
+        campaign=campaign,
+        conditions=conditions,
+        condition_rows=tuple(condition_rows(conditions)),
+        simulated=conditions.simulated or bool(campaign.simulated),
+        headline=headline(identification, shown, uncertainties),
+        figures_rows=tuple(figures_rows(identification, shown)),
+        far_out=FAR_OUT,
+        budget=uncertainties,
+        draws=DRAWS,
+        parameters=parameter_rows(identification, campaign),
+        truth=report.truth,
+        diagnosis=report.diagnosis,
+        truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
+        **_evidence(shown, identification),
+        **_correlation(identification),
+    )
+
+
+def _with_temperature(conditions: ReportConditions, campaign: Campaign) -> ReportConditions:
+    """Take the range of the readings where nobody stated one."""
+    if conditions.temperature_c is not None:
+        return conditions
+    columns = [stops.temperature_c for stops in _all_stops(campaign) if stops.temperature_c is not None]
+    known = np.concatenate([column[np.isfinite(column)] for column in columns]) if columns else np.zeros(0)
+    if known.size == 0:
+        return conditions
+    return replace(conditions, temperature_c=(float(known.min()), float(known.max())))
+
+
+def _all_stops(campaign: Campaign) -> Iterator[Stops]:
+    for table in (campaign.calibration, campaign.validation, campaign.legs, campaign.validation_legs):
+        if table is not None:
+            yield table.stops
+
+
+def _budget(
+    shown: Judged | None, identification: Identification, campaign: Campaign, conditions: ReportConditions
+) -> Budget | None:
+    return None if shown is None else budget(shown, identification, campaign, conditions)
+
+
+def _positions_rows(identification: Identification) -> Iterator[FiguresRow]:
+    """Yield how a model of lengths does on held-out positions."""
+    positions = identification.positions
+    if positions is None:
+        return
+    if positions.tied is not None:
+        remark = "held out positions, the frame tied by the measured base cups"
+        yield FiguresRow("Positions", remark, positions.tied)
+    remark = "held out positions, after the best rigid alignment"
+    yield FiguresRow("Positions, aligned", remark, positions.aligned)
+
+
+def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
+    """Yield the statistics that a reader compares, with and without what lies far out."""
+    if identification.validation is not None:
+        yield FiguresRow(
+            "Validation", "held out: the model never saw these readings", identification.validation
+        )
+        further = None if shown is None else without_far_out(shown)
+        if further is not None:
+            pair, dropped = further
+            remark = (
+                f"the same without {dropped} beyond {FAR_OUT:g} times the median error, for comparison only"
+            )
+            yield FiguresRow("Validation, without far readings", remark, pair)
+    elif identification.cross_validation is not None:
+        remark = "by configuration: each predicted by a model that never saw it"
+        yield FiguresRow("Cross-validation", remark, identification.cross_validation)
+    yield from _positions_rows(identification)
+    if identification.calibration is not None:
+        yield FiguresRow(
+            "Calibration", "all readings that the model was made from", identification.calibration
+        )
+    if identification.calibration_without_outliers is not None:
+        remark = f"without the {identification.counts.outliers} given no weight"
+        yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
+
+
+def _evidence(shown: Judged | None, identification: Identification) -> dict[str, object]:
+    """Return the figures drawn from residuals; all None where there are none."""
+    model = identification.model
+    if shown is None or model is None:
+        return dict.fromkeys(("judged", "histogram", "joints", "space", "splits"))
+    splits = (
+        ("before", noise_split(shown, shown.nominal_mm)),
+        ("after", noise_split(shown, shown.identified_mm)),
+    )
+    return {
+        "judged": shown,
+        "histogram": histogram(shown, shown_noise_mm(identification, shown)),
+        "joints": joint_residuals(shown, model),
+        "space": work_space(shown),
+        "splits": splits,
+    }
+
+
+def _correlation(identification: Identification) -> dict[str, object]:
+    model = identification.model
+    if model is None:
+        return {"correlation": None, "strongest": ()}
+    return {"correlation": correlation_map(model), "strongest": strongest_pairs(model)}

@@ -1,0 +1,62 @@
+"""Templates to a file: everything a page needs goes into it, and user text is escaped."""
+
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from truepose import __version__
+from truepose.reports.errors import UnwritableReportError
+from truepose.reports.rounding import millimetres, p_value, uncertainty
+from truepose.reports.ruled_out import ruled_out_rows
+
+
+def write_page(path: Path, template: str, **context: object) -> None:
+    """Render a template of this package into a file, making its folder where needed.
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    """
+    text = rendered(template, **context)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise UnwritableReportError(
+            f"The report cannot be written to {path} ({error.strerror}); choose another file."
+        ) from error
+
+
+def rendered(template: str, **context: object) -> Markup:
+    """Return a template of this package, filled in."""
+    return Markup(_environment().get_template(template).render(version=__version__, **context))
+
+
+def page_styles() -> Markup:
+    """Return the style sheet of all reports, for a page that shows one within its own frame."""
+    return rendered("style.css")
+
+
+def verdict_shape(look: str) -> Markup:
+    """Return the shape that stands for a verdict; `look` as `VerdictWords` names it."""
+    return rendered("shape.html", look=look)
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("truepose.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(mm=millimetres, u=uncertainty, p=p_value, capitalize_first=_capitalized)
+    environment.filters.update(joined=ruled_out_rows)
+    return environment
+
+
+def _capitalized(text: str) -> str:
+    """Return the text with a capital first letter; jinja's own would make small letters of all others."""
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,90 @@
+"""Figures against their targets as an HTML page: the night run and the accuracy report."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from truepose.reports.pages import write_page
+
+
+class Verdict(StrEnum):
+    """What a figure says of its target; a figure that was not measured never passed."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    NOT_MEASURED = "not measured"
+    NO_TARGET = "for information"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A figure, its target and what was measured, as they shall be read."""
+
+    figure: str
+    target: str
+    measured: str
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Rows that belong together."""
+
+    title: str
+    rows: tuple[Row, ...]
+    note: str = ""
+
+
+def write_table_report(
+    path: Path, title: str, sections: Sequence[Section], *, simulated: bool = False, written_at: str = ""
+) -> None:
+    """Write figures against targets as one self-contained HTML file.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced where it exists; its folder is made.
+    title : str
+    sections : sequence of Section
+    simulated : bool
+        Whether the figures come from simulated devices; the page says so on top.
+    written_at : str
+        Date and time in the writer's wording.
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    """
+    write_page(
+        path,
+        "table.html",
+        title=title,
+        sections=tuple(sections),
+        simulated=simulated,
+        written_at=written_at,
+        sentence=verdict_sentence(sections),
+        good=_all_passed(sections),
+    )
+
+
+def verdict_sentence(sections: Sequence[Section]) -> str:
+    """Return the result of all rows with a target in one sentence."""
+    verdicts = _verdicts(sections)
+    if not verdicts:
+        return "No figure has a target."
+    if _all_passed(sections):
+        return f"All {len(verdicts)} figures reach their targets."
+    failed, missing = verdicts.count(Verdict.FAILED), verdicts.count(Verdict.NOT_MEASURED)
+    return f"Of {len(verdicts)} figures with a target: {failed} failed, {missing} not measured."
+
+
+def _verdicts(sections: Sequence[Section]) -> list[Verdict]:
+    every = (row.verdict for section in sections for row in section.rows)
+    return [verdict for verdict in every if verdict is not Verdict.NO_TARGET]
+
+
+def _all_passed(sections: Sequence[Section]) -> bool:
+    verdicts = _verdicts(sections)
+    return bool(verdicts) and all(verdict is Verdict.PASSED for verdict in verdicts)

@@ -1,0 +1,162 @@
+"""The one place from which a ballbar session moves the arm, and what forbids it on top of the interlocks.
+
+A motion takes a person's confirmation that is fresh, a ballbar that is known to be off and no doubt that
+waits for an answer. The ballbar's samples are watched to the end: where they show a length while the arm
+moves, nothing more is sent. The arm's own interlocks look at state, wishes, age of the robot's statement,
+joints and limits, before every segment of the way.
+"""
+
+from typing import Final
+
+from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionState
+from truepose.sequencing.arm import Arm, Permission
+from truepose.sequencing.ballbar.book import Book
+from truepose.sequencing.ballbar.cell import BallbarCell
+from truepose.sequencing.ballbar.dry_run import check_motion
+from truepose.sequencing.ballbar.readings import Readings
+from truepose.sequencing.ballbar.stand import Stand, joint_away
+from truepose.sequencing.ballbar.way import rest_of_way
+from truepose.sequencing.errors import ForeignRobotError, MotionForbiddenError
+from truepose.sequencing.identities import judge, sentence
+from truepose.sequencing.limits import binding_speed
+from truepose.sequencing.notices import end_of_motion
+from truepose.sequencing.pieces import Joints, Pieces
+
+_CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
+
+
+class Motion:
+    """Moves the arm to the stop of a step and reads where it came to rest."""
+
+    def __init__(
+        self,
+        plan: BallbarPlan,
+        cell: BallbarCell,
+        limits: tuple[JointRange, ...],
+        book: Book,
+        stand: Stand,
+        readings: Readings,
+    ) -> None:
+        self._plan = plan
+        self._robot = cell.robot
+        self._limits = limits
+        self._expected = cell.expected
+        self._clock = cell.clock
+        self._book = book
+        self._stand = stand
+        self._readings = readings
+        self._arm = Arm(
+            cell.robot_controller,
+            cell.clock,
+            limits,
+            plan.joint_tolerance_rad,
+            self._permission,
+            plan.state_age_s,
+            Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
+            before_piece=readings.settle,  # a piece may last longer than a sample of the ballbar counts
+        )
+        self._controller = cell.robot_controller
+        self.moving = False
+        self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
+        self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
+        self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
+
+    @property
+    def end(self) -> str:
+        """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
+        return end_of_motion(self._controller)
+
+    def forget(self) -> None:
+        """Forget where the arm was left: a person had it since, and confirmed."""
+        self._arm.forget()
+        self._stand.forget()
+        self.confirmed_s = None
+
+    def require_plan_within_limits(self) -> None:
+        """Raise PlanRefusedError for the first planned motion that is left and leaves what binds it now."""
+        now = self._book.situation
+        for step in self._book.planned:
+            outcome = now.outcomes.get(step.id)
+            if outcome is not None and outcome.kind == "open":
+                self.require_within_limits(step)
+
+    def require_within_limits(self, step: BallbarStep) -> None:
+        """Raise PlanRefusedError where the motion of a step leaves what binds it now."""
+        check_motion(step, self._robot, self._limits)
+
+    async def perform(self, step: BallbarStep) -> ArrivalTaken:
+        """Move along the way of a step and come to rest; raises MotionForbiddenError, the driver's errors."""
+        if step.target_rad is None:
+            raise MotionForbiddenError(f"The step {step.id} has no target.")
+        self.moving = True  # before anything is awaited: who asks for a pause now waits for its end
+        self._book.tell()
+        try:
+            await self._require_fresh_confirmation()
+            await self._require_same_robot()
+            left = await self._left_of((*step.via_rad, step.target_rad))
+            self._stand.forget()
+            await self._require_ballbar_off()
+            self._readings.evidence.watch_motion()
+            for joints in left:
+                await self._arm.move(joints)
+                await self._require_ballbar_off()
+            await self._clock.sleep(self._plan.settle_s)
+            return await self._arrival(step.target_rad)
+        finally:
+            self.saw_ballbar = self._readings.evidence.proves_attached
+            self._readings.evidence.end_motion()
+            self.moving = False
+            self.confirmed_s = None
+
+    async def _require_same_robot(self) -> None:
+        """Ask the robot again who it is: raises ForeignRobotError, the driver's errors."""
+        now = self._book.situation
+        answered = (await self._stand.who()).serial
+        found = judge("robot", answered, self._expected.serials.get("robot", ""), now.robot)
+        if found is not None and found.finding == "foreign":
+            raise ForeignRobotError(sentence(found))
+
+    async def _left_of(self, way: tuple[Joints, ...]) -> tuple[Joints, ...]:
+        """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
+        reading = await self._stand.look()
+        return rest_of_way(way, reading.joints_rad, self._plan.joint_tolerance_rad + reading.resolution_rad)
+
+    async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
+        reading = await self._stand.look()
+        away = joint_away(
+            reading.joints_rad, target_rad, self._plan.joint_tolerance_rad + 0.5 * reading.resolution_rad
+        )
+        if away is not None:
+            raise MotionForbiddenError(f"The arm did not arrive: {away}")
+        return ArrivalTaken(target_rad, reading.joints_rad, self._arm.direction, reading.time_s)
+
+    async def _require_fresh_confirmation(self) -> None:
+        now_s = await self._clock.now_s()
+        if self.confirmed_s is None or not abs(now_s - self.confirmed_s) <= _CONFIRMATION_AGE_S:
+            raise MotionForbiddenError("It is too long ago that somebody looked whether the cell is clear.")
+
+    async def _require_ballbar_off(self) -> None:
+        """Look at samples that were taken from now on; raises MotionForbiddenError."""
+        await self._readings.settle()
+        seen = self._readings.evidence.against_motion(await self._clock.now_s())
+        if seen is not None:
+            raise MotionForbiddenError(seen)
+
+    def _permission(self, now_s: float) -> Permission:
+        return Permission(self._book.situation.state, self.wish is not None, None, self._obstacle(now_s))
+
+    def _obstacle(self, now_s: float) -> str | None:
+        now = self._book.situation
+        if self._book.trouble is not None:
+            return self._book.trouble
+        if now.ballbar.foreign is not None:
+            return sentence(now.ballbar.foreign)
+        if now.attached:
+            return "The ballbar may still be attached; take it off and confirm that, then the arm may move."
+        if now.suspicion is not None:
+            return "A doubt about a reading waits for its answer; nothing moves before."
+        if now.step is None or now.step.kind is not StepKind.MOVE or not now.confirmed:
+            return "Nobody has confirmed that the cell is clear for this motion."
+        return self._readings.evidence.against_motion(now_s)

@@ -1,0 +1,50 @@
+"""Limits that bind together: a motion keeps to each of several sets, hence to the tightest."""
+
+import math
+
+from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionPlan
+from truepose.sequencing.errors import PlanRefusedError
+from truepose_drivers.api import MotionGuard, MotionLimits
+
+
+def common_ranges(
+    first: tuple[JointRange, ...] | None, second: tuple[JointRange, ...] | None
+) -> tuple[JointRange, ...] | None:
+    """Return what lies within both; None, which is unknown, binds nothing. Raises PlanRefusedError."""
+    if first is None or second is None:
+        return first or second
+    if len(first) != len(second):
+        raise PlanRefusedError(
+            f"The session has limits of {len(first)} joints, the cell of {len(second)}; it is another robot."
+        )
+    return tuple(
+        JointRange(max(a.lower_rad, b.lower_rad), min(a.upper_rad, b.upper_rad))
+        for a, b in zip(first, second, strict=True)
+    )
+
+
+def binding_speed(planned: SessionPlan | BallbarPlan, limits: MotionLimits | None) -> MotionLimits:
+    """Return the speed of a session's motions: as planned, and never above the limits of its cell."""
+    speed = MotionLimits(planned.tool_speed_mm_s, planned.orientation_speed_rad_s)
+    return slowest(speed, limits or speed)
+
+
+def slowest(*limits: MotionLimits) -> MotionLimits:
+    """Return the lowest speed of each kind."""
+    return MotionLimits(
+        min(limit.tool_speed_mm_s for limit in limits),
+        min(limit.orientation_speed_rad_s for limit in limits),
+    )
+
+
+def speed_sentence(speed: MotionLimits, guard: MotionGuard) -> str:
+    """Return what keeps the arm to its speed, for the record."""
+    read_back = (
+        "and states it itself" if guard.speed_read_back else "and cannot be asked whether it keeps to that"
+    )
+    return (
+        f"The robot was told to move at {speed.tool_speed_mm_s:g} mm/s and "
+        f"{math.degrees(speed.orientation_speed_rad_s):.3g} deg/s at most, {read_back}."
+    )

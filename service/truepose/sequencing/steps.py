@@ -1,0 +1,103 @@
+"""What a session does, one thing at a time; a plan is a row of these and touches no device."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from truepose.domain.session import PlannedStop
+
+FixedNestPhase: TypeAlias = Literal["registration", "two_face", "reference"]
+
+
+@dataclass(frozen=True, slots=True)
+class OpenDevices:
+    """Connect, identify and initialise the instruments; set the robot's speed."""
+
+
+@dataclass(frozen=True, slots=True)
+class LocateFixedNests:
+    """Find out roughly where the fixed nests are in the tracker's frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadFixedNest:
+    """Measure a fixed nest (1-based) so many times on one face of the tracker."""
+
+    fixed_nest: int
+    phase: FixedNestPhase
+    face: Literal[1, 2]
+    readings: int
+
+
+@dataclass(frozen=True, slots=True)
+class CheckFaces:
+    """Compare the two faces of the tracker, from the readings just taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class Register:
+    """Compute the tracker's place in the world from the readings just taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReferences:
+    """Compare the readings just taken with where the fixed nests are certified to be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Move all joints to a target and come to rest there."""
+
+    target_rad: tuple[float, ...]
+    approach: bool  # on the way to a stop, against backlash
+
+
+@dataclass(frozen=True, slots=True)
+class Settle:
+    """Let the arm come to rest."""
+
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReadJoints:
+    """Ask the robot where it is and compare it with where it was sent."""
+
+    expected_rad: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FindReflector:
+    """Point the tracker at the place where the nominal model expects the nest."""
+
+    stop: PlannedStop
+
+
+@dataclass(frozen=True, slots=True)
+class MeasurePoint:
+    """Measure the reflector, check the reading, store it."""
+
+    stop: PlannedStop
+
+
+Step: TypeAlias = (
+    OpenDevices
+    | LocateFixedNests
+    | ReadFixedNest
+    | CheckFaces
+    | Register
+    | CheckReferences
+    | Move
+    | Settle
+    | ReadJoints
+    | FindReflector
+    | MeasurePoint
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Steps between two checkpoints: after a pause or a lost link they are done again from the first."""
+
+    title: str
+    steps: tuple[Step, ...]
+    stop: PlannedStop | None = None  # the configuration that this section measures

@@ -1,0 +1,122 @@
+"""Frozen dataclasses as JSON documents and back, guided by their type hints.
+
+Storage keeps whole nouns (plans, readings, results) in one column each, under their own field
+names. JSON has no word for NaN and infinity: they become null and "inf". A field that an older
+document lacks takes its default, so nouns may grow.
+"""
+
+import dataclasses
+import json
+import math
+import types
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from truepose.storage.errors import DamagedDatabaseError
+
+T = TypeVar("T")
+
+
+def to_document(value: object) -> Any:
+    """Return `value` as what `json.dumps` takes; raises TypeError for a type that has no JSON form."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: to_document(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(key): to_document(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return _array(value)
+    if isinstance(value, (tuple, list)):
+        return [to_document(entry) for entry in value]
+    return _scalar(value)
+
+
+def _array(values: np.ndarray[Any, Any]) -> Any:
+    # Long columns of ordinary numbers need no look at each; a session under way waits meanwhile.
+    plain = values.dtype.kind in "if" and bool(np.all(np.isfinite(values)))
+    return values.tolist() if plain else to_document(values.tolist())
+
+
+def _scalar(value: object) -> Any:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else _not_finite(value)
+    if value is None or isinstance(value, (str, int, bool)):
+        return value
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def _not_finite(value: float) -> str | None:
+    return None if math.isnan(value) else str(value)
+
+
+def from_document(kind: type[T], document: Any) -> T:
+    """Return the dataclass `kind` that `document` holds; raises DamagedDatabaseError where they differ."""
+    try:
+        return cast(T, _decode(kind, document))
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise DamagedDatabaseError(
+            f"A stored {kind.__name__} cannot be read ({error}); 'truepose verify' says what else is damaged."
+        ) from error
+
+
+def from_json(text: str) -> Any:
+    """Return what a stored text holds; raises DamagedDatabaseError for what is no JSON."""
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise DamagedDatabaseError(
+            f"A stored document cannot be read ({error}); 'truepose verify' says what else is damaged."
+        ) from error
+
+
+def _decode(hint: Any, document: Any) -> Any:
+    origin = get_origin(hint)
+    if origin in {Union, types.UnionType}:
+        return _decode_union(get_args(hint), document)
+    if origin is tuple:
+        return _decode_tuple(get_args(hint), document)
+    if origin is np.ndarray:
+        return _decode_array(hint, document)
+    if origin is Literal or hint is Any:
+        return document
+    if origin in {dict, Mapping}:
+        return {key: _decode(get_args(hint)[1], entry) for key, entry in document.items()}
+    return _decode_plain(origin or hint, document)
+
+
+def _decode_plain(kind: Any, document: Any) -> Any:
+    if dataclasses.is_dataclass(kind):
+        hints = get_type_hints(kind)
+        return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(document)
+    if kind is float:
+        return math.nan if document is None else float(document)
+    return document
+
+
+def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
+    if document is None and types.NoneType in hints:
+        return None
+    concrete = [hint for hint in hints if hint is not types.NoneType]
+    # A union of plain scalars (dict values) is already what JSON gave.
+    return _decode(concrete[0], document) if len(concrete) == 1 else document
+
+
+def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
+    if len(hints) == 2 and hints[1] is Ellipsis:
+        return tuple(_decode(hints[0], entry) for entry in document)
+    return tuple(_decode(hint, entry) for hint, entry in zip(hints, document, strict=True))
+
+
+def _decode_array(hint: Any, document: Any) -> Any:
+    (dtype,) = get_args(get_args(hint)[1])
+    entries = np.array(document, dtype=object)
+    entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
+    return entries.astype(dtype)

@@ -1,0 +1,58 @@
+"""Errors of the storage; each text is one sentence for whoever runs the service.
+
+StorageError
+├── DatabaseAddressError     the URL names something that cannot be a database of this service
+├── DatabaseInUseError       another service holds the same database
+├── NewerSchemaError         the database was written by a newer version
+├── ForeignDatabaseError     the file is no database, or another program's
+├── StorageUnavailableError  the disk refused (full, locked, read-only, gone); also a RecordRefusedError
+│   └── DamagedDatabaseError   what is on disk is not what was written
+├── NotFoundError            no record of that number
+└── ConflictError            the record does not allow that now
+    └── KeyReusedError         an Idempotency-Key came back with another request
+"""
+
+from truepose.domain.errors import RecordRefusedError, TrueposeError
+
+
+class StorageError(TrueposeError):
+    """Base of every error of the storage."""
+
+
+class DatabaseAddressError(StorageError):
+    """The URL names something that cannot be a database of this service."""
+
+
+class DatabaseInUseError(StorageError):
+    """Another service holds the same database."""
+
+
+class NewerSchemaError(StorageError):
+    """The database was written by a newer version of the program."""
+
+
+class ForeignDatabaseError(StorageError):
+    """The file is no SQLite database, or it belongs to another program."""
+
+
+class StorageUnavailableError(StorageError, RecordRefusedError):
+    """The disk refused to read or write; nothing of that request was kept."""
+
+
+class DamagedDatabaseError(StorageUnavailableError):
+    """What is on disk is not what was written; nothing of it is used."""
+
+
+class NotFoundError(StorageError):
+    """There is no record of that number."""
+
+    def __init__(self, what: str, number: int) -> None:
+        super().__init__(f"There is no {what} {number}.")
+
+
+class ConflictError(StorageError):
+    """The record does not allow that in its present state."""
+
+
+class KeyReusedError(ConflictError):
+    """An Idempotency-Key was sent before with a different request."""

@@ -1,0 +1,130 @@
+"""Jobs: what was asked of a worker process and every state the job was in."""
+
+from typing import Any
+
+from sqlalchemy import Connection, Row, Select, exists, select
+
+from truepose.storage.database import Database
+from truepose.storage.errors import ConflictError, NotFoundError
+from truepose.storage.events import add_event
+from truepose.storage.records import JobKind, JobRecord, JobState, Page, RequestKey
+from truepose.storage.request_keys import once
+from truepose.storage.rows import add_row
+from truepose.storage.tables import events, job_states, jobs
+
+PROGRESS = "job.progress"
+
+
+def add_job_state(
+    connection: Connection, job_id: int, state: JobState, message: str, result_id: int | None = None
+) -> None:
+    """Append a state and its event in the caller's transaction; raises ConflictError after a final state."""
+    before = connection.scalar(_state_of(job_id))
+    if before is not None and JobState(before).final:
+        raise ConflictError(f"Job {job_id} has already {_ENDED[JobState(before)]}.")
+    values: dict[str, Any] = {"state": state.value, "message": message, "result_id": result_id}
+    add_row(connection, job_states, job_id=job_id, **values)
+    add_event(connection, "job.state", values, job_id=job_id)
+
+
+_ENDED = {
+    JobState.SUCCEEDED: "succeeded",
+    JobState.FAILED: "failed",
+    JobState.CANCELLED: "been cancelled",
+    JobState.INTERRUPTED: "been interrupted",
+}
+
+
+class JobRepository:
+    """All queries about jobs."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(self, kind: JobKind, request: dict[str, Any], key: RequestKey | None = None) -> int:
+        """Store a queued job and return its number."""
+
+        def create(connection: Connection) -> int:
+            number = add_row(connection, jobs, kind=kind.value, request=request)
+            add_job_state(connection, number, JobState.QUEUED, "Waiting for a worker.")
+            return number
+
+        return await self._database.write(lambda c: once(c, key, f"{kind} job", create))
+
+    async def get(self, job_id: int) -> JobRecord:
+        """Return a job; raises NotFoundError."""
+        query = _records().where(jobs.c.id == job_id)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError("job", job_id)
+        return _record(row)
+
+    async def page(self, page: Page) -> list[JobRecord]:
+        """Return jobs, oldest first."""
+        query = _records().where(jobs.c.id > page.after).order_by(jobs.c.id).limit(page.limit)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def newest(self, count: int) -> list[JobRecord]:
+        """Return the latest jobs, newest first."""
+        query = _records().order_by(jobs.c.id.desc()).limit(count)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def unfinished(self) -> list[JobRecord]:
+        """Return the jobs that no final state ended, oldest first."""
+        open_states = (JobState.QUEUED, JobState.RUNNING)
+        query = _records().where(job_states.c.state.in_(open_states)).order_by(jobs.c.id)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def change_state(self, job_id: int, state: JobState, message: str) -> None:
+        """Append a state; raises ConflictError where the job has ended already."""
+        await self._database.write(lambda c: add_job_state(c, job_id, state, message))
+
+    async def tell_progress(self, job_id: int, fraction: float, doing: str) -> None:
+        """Keep how far the job is: `fraction` from 0 to 1."""
+        document = {"fraction": fraction, "doing": doing}
+        await self._database.write(lambda c: add_event(c, PROGRESS, document, job_id=job_id))
+
+
+def _state_of(job_id: int) -> Select[str]:
+    query = select(job_states.c.state).where(job_states.c.job_id == job_id)
+    return query.order_by(job_states.c.id.desc()).limit(1)
+
+
+def _records() -> Select[Any]:
+    later = job_states.alias("later")
+    newest = ~exists().where(later.c.job_id == jobs.c.id, later.c.id > job_states.c.id)
+    told = (
+        select(events.c.document)
+        .where(events.c.job_id == jobs.c.id, events.c.kind == PROGRESS)
+        .order_by(events.c.id.desc())
+        .limit(1)
+        .scalar_subquery()
+    )
+    return (
+        select(
+            jobs,
+            job_states.c.state,
+            job_states.c.message,
+            job_states.c.recorded_at.label("state_since"),
+            job_states.c.result_id,
+            told.label("told"),
+        )
+        .join(job_states, job_states.c.job_id == jobs.c.id)
+        .where(newest)
+    )
+
+
+def _record(row: Row[Any]) -> JobRecord:
+    state = JobState(row.state)
+    told = row.told or {"fraction": 0.0, "doing": row.message}
+    return JobRecord(
+        id=row.id,
+        recorded_at=row.recorded_at,
+        kind=JobKind(row.kind),
+        request=row.request,
+        state=state,
+        message=told["doing"] if state is JobState.RUNNING else row.message,
+        state_since=row.state_since,
+        fraction=1.0 if state is JobState.SUCCEEDED else told["fraction"],
+        result_id=row.result_id,
+    )

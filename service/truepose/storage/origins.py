@@ -1,0 +1,78 @@
+"""Where the readings of a campaign come from: whether anything real was measured, when, on which robot."""
+
+from typing import Any, Final
+
+from sqlalchemy import ColumnElement, Connection, Label, case, exists, func, or_, select
+
+from truepose.storage.tables import ballbar_entries, campaigns, readings, sessions
+
+_SIMULATED: Final = "$.cell.simulated"
+_BY_A_NOTE: Final = "SIMULATED:*"  # how older archives of this program say it
+
+
+def simulated_session() -> Label[bool]:
+    """Whether no robot and no instrument took part in a session of the query around it."""
+    return _is_simulated(sessions.c.setup).label("simulated")
+
+
+def simulated_campaign() -> Label[bool]:
+    """Whether a campaign of the query around it says of its readings that they are simulated.
+
+    One made of sessions is if any of them is; an uploaded one if its own description says so.
+    """
+    of_sessions = func.json_array_length(campaigns.c.session_ids) > 0
+    return case((of_sessions, _any_session_is()), else_=_its_description_says()).label("simulated")
+
+
+def _any_session_is() -> ColumnElement[bool]:
+    listed = func.json_each(campaigns.c.session_ids).table_valued("value", name="listed")
+    measured_in = sessions.alias("measured_in")
+    return exists().where(measured_in.c.id == listed.c.value, _is_simulated(measured_in.c.setup))
+
+
+def _its_description_says() -> ColumnElement[bool]:
+    said = func.json_type(campaigns.c.summary, "$.simulated")
+    note = func.json_each(campaigns.c.summary, "$.notes").table_valued("value", name="note")
+    noted = exists().where(note.c.value.op("GLOB")(_BY_A_NOTE))
+    silent = or_(said.is_(None), said == "null")
+    return case((silent, noted), else_=said == "true")
+
+
+def _is_simulated(setup: Any) -> ColumnElement[bool]:
+    return func.coalesce(func.json_type(setup, _SIMULATED), "null") == "object"
+
+
+class Origin:
+    """Of one campaign, inside the caller's transaction."""
+
+    def __init__(self, connection: Connection, campaign_id: int) -> None:
+        columns = (campaigns.c.recorded_at, campaigns.c.session_ids, campaigns.c.summary)
+        stored = connection.execute(select(*columns).where(campaigns.c.id == campaign_id)).one()
+        self._connection = connection
+        self._stored_at, session_ids, self._summary = stored
+        self._session_id = session_ids[0] if session_ids else None
+
+    def measured_at(self) -> str:
+        """Return the day that was stated, else when the session's last reading was stored; "": not known."""
+        return str(self._summary.get("measured_on") or self._last_reading() or "")
+
+    def _last_reading(self) -> str | None:
+        if self._session_id is None:
+            return None
+        points = select(func.max(readings.c.recorded_at)).where(
+            readings.c.session_id == self._session_id,
+            readings.c.recorded_at <= self._stored_at,  # a running session goes on measuring
+        )
+        lengths = select(func.max(ballbar_entries.c.recorded_at)).where(
+            ballbar_entries.c.session_id == self._session_id,
+            ballbar_entries.c.kind == "measured",
+            ballbar_entries.c.recorded_at <= self._stored_at,
+        )
+        last: str | None = self._connection.scalar(points) or self._connection.scalar(lengths)
+        return last
+
+    def robot_serial_number(self) -> str:
+        """Return what the session's cell file said; "" where nobody did."""
+        query = select(sessions.c.setup).where(sessions.c.id == self._session_id)
+        setup = self._connection.scalar(query)
+        return "" if setup is None else str(setup["cell"].get("robot_serial_number", ""))

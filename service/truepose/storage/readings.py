@@ -1,0 +1,128 @@
+"""Readings: appended when an instrument spoke, superseded when the same stop is read again, never changed."""
+
+from typing import Any
+
+from sqlalchemy import Connection, Row, select
+
+from truepose.domain.session import FixedNestTaken, PointTaken
+from truepose.storage.database import Database
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import NotFoundError
+from truepose.storage.events import add_event
+from truepose.storage.records import Page, ReadingKind, ReadingRecord
+from truepose.storage.rows import add_row
+from truepose.storage.tables import readings
+
+
+class ReadingRepository:
+    """All queries about readings."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add_point(self, session_id: int, point: PointTaken) -> int:
+        """Store a reading of a tool nest; an earlier one of the same configuration and nest is superseded."""
+
+        def work(connection: Connection) -> int:
+            earlier = _current(connection, session_id, point.config, point.nest)
+            return _add(connection, session_id, point, point.config, point.nest, earlier)
+
+        return await self._database.write(work)
+
+    async def add_fixed_nest(self, session_id: int, reading: FixedNestTaken) -> int:
+        """Store a reading of a fixed nest; each of them counts, none supersedes another."""
+        return await self._database.write(
+            lambda c: _add(c, session_id, reading, None, reading.fixed_nest, None)
+        )
+
+    async def get(self, reading_id: int) -> ReadingRecord:
+        """Return a reading; raises NotFoundError."""
+        query = _records().where(readings.c.id == reading_id)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError("reading", reading_id)
+        return _record(row)
+
+    async def page(
+        self,
+        page: Page,
+        *,
+        session_id: int | None = None,
+        kind: ReadingKind | None = None,
+        superseded: bool = True,
+    ) -> list[ReadingRecord]:
+        """Return readings, oldest first; with `superseded` false only those that count."""
+        query = _records().where(readings.c.id > page.after).order_by(readings.c.id).limit(page.limit)
+        if session_id is not None:
+            query = query.where(readings.c.session_id == session_id)
+        if kind is not None:
+            query = query.where(readings.c.kind == kind)
+        if not superseded:
+            query = query.where(_SUCCESSOR.c.id.is_(None))
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def points(self, session_id: int) -> list[PointTaken]:
+        """Return every reading of a tool nest that counts, in the order they were taken."""
+        found = await self.page(_ALL, session_id=session_id, kind="point", superseded=False)
+        return [record.reading for record in found if isinstance(record.reading, PointTaken)]
+
+    async def fixed_nests(self, session_id: int) -> list[FixedNestTaken]:
+        """Return every reading of a fixed nest, in the order they were taken."""
+        found = await self.page(_ALL, session_id=session_id, kind="fixed_nest")
+        return [record.reading for record in found if isinstance(record.reading, FixedNestTaken)]
+
+
+_ALL = Page(limit=-1)  # SQLite: a negative limit is none
+_SUCCESSOR = readings.alias("successor")
+
+
+def _records() -> Any:
+    joined = readings.outerjoin(_SUCCESSOR, _SUCCESSOR.c.supersedes == readings.c.id)
+    return select(readings, _SUCCESSOR.c.id.label("superseded_by")).select_from(joined)
+
+
+def _current(connection: Connection, session_id: int, config: int, nest: int) -> int | None:
+    query = (
+        select(readings.c.id)
+        .where(readings.c.session_id == session_id)
+        .where(readings.c.config == config, readings.c.nest == nest)
+        .where(readings.c.kind == "point")
+        .order_by(readings.c.id.desc())
+        .limit(1)
+    )
+    return connection.scalar(query)
+
+
+def _add(
+    connection: Connection,
+    session_id: int,
+    reading: PointTaken | FixedNestTaken,
+    config: int | None,
+    nest: int,
+    supersedes: int | None,
+) -> int:
+    kind = "point" if isinstance(reading, PointTaken) else "fixed_nest"
+    document = to_document(reading)
+    number = add_row(
+        connection,
+        readings,
+        session_id=session_id,
+        kind=kind,
+        config=config,
+        nest=nest,
+        time_s=reading.time_s,
+        supersedes=supersedes,
+        document=document,
+    )
+    told = {"reading_id": number, "kind": kind, "supersedes": supersedes, "reading": document}
+    add_event(connection, "session.reading", told, session_id=session_id)
+    return number
+
+
+def _record(row: Row[Any]) -> ReadingRecord:
+    taken: PointTaken | FixedNestTaken = (
+        from_document(PointTaken, row.document)
+        if row.kind == "point"
+        else from_document(FixedNestTaken, row.document)
+    )
+    return ReadingRecord(row.id, row.session_id, row.recorded_at, row.supersedes, row.superseded_by, taken)

@@ -1,0 +1,250 @@
+"""What the storage hands out: records with their number, the time they were written and their state."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Literal
+
+from truepose.domain.ballbar import LedgerEntry
+from truepose.domain.cell import Cell
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.results import Identification, Model, Validation
+from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionRole, SessionState
+
+ReadingKind = Literal["point", "fixed_nest"]
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSetup:
+    """What a session was measured with, kept with it: the cell file may say something else tomorrow."""
+
+    cell: Cell
+    attachment: int = 1  # how often the tool has been mounted
+
+    @property
+    def simulated(self) -> bool:
+        """Whether no robot and no instrument took part."""
+        return self.cell.simulated is not None
+
+
+@dataclass(frozen=True, slots=True)
+class SessionRecord:
+    """A session and where it stands."""
+
+    id: int
+    recorded_at: str
+    name: str
+    role: SessionRole
+    state: SessionState
+    reason: str  # of the present state
+    person: str | None  # who brought it there
+    state_since: str
+    planned: int
+    measured: int
+    skipped: int
+    simulated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class AddedStops:
+    """Stops that a person added to the plan of a session."""
+
+    session_id: int
+    person: str
+    stops: tuple[PlannedStop, ...]
+    diagnosis_id: int | None = None  # which is run again once they are measured
+
+
+@dataclass(frozen=True, slots=True)
+class StateChange:
+    """One step in the life of a session."""
+
+    recorded_at: str
+    state: SessionState
+    reason: str
+    person: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingRecord:
+    """A reading as it was stored; `superseded_by` is the later reading that counts in its place."""
+
+    id: int
+    session_id: int
+    recorded_at: str
+    supersedes: int | None
+    superseded_by: int | None
+    reading: PointTaken | FixedNestTaken
+
+    @property
+    def kind(self) -> ReadingKind:
+        """Whether a tool nest or a fixed nest was read."""
+        return "point" if isinstance(self.reading, PointTaken) else "fixed_nest"
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerRecord:
+    """An entry of a ballbar session's ledger as it was stored."""
+
+    id: int
+    recorded_at: str
+    entry: LedgerEntry
+
+
+@dataclass(frozen=True, slots=True)
+class ActAnswer:
+    """What was answered to an act, and the number of the entry that was kept; None where nothing was."""
+
+    sentence: str
+    entry: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignRecord:
+    """A stored campaign without its archive; `session_ids` is empty for an uploaded one."""
+
+    id: int
+    recorded_at: str
+    name: str
+    robot: str
+    session_ids: tuple[int, ...]
+    simulated: bool
+    summary: "CampaignSummary"
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignSummary:
+    """How much a campaign holds, and what was kept without being understood."""
+
+    calibration_points: int
+    validation_points: int
+    calibration_legs: int
+    validation_legs: int
+    reference_readings: int
+    ignored: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    simulated: bool | None = None  # as its description says; None: it does not
+    measured_on: str | None = None  # a day; None: nobody said
+
+
+class JobKind(StrEnum):
+    """What a job makes."""
+
+    IDENTIFICATION = "identification"
+    VALIDATION = "validation"
+    DIAGNOSIS = "diagnosis"
+    PLAN = "plan"
+
+
+class JobState(StrEnum):
+    """Where a job stands; the last four are final."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def final(self) -> bool:
+        """Whether nothing more happens to the job."""
+        return self not in {JobState.QUEUED, JobState.RUNNING}
+
+
+@dataclass(frozen=True, slots=True)
+class JobRecord:
+    """A job and where it stands; `result_id` is the number of what it made."""
+
+    id: int
+    recorded_at: str
+    kind: JobKind
+    request: dict[str, Any]
+    state: JobState
+    message: str
+    state_since: str
+    fraction: float
+    result_id: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class IdentificationRecord:
+    """A stored identification; its model is a record of its own."""
+
+    id: int
+    recorded_at: str
+    job_id: int
+    campaign_id: int
+    model_id: int | None
+    robot: str
+    simulated: bool  # as its campaign
+    identification: Identification
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosisRecord:
+    """A stored diagnosis; its model is a record of its own."""
+
+    id: int
+    recorded_at: str
+    measured_at: str | None  # when its readings were taken: a day, or UTC in ISO 8601; None: nobody said
+    job_id: int
+    campaign_id: int
+    session_id: int | None  # whose readings it is of; None for an uploaded campaign
+    model_id: int | None
+    robot_serial_number: str  # empty where nobody said it
+    simulated: bool  # as its campaign
+    diagnosis: Diagnosis
+
+
+@dataclass(frozen=True, slots=True)
+class ModelRecord:
+    """A stored model; exactly one of its two origins is given."""
+
+    id: int
+    recorded_at: str
+    identification_id: int | None
+    diagnosis_id: int | None
+    robot: str
+    simulated: bool  # as the campaign that it was made from
+    model: Model
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationRecord:
+    """A stored validation."""
+
+    id: int
+    recorded_at: str
+    job_id: int
+    model_id: int
+    campaign_id: int
+    simulated: bool  # as its campaign
+    validation: Validation
+
+
+@dataclass(frozen=True, slots=True)
+class EventRecord:
+    """Something that happened, in the order of the commits."""
+
+    id: int
+    recorded_at: str
+    kind: str
+    session_id: int | None
+    job_id: int | None
+    document: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Which part of a list: records with a number above `after`, at most `limit`."""
+
+    after: int = 0
+    limit: int = 100
+
+
+@dataclass(frozen=True, slots=True)
+class RequestKey:
+    """A client's Idempotency-Key with the fingerprint of its request."""
+
+    key: str
+    fingerprint: str

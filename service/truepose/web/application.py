@@ -1,0 +1,132 @@
+"""The web application: routes, problems, limits, and an OpenAPI document that hides nothing."""
+
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any, Final, TypeAlias
+
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.utils import get_openapi
+from starlette.types import ASGIApp
+
+from truepose.web import (
+    ballbar_live,
+    ballbar_sessions,
+    campaigns,
+    cells,
+    devices,
+    diagnoses,
+    events,
+    health,
+    identifications,
+    jobs,
+    models,
+    pages,
+    problems,
+    readings,
+    robots,
+    sessions,
+    simulated_hands,
+    validations,
+)
+from truepose.web.context import Context
+from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.middleware import Door
+from truepose.web.lanes import Lanes
+from truepose.web.limits import RequestLimits
+from truepose.web.tablet import routes as tablet
+
+Application: TypeAlias = FastAPI
+OpenContext: TypeAlias = Callable[[], AbstractAsyncContextManager[Context]]
+_RESOURCES: Final = (
+    cells,
+    devices,
+    robots,
+    sessions,
+    ballbar_sessions,
+    ballbar_live,
+    simulated_hands,
+    readings,
+    jobs,
+    identifications,
+    validations,
+    diagnoses,
+    models,
+    campaigns,
+    events,
+)
+_DESCRIPTION: Final = (
+    "Measures industrial robots, identifies what their nominal model gets wrong, validates the result, "
+    "and names the causes of what is left. Every quantity names its unit; angles are in degrees. Errors "
+    "are problem documents (RFC 9457) with one sentence in `detail`. Any request may be answered with 421 "
+    "where it names another host than the service, 403 where a browser sends it from somebody else's "
+    "page, 415 where it is a form, and 503 with Retry-After where too many are under way. This software "
+    "is not the safety function: nothing moves before a named person has confirmed, and the emergency "
+    "stop stays in reach."
+)
+
+
+class _Guarded(FastAPI):
+    """Has its door before everything, the framework's own answer to a failure included."""
+
+    def __init__(self, hosts: AllowedHosts, **options: Any) -> None:
+        super().__init__(**options)
+        self._hosts = hosts
+
+    def build_middleware_stack(self) -> ASGIApp:
+        return Door(super().build_middleware_stack(), self._hosts)
+
+
+def create_application(
+    version: str, open_context: OpenContext, hosts: AllowedHosts | None = None
+) -> Application:
+    """Return the application; it opens its context when it starts and closes it when it ends.
+
+    It answers requests for `hosts` alone; where none are given, for those of loopback.
+    """
+
+    @contextlib.asynccontextmanager
+    async def lifespan(started: FastAPI) -> AsyncIterator[None]:
+        async with open_context() as context:
+            started.state.context = context
+            yield
+
+    app = _Guarded(
+        hosts or AllowedHosts(),
+        title="truepose",
+        version=version,
+        description=_DESCRIPTION,
+        lifespan=lifespan,
+        # FastAPI's own pages load their scripts from a content network; a shop floor has none.
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
+    )
+    api = APIRouter(prefix="/api/v1")
+    for resource in _RESOURCES:
+        api.include_router(resource.router)
+    app.include_router(health.router)
+    app.include_router(api)
+    app.include_router(pages.router)
+    app.include_router(tablet.router)
+    problems.install(app)
+    app.add_middleware(Lanes)
+    app.add_middleware(RequestLimits)
+    _complete_openapi(app)
+    return app
+
+
+def _complete_openapi(app: FastAPI) -> None:
+    """Let the document define the problem schema that every route refers to."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = get_openapi(
+                title=app.title, version=app.version, description=app.description, routes=app.routes
+            )
+            schemas = app.openapi_schema.setdefault("components", {}).setdefault("schemas", {})
+            schemas["Problem"] = problems.Problem.model_json_schema()
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]  # the framework's own way to extend it

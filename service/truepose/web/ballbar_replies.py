@@ -1,0 +1,242 @@
+"""From ballbar sessions to what travels."""
+
+import dataclasses
+
+from truepose.domain.artefacts import Bars
+from truepose.domain.ballbar import (
+    ArrivalTaken,
+    BallbarStep,
+    Leg,
+    LengthTaken,
+    PreCalibration,
+    StepKind,
+    Suspicion,
+)
+from truepose.operation.ballbar_view import BallbarView
+from truepose.sequencing.ballbar import step_ids
+from truepose.sequencing.ballbar.record import Outcome
+from truepose.sequencing.ballbar.situation import Situation
+from truepose.storage.records import LedgerRecord
+from truepose.web.schemas.ballbar_sessions import (
+    ActingReply,
+    ArrivalReply,
+    BallbarProgressReply,
+    BallbarSessionReply,
+    EntryReply,
+    LastOutcomeReply,
+    LengthReply,
+    ListedStepReply,
+    PreCalibrationReply,
+    PresentStepReply,
+    StepReply,
+    StepsReply,
+    SuspicionReply,
+)
+from truepose.web.schemas.base import degrees, known
+from truepose.web.schemas.identities import identity_reply
+
+
+def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
+    """Return a ballbar session as it travels."""
+    found = view.situation
+    suspicion = None if found.suspicion is None else found.suspicion.suspicion
+    return BallbarSessionReply(
+        id=view.id,
+        name=view.name,
+        state=found.state,
+        reason=found.reason,
+        simulated=view.setup.simulated,
+        robot=view.setup.cell.robot.name,
+        question=view.question,
+        trouble=view.trouble,
+        motion_notice=view.motion_notice,
+        people=list(view.people),
+        ledger_number=view.newest_entry,
+        step=_present_step(view),
+        suspicion=None if suspicion is None else suspicion_reply(suspicion, _artefact(found)),
+        swaps_can_be_seen=view.sight.sees_swaps(found),
+        legs_alike=[[_leg(first), _leg(second)] for first, second in view.sight.alike(found)],
+        unseen_swaps_poses=list(unseen := view.sight.unseen(found)),
+        unseen_swaps=_unseen_swaps(unseen),
+        ballbar_attached=found.attached,
+        robot_moving=view.robot_moving,
+        acts=sorted(found.acts),
+        progress=BallbarProgressReply(**dataclasses.asdict(found.progress)),
+        acting=None if found.acting is None else ActingReply(**dataclasses.asdict(found.acting)),
+        watching=view.watching,
+        last_outcome=_last_outcome(found),
+        ballbar_in_question=None if found.ballbar.foreign is None else identity_reply(found.ballbar.foreign),
+        identities=[identity_reply(taken) for taken in found.identities],
+    )
+
+
+def _leg(leg: Leg) -> list[str]:
+    return [f"B{leg[0]}", f"T{leg[1]}"]
+
+
+def _unseen_swaps(poses: tuple[int, ...]) -> str:
+    if not poses:
+        return ""
+    where = f"pose {poses[0]}" if len(poses) == 1 else f"poses {', '.join(str(pose) for pose in poses)}"
+    return (
+        f"In {where} two legs that change places can hardly be seen when they are read: read both names. The "
+        "pre-calibration tests these poses, and those it finds exchanged are measured again."
+    )
+
+
+def steps_reply(view: BallbarView) -> StepsReply:
+    """Return all steps as they travel."""
+    found = view.situation
+    return StepsReply(steps=[_listed(view, step, found.outcomes[step.id]) for step in found.steps])
+
+
+def entry_reply(record: LedgerRecord) -> EntryReply:
+    """Return an entry of the ledger as it travels."""
+    entry = record.entry
+    return EntryReply(
+        number=record.id,
+        recorded_at=record.recorded_at,
+        time_s=entry.time_s,
+        person=entry.person,
+        tablet=entry.tablet,
+        key=entry.key,
+        step_id=entry.step_id,
+        kind=entry.kind,
+        text=entry.text,
+        length=None if entry.length is None else _length(entry.length),
+        arrival=None if entry.arrival is None else _arrival(entry.arrival),
+        suspicion=None
+        if entry.suspicion is None
+        else suspicion_reply(entry.suspicion, _artefact_of_id(entry.step_id)),
+        precalibration=None if entry.precalibration is None else _precalibration(entry.precalibration),
+        identity=None if entry.identity is None else identity_reply(entry.identity),
+    )
+
+
+def suspicion_reply(suspicion: Suspicion, artefact: str | None) -> SuspicionReply:
+    """Return a suspicion as it travels; `artefact` is the triangle that is measured, None for a leg."""
+    suspected = suspicion.suspected
+    return SuspicionReply(
+        kind=suspicion.kind,
+        asked=point_names(suspicion.asked, artefact),
+        suspected=None if suspected is None else point_names(suspected, artefact),
+        length_mm=suspicion.length_mm,
+        expected_mm=suspicion.expected_mm,
+    )
+
+
+def point_names(points: tuple[int, int], artefact: str | None) -> list[str]:
+    """Return the names of two points: of one triangle, or of base and tool."""
+    first = "T" if artefact == "tool" else "B"
+    second = "B" if artefact == "base" else "T"
+    return [f"{first}{points[0]}", f"{second}{points[1]}"]
+
+
+def _artefact(found: Situation) -> str | None:
+    return None if found.step is None else _side_of(found.step)
+
+
+def _artefact_of_id(step_id: str) -> str | None:
+    if step_ids.kind_of(step_id) is not StepKind.MEASURE_SIDE:
+        return None
+    return "tool" if step_id.startswith(step_ids.TOOL) else "base"
+
+
+def _side_of(step: BallbarStep) -> str | None:
+    return step.artefact if step.kind is StepKind.MEASURE_SIDE else None
+
+
+def _present_step(view: BallbarView) -> PresentStepReply | None:
+    found, step = view.situation, view.situation.step
+    if step is None:
+        return None
+    number, count = _place_among_legs(found, step)
+    return PresentStepReply(
+        **_step(view, step).model_dump(),
+        index=found.index + 1,
+        count=len(found.steps),
+        confirmed=found.confirmed,
+        leg_number=number,
+        leg_count=count,
+    )
+
+
+def _place_among_legs(found: Situation, step: BallbarStep) -> tuple[int | None, int | None]:
+    if step.kind is not StepKind.CONNECT_LEG:
+        return None, None
+    group = step_ids.group_of(step.id)
+    legs = [
+        other.id
+        for other in found.steps
+        if other.kind is StepKind.CONNECT_LEG and step_ids.group_of(other.id) == group
+    ]
+    return legs.index(step.id) + 1, len(legs)
+
+
+def _step(view: BallbarView, step: BallbarStep) -> StepReply:
+    bars = _bars(view, step)
+    return StepReply(
+        id=step.id,
+        kind=step.kind,
+        placement=step.placement,
+        config=step.config,
+        artefact=step.artefact,
+        points=None if step.points is None else point_names(step.points, _side_of(step)),
+        base_point=step.base_point,
+        expected_mm=step.expected_mm,
+        attempt=step.attempt,
+        bars_mm=None if bars is None else list(bars.bars_mm),
+        nominal_mm=None if bars is None else bars.nominal_mm,
+        target_deg=None if step.target_rad is None else degrees(step.target_rad),
+    )
+
+
+def _bars(view: BallbarView, step: BallbarStep) -> Bars | None:
+    """Return what the ballbar is made up with at a step; None where it takes no part."""
+    if step.kind is StepKind.CONNECT_LEG or step.artefact == "base":
+        return view.kit.base_bars
+    return view.kit.tool_bars if step.artefact == "tool" else None
+
+
+def _listed(view: BallbarView, step: BallbarStep, outcome: Outcome) -> ListedStepReply:
+    return ListedStepReply(
+        **_step(view, step).model_dump(),
+        outcome=outcome.kind,
+        length_mm=_stored_mm(outcome),
+        text=outcome.text,
+    )
+
+
+def _last_outcome(found: Situation) -> LastOutcomeReply | None:
+    if found.last is None:
+        return None
+    step_id, outcome = found.last
+    return LastOutcomeReply(
+        step_id=step_id, kind=outcome.kind, length_mm=_stored_mm(outcome), text=outcome.text
+    )
+
+
+def _stored_mm(outcome: Outcome) -> float | None:
+    return None if outcome.length is None else outcome.length.length_mm
+
+
+def _length(taken: LengthTaken) -> LengthReply:
+    fields = dataclasses.asdict(taken)
+    return LengthReply(**{**fields, "temperature_c": known(taken.temperature_c)})
+
+
+def _arrival(arrival: ArrivalTaken) -> ArrivalReply:
+    return ArrivalReply(
+        commanded_deg=degrees(arrival.commanded_rad),
+        reported_deg=degrees(arrival.reported_rad),
+        direction=list(arrival.direction),
+        time_s=arrival.time_s,
+    )
+
+
+def _precalibration(found: PreCalibration) -> PreCalibrationReply:
+    return PreCalibrationReply(
+        rms_mm=found.rms_mm,
+        configurations=found.configurations,
+        exchanged=list(found.exchanged),
+    )

@@ -1,0 +1,208 @@
+"""Campaigns: upload, make from sessions, download."""
+
+import asyncio
+import json
+from dataclasses import dataclass
+from datetime import date
+from pathlib import PurePath
+from typing import Annotated, Any, Final
+
+from fastapi import APIRouter, HTTPException, Query, Request, Response, status
+from fastapi.exceptions import RequestValidationError
+from pydantic import TypeAdapter, ValidationError
+from starlette.datastructures import UploadFile
+
+from truepose.web.context import Context, Here
+from truepose.web.parameters import Id, IdempotencyKey, OptionalKey, PageQuery, request_key
+from truepose.web.presence import while_present
+from truepose.web.problems import problems
+from truepose.web.schemas.base import VISIBLE, Day
+from truepose.web.schemas.campaigns import CampaignReply, CampaignRequest, SessionsRequest, campaign_reply
+
+router = APIRouter(tags=["campaigns"])
+_DAY_READER: Final = TypeAdapter(Day)
+_RECEIVING_S = 60.0  # 16 MB at 2 Mbit/s
+_BINARY = {"type": "string", "format": "binary", "description": "Zip of the campaign folder."}
+_DAY = {"type": "string", "format": "date", "description": "Day of the readings."}
+_FORM = {"type": "object", "required": ["file"], "properties": {"file": _BINARY, "measured_on": _DAY}}
+_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/zip": {"schema": _BINARY},
+            "multipart/form-data": {"schema": _FORM},
+            "application/json": {"schema": SessionsRequest.model_json_schema()},
+        },
+    }
+}
+_ZIP = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
+CampaignName = Annotated[
+    str | None,
+    Query(
+        min_length=1, max_length=200, pattern=VISIBLE, description="Else the file's name.", examples=["left"]
+    ),
+]
+MeasuredOn = Annotated[
+    Day | None,
+    Query(
+        description="Day of the readings; else that of the form, or of the campaign's description.",
+        examples=["2026-03-03"],
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class _Upload:
+    """What somebody sent; the file of a form has a name."""
+
+    archive: bytes
+    file_name: str
+    measured_on: date | None = None
+
+
+@router.post(
+    "/campaigns",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
+    openapi_extra=_BODY,
+)
+async def upload_campaign(
+    here: Here,
+    request: Request,
+    response: Response,
+    name: CampaignName = None,
+    measured_on: MeasuredOn = None,
+    key: IdempotencyKey = None,
+) -> CampaignReply:
+    """Store a campaign: the zip of a folder, as the body or as a form's file, or sessions to make it of.
+
+    An uploaded folder brings its own robot. One upload is read at a time and a few wait; where too many wait
+    already (503), and where the connection ends before the answer, nothing is stored. Of two sessions the
+    second one judges what the first identifies.
+    """
+    if _media_type(request) == "application/json":
+        number = await _of_sessions(here, request, key)
+        response.headers["Location"] = f"/api/v1/campaigns/{number}"
+        return campaign_reply(await here.campaigns.get(number))
+    async with here.campaign_desk.uploads.turn():
+        number = await _stored(here, request, name, measured_on, key)
+    response.headers["Location"] = f"/api/v1/campaigns/{number}"
+    return campaign_reply(await here.campaigns.get(number))
+
+
+@router.post(
+    "/sessions/{id}/campaign",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
+)
+async def make_campaign(
+    here: Here, id: Id, wanted: CampaignRequest, response: Response, key: OptionalKey
+) -> CampaignReply:
+    """Make a campaign of a calibration session and, if there is one, the validation session beside it."""
+    number = await here.campaign_desk.from_sessions(wanted.name, id, wanted.validation_session_id, key)
+    response.headers["Location"] = f"/api/v1/campaigns/{number}"
+    return campaign_reply(await here.campaigns.get(number))
+
+
+@router.get("/campaigns", responses=problems(422, 503))
+async def list_campaigns(here: Here, page: PageQuery) -> list[CampaignReply]:
+    """List campaigns, oldest first."""
+    return [campaign_reply(record) for record in await here.campaigns.page(page)]
+
+
+@router.get("/campaigns/{id}", responses=problems(404, 422, 503))
+async def get_campaign(here: Here, id: Id) -> CampaignReply:
+    """Show what a campaign holds."""
+    return campaign_reply(await here.campaigns.get(id))
+
+
+@router.get(
+    "/campaigns/{id}/archive",
+    response_class=Response,
+    responses={
+        200: {"description": "Zip of the campaign folder.", "content": _ZIP},
+        **problems(404, 422, 503),
+    },
+)
+async def download_campaign(here: Here, id: Id) -> Response:
+    """Download the zip of a campaign folder: an upload as it came, byte for byte."""
+    archive = await here.campaigns.archive(id)
+    saved_as = {"Content-Disposition": f'attachment; filename="campaign-{id}.zip"'}
+    return Response(archive, media_type="application/zip", headers=saved_as)
+
+
+async def _stored(
+    here: Context, request: Request, name: str | None, measured_on: date | None, key: str | None
+) -> int:
+    """Receive an archive and store it, unless the client goes away meanwhile."""
+    try:
+        async with asyncio.timeout(_RECEIVING_S):
+            sent = await _received(request)
+    except TimeoutError as error:
+        raise HTTPException(
+            status.HTTP_408_REQUEST_TIMEOUT,
+            f"The archive did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
+        ) from error
+    stored_as, day = name or PurePath(sent.file_name).stem or "campaign", measured_on or sent.measured_on
+    said = sent.archive if day is None else sent.archive + day.isoformat().encode()
+    by_key = None if key is None else await asyncio.to_thread(request_key, request, key, said)
+    return await while_present(request, here.campaign_desk.upload(sent.archive, stored_as, day, by_key))
+
+
+async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
+    """Make a campaign of the sessions that the body names; raises RequestValidationError."""
+    body = await request.body()
+    try:
+        wanted = SessionsRequest.model_validate(json.loads(body))
+    except ValidationError as error:
+        raise RequestValidationError(error.errors()) from error
+    except (ValueError, RecursionError) as error:  # of text that is no JSON, no text, or without a bottom
+        raise RequestValidationError([_no_json(error)]) from error
+    by_key = None if key is None else request_key(request, key, body)
+    first, *others = wanted.session_ids
+    return await here.campaign_desk.from_sessions(wanted.name, first, others[0] if others else None, by_key)
+
+
+def _no_json(error: ValueError | RecursionError) -> dict[str, Any]:
+    """Return the fault as the framework states it for a body of its own."""
+    where = error.pos if isinstance(error, json.JSONDecodeError) else 0
+    return {"type": "json_invalid", "loc": ("body", where), "msg": "", "ctx": {"error": str(error)}}
+
+
+def _media_type(request: Request) -> str:
+    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+
+
+async def _received(request: Request) -> _Upload:
+    """Return what was sent; raises RequestValidationError where there is no archive."""
+    if _media_type(request) != "multipart/form-data":
+        upload = _Upload(await request.body(), "")
+    else:
+        upload = await _in_form(request)
+    if not upload.archive:
+        fault = {
+            "loc": ("body", "file"),
+            "msg": "the zip of a campaign folder is required",
+            "type": "missing",
+        }
+        raise RequestValidationError([fault])
+    return upload
+
+
+async def _in_form(request: Request) -> _Upload:
+    async with request.form() as form:
+        sent, said = form.get("file"), form.get("measured_on")
+        if not isinstance(sent, UploadFile):
+            return _Upload(b"", "")
+        return _Upload(await sent.read(), sent.filename or "", _day_in_form(said))
+
+
+def _day_in_form(said: object) -> date | None:
+    """Return the day that a form states; one left empty states none. Raises RequestValidationError."""
+    if said is None or said == "":
+        return None
+    try:
+        return _DAY_READER.validate_python(said)
+    except ValidationError as error:
+        faults = [{**fault, "loc": ("body", "measured_on")} for fault in error.errors()]
+        raise RequestValidationError(faults) from error

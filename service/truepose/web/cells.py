@@ -1,0 +1,24 @@
+"""Cells: this service has one."""
+
+from fastapi import APIRouter, HTTPException
+
+from truepose.web.context import Here
+from truepose.web.parameters import Name
+from truepose.web.problems import problems
+from truepose.web.schemas.cells import CellReply, cell_reply
+
+router = APIRouter(prefix="/cells", tags=["cells"])
+
+
+@router.get("", responses=problems(503))
+async def list_cells(here: Here) -> list[CellReply]:
+    """List the cells of this service: the one of its cell file."""
+    return [cell_reply(here.cell, here.endpoints)]
+
+
+@router.get("/{name}", responses=problems(404, 422))
+async def get_cell(here: Here, name: Name) -> CellReply:
+    """Show a cell: robot, devices and artefacts."""
+    if name != here.cell.name:
+        raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
+    return cell_reply(here.cell, here.endpoints)

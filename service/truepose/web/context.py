@@ -1,0 +1,71 @@
+"""What the routes work with; made once by the composition root."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import Depends, Request
+
+from truepose.analysis.campaigns import CampaignDesk
+from truepose.analysis.jobs import JobDesk
+from truepose.domain.cell import Cell
+from truepose.operation.ballbar_sessions import BallbarDesk
+from truepose.operation.devices import Rack
+from truepose.operation.sessions import SessionDesk
+from truepose.operation.simulated_hands import HandsDesk
+from truepose.storage.campaigns import CampaignRepository
+from truepose.storage.database import Database
+from truepose.storage.diagnoses import DiagnosisRepository
+from truepose.storage.events import EventRepository
+from truepose.storage.jobs import JobRepository
+from truepose.storage.readings import ReadingRepository
+from truepose.storage.results import ResultRepository
+from truepose.storage.sessions import SessionRepository
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Where one instrument of a simulated cell listens."""
+
+    device: str
+    protocol: str
+    host: str
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """Everything behind the routes."""
+
+    version: str
+    cell: Cell
+    endpoints: tuple[Endpoint, ...]  # of the simulated cell; empty for a real one
+    database: Database
+    sessions: SessionRepository
+    readings: ReadingRepository
+    campaigns: CampaignRepository
+    jobs: JobRepository
+    results: ResultRepository
+    diagnoses: DiagnosisRepository
+    events: EventRepository
+    rack: Rack
+    session_desk: SessionDesk
+    ballbar_desk: BallbarDesk
+    hands_desk: HandsDesk
+    job_desk: JobDesk
+    campaign_desk: CampaignDesk
+    stopping: asyncio.Event  # set when the service ends: streams end with it
+    fault: Callable[[], str | None]  # why the simulated cell does not run any more
+
+    @property
+    def simulated(self) -> bool:
+        """Whether no robot and no instrument are behind all this."""
+        return self.cell.simulated is not None
+
+
+def _context(request: Request) -> Context:
+    return cast(Context, request.app.state.context)
+
+
+Here = Annotated[Context, Depends(_context)]

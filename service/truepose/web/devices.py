@@ -1,0 +1,34 @@
+"""Devices of the cell: state, connect, disconnect."""
+
+from fastapi import APIRouter
+
+from truepose.web.context import Here
+from truepose.web.parameters import Name
+from truepose.web.problems import problems
+from truepose.web.schemas.cells import DeviceReply, device_reply
+
+router = APIRouter(prefix="/devices", tags=["devices"])
+
+
+@router.get("")
+async def list_devices(here: Here) -> list[DeviceReply]:
+    """List the devices and the state of their links."""
+    return [device_reply(status) for status in here.rack.statuses()]
+
+
+@router.get("/{name}", responses=problems(404, 422))
+async def get_device(here: Here, name: Name) -> DeviceReply:
+    """Show a device."""
+    return device_reply(here.rack.status(name))
+
+
+@router.post("/{name}/connect", responses=problems(404, 409, 422, 503))
+async def connect_device(here: Here, name: Name) -> DeviceReply:
+    """Open the link to a device and ask it who it is; 503 with a sentence where it does not answer."""
+    return device_reply(await here.rack.connect(name))
+
+
+@router.post("/{name}/disconnect", responses=problems(404, 409, 422))
+async def disconnect_device(here: Here, name: Name) -> DeviceReply:
+    """Close the link to a device; refused while a session holds it."""
+    return device_reply(await here.rack.disconnect(name))

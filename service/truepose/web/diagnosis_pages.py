@@ -1,0 +1,144 @@
+"""Diagnoses for people: a list, and each as its report, at the size of a tablet.
+
+The reports are imported where a page is made: their drawing library takes most of a second, and the service
+must not wait for it when it starts.
+"""
+
+import asyncio
+import dataclasses
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Final
+
+from fastapi import APIRouter, Response
+from fastapi.responses import HTMLResponse
+
+from truepose.sequencing.states import has_ended
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
+from truepose.web.context import Context, Here
+from truepose.web.rendering import page
+
+if TYPE_CHECKING:
+    from truepose.reports import DiagnosisInput, VerdictWords
+
+router = APIRouter(include_in_schema=False)
+_SHOWN: Final = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Actions:
+    """What a person can ask for below a diagnosis of a session."""
+
+    session: SessionRecord
+    ended: bool
+    configurations_deg: tuple[tuple[float, ...], ...]  # of all proposals
+    again: dict[str, object]  # body of the request that repeats this diagnosis on all readings by now
+
+
+@router.get("/diagnoses", response_class=HTMLResponse)
+async def diagnoses_page(here: Here) -> HTMLResponse:
+    """List the latest diagnoses with their first lines."""
+    from truepose.reports import verdict_shape
+
+    records = await here.diagnoses.newest(_SHOWN)
+    rows = [(record, _verdict(record)) for record in records]
+    return page(
+        "diagnoses.html",
+        here=here,
+        rows=rows,
+        shape=verdict_shape,
+        measured=measured_words,
+        shown=_SHOWN,
+    )
+
+
+@router.get("/diagnoses/{id}", response_class=HTMLResponse)
+async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
+    """Show a diagnosis as its report."""
+    from truepose.reports import diagnosis_content
+
+    record = await _record(here, id)
+    if record is None:
+        return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here)
+    campaign = await here.campaigns.get(record.campaign_id)
+    report = await _report(here, record, campaign)
+    actions = await _actions(here, record, campaign)
+    # Drawing takes a second or two; a session under way must not wait for it.
+    content = await asyncio.to_thread(diagnosis_content, report)
+    return page(
+        "diagnosis.html",
+        here=here,
+        record=record,
+        actions=actions,
+        content=content,
+    )
+
+
+@router.get("/static/report.css", response_class=Response)
+async def report_style() -> Response:
+    """Send the style of reports, which a report in a file carries within it."""
+    from truepose.reports import page_styles
+
+    return Response(page_styles(), media_type="text/css")
+
+
+def _verdict(record: DiagnosisRecord) -> "VerdictWords":
+    from truepose.reports import verdict_words
+
+    return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None)
+
+
+def measured_words(said: str | None) -> str:
+    """Return when readings were taken, for people; None: nobody said."""
+    return "day not stated" if said is None else f"measured {_moment(said)}"
+
+
+def _moment(said: str) -> str:
+    """Return a day as it is, and a time to the minute: nobody reads milliseconds."""
+    if "T" not in said:
+        return said
+    return datetime.fromisoformat(said).astimezone(UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+async def _record(here: Context, id: str) -> DiagnosisRecord | None:
+    """Return the diagnosis of that number; None where an address names none."""
+    if not (id.isascii() and id.isdecimal()) or len(id) > len(str(2**31)):
+        return None
+    try:
+        return await here.diagnoses.get(int(id))
+    except NotFoundError:
+        return None
+
+
+async def _actions(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> Actions | None:
+    """Return what can be asked of the session that the readings come from; None for an uploaded campaign."""
+    if record.session_id is None:
+        return None
+    session = await here.sessions.get(record.session_id)
+    asked = (await here.jobs.get(record.job_id)).request
+    validation = campaign.session_ids[1] if len(campaign.session_ids) > 1 else None
+    proposed = record.diagnosis.next_measurements
+    return Actions(
+        session=session,
+        ended=has_ended(session.state),
+        configurations_deg=tuple(joints for entry in proposed for joints in entry.configurations_deg),
+        again={"effects": asked.get("effects"), "validation_session_id": validation},
+    )
+
+
+async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> "DiagnosisInput":
+    from truepose.reports import DiagnosisInput, ReportConditions
+
+    diagnosis = record.diagnosis
+    if record.model_id is not None:
+        model = (await here.results.model(record.model_id)).model
+        diagnosis = dataclasses.replace(diagnosis, model=model)
+    conditions = ReportConditions(
+        simulated=record.simulated,
+        robot_serial_number=record.robot_serial_number,
+        written_at=_moment(record.recorded_at),
+        notes=campaign.summary.notes,
+    )
+    return DiagnosisInput(diagnosis, f"{campaign.name}, {measured_words(record.measured_at)}", conditions)

@@ -1,0 +1,15 @@
+"""Errors of the door.
+
+DoorError
+└── UnusableHostError   what should be allowed is no name of a host
+"""
+
+from truepose.domain.errors import TrueposeError
+
+
+class DoorError(TrueposeError):
+    """Base of every error of the door."""
+
+
+class UnusableHostError(DoorError):
+    """What should be allowed is no name of a host."""

@@ -1,0 +1,47 @@
+"""The outermost of all: nothing reaches a route unjudged, and nothing leaves without its headers."""
+
+from starlette.requests import Request
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from truepose.web.door.headers import with_protection
+from truepose.web.door.hosts import AllowedHosts
+from truepose.web.door.judgement import Asked, Refusal, judge
+from truepose.web.problems import problem_response
+
+_POLICY_VIOLATION = 1008  # of the WebSocket protocol
+
+
+class Door:
+    """ASGI middleware: refuses whom we do not know, and protects every answer."""
+
+    def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
+        self._app = app
+        self._hosts = hosts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or pass it on."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+        elif scope["type"] == "http":
+            await self._request(scope, receive, _protecting(send))
+        else:
+            await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
+
+    async def _request(self, scope: Scope, receive: Receive, send: Send) -> None:
+        verdict = judge(Asked(scope["method"], scope["path"], scope["headers"]), self._hosts)
+        if isinstance(verdict, Refusal):
+            # Without the headers: the address of a problem must not be made of a Host that is none.
+            request = Request({**scope, "headers": []})
+            answer = problem_response(request, verdict.status, verdict.sentence, {"Connection": "close"})
+            await answer(scope, receive, send)
+        else:
+            await self._app({**scope, "scheme": verdict.scheme}, receive, send)
+
+
+def _protecting(send: Send) -> Send:
+    async def protect(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message = {**message, "headers": with_protection(message.get("headers", ()))}
+        await send(message)
+
+    return protect

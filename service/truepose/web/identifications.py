@@ -1,0 +1,35 @@
+"""Identifications: ask for one, read the answer."""
+
+from fastapi import APIRouter, Response, status
+
+from truepose.effects.registry import chosen_effects
+from truepose.web.context import Here
+from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.problems import problems
+from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.results import IdentificationReply, IdentificationRequest, identification_reply
+
+router = APIRouter(prefix="/identifications", tags=["identifications"])
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+async def identify(
+    here: Here, wanted: IdentificationRequest, response: Response, key: OptionalKey
+) -> JobReply:
+    """Identify a campaign in a worker process; the job's result is the identification."""
+    effects = None if wanted.effects is None else chosen_effects(wanted.effects)
+    number = await here.job_desk.identify(wanted.campaign_id, effects, key)
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return job_reply(await here.jobs.get(number))
+
+
+@router.get("", response_model_exclude_unset=True, responses=problems(422, 503))
+async def list_identifications(here: Here, page: PageQuery) -> list[IdentificationReply]:
+    """List identifications, oldest first."""
+    return [identification_reply(record) for record in await here.results.identifications(page)]
+
+
+@router.get("/{id}", response_model_exclude_unset=True, responses=problems(404, 422, 503))
+async def get_identification(here: Here, id: Id) -> IdentificationReply:
+    """Show an identification: the document that `truepose identify --json` prints."""
+    return identification_reply(await here.results.identification(id))

@@ -1,0 +1,29 @@
+"""Jobs: watch and cancel."""
+
+from fastapi import APIRouter
+
+from truepose.web.context import Here
+from truepose.web.parameters import Id, PageQuery
+from truepose.web.problems import problems
+from truepose.web.schemas.jobs import JobReply, job_reply
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+
+@router.get("", responses=problems(422, 503))
+async def list_jobs(here: Here, page: PageQuery) -> list[JobReply]:
+    """List jobs, oldest first."""
+    return [job_reply(record) for record in await here.jobs.page(page)]
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_job(here: Here, id: Id) -> JobReply:
+    """Show a job, how far it is, and what it made."""
+    return job_reply(await here.jobs.get(id))
+
+
+@router.post("/{id}/cancel", responses=problems(404, 409, 422, 503))
+async def cancel_job(here: Here, id: Id) -> JobReply:
+    """End a job and its worker process; refused where the job has ended already."""
+    await here.job_desk.cancel(id)
+    return job_reply(await here.jobs.get(id))

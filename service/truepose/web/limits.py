@@ -1,0 +1,98 @@
+"""What a request may weigh and be made of, decided before anything reads it.
+
+A campaign of 100,000 rows is 4 MB zipped; 16 MB leaves room for torques and poses, and is stored before a
+reading that comes next would notice. All else that clients send is a plan of some thousand stops: 8 MB.
+"""
+
+import contextlib
+from typing import Final
+
+from starlette.requests import Request
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from truepose.web.problems import problem_response
+
+UPLOAD_LIMIT_BYTES: Final = 16 * 2**20
+JSON_LIMIT_BYTES: Final = 8 * 2**20
+UPLOAD_PATH: Final = "/api/v1/campaigns"
+_READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
+_FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
+UPLOAD_TYPES: Final = ("application/zip", "multipart/form-data", "application/json")  # JSON names sessions
+
+
+class _TooLargeError(Exception):
+    """The body grew beyond its limit while it was read."""
+
+
+class RequestLimits:
+    """ASGI middleware: 413 for a body that is too large, 415 for one of a type not understood there."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or pass it on."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        request = Request(scope)
+        limit = UPLOAD_LIMIT_BYTES if is_upload(request) else JSON_LIMIT_BYTES
+        refusal = _refused_type(request)
+        if refusal is not None:
+            await problem_response(request, 415, refusal)(scope, receive, send)
+        elif _declared_length(request) > limit:
+            await problem_response(request, 413, _too_large(limit))(scope, receive, send)
+        else:
+            await self._counted(request, receive, send, limit)
+
+    async def _counted(self, request: Request, receive: Receive, send: Send, limit: int) -> None:
+        """Pass the request on and stop it where it is longer than it said."""
+        seen_bytes = 0
+
+        async def count() -> Message:
+            nonlocal seen_bytes
+            message = await receive()
+            seen_bytes += len(message.get("body", b""))
+            if seen_bytes > limit:
+                raise _TooLargeError
+            return message
+
+        async def send_unless_too_large(message: Message) -> None:
+            # Whatever reads the body may have turned our error into an answer of its own.
+            if seen_bytes <= limit:
+                await send(message)
+
+        with contextlib.suppress(_TooLargeError):
+            await self._app(request.scope, count, send_unless_too_large)
+        if seen_bytes > limit:
+            await problem_response(request, 413, _too_large(limit))(request.scope, receive, send)
+
+
+def is_upload(request: Request) -> bool:
+    """Return whether a request brings an archive, not JSON as all others do."""
+    at_uploads = request.method == "POST" and request.scope["path"] == UPLOAD_PATH
+    return at_uploads and _sent_type(request) != "application/json"
+
+
+def _sent_type(request: Request) -> str:
+    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+
+
+def _declared_length(request: Request) -> int:
+    declared = request.headers.get("content-length", "0")
+    return int(declared) if declared.isdecimal() else 0
+
+
+def _too_large(limit: int) -> str:
+    return f"The body is larger than {limit // 2**20} MB, the most that is read here."
+
+
+def _refused_type(request: Request) -> str | None:
+    sent = _sent_type(request)
+    has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
+    upload = request.scope["path"] == UPLOAD_PATH
+    understood = UPLOAD_TYPES if upload else ("application/json",)
+    # A page of anybody can send a form without asking first, an empty one too.
+    if request.method in _READING or sent in understood or not (has_body or sent in _FORMS):
+        return None
+    return f"The body is {sent or 'of no stated type'}; {' or '.join(understood)} is understood here."

@@ -1,0 +1,97 @@
+"""Pages for people: the start page, the API's reference and the diagnoses, rendered here.
+
+The usual OpenAPI pages need megabytes of script, from a content network or a package that lags years behind.
+A reference that names every route, field, unit and error needs none.
+"""
+
+from pathlib import Path
+from typing import Any, Final
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse, HTMLResponse
+
+from truepose.web import diagnosis_pages
+from truepose.web.context import Here
+from truepose.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+router.include_router(diagnosis_pages.router)
+_SHOWN: Final = 20
+_STATIC: Final = Path(__file__).parent / "static"
+
+
+@router.get("/", response_class=HTMLResponse)
+async def start_page(here: Here) -> HTMLResponse:
+    """Show the cell, its devices and the latest sessions."""
+    return page(
+        "start.html",
+        here=here,
+        devices=here.rack.statuses(),
+        sessions=await here.sessions.newest(_SHOWN),
+        jobs=await here.jobs.newest(_SHOWN),
+    )
+
+
+@router.get("/docs", response_class=HTMLResponse)
+async def api_page(request: Request, here: Here) -> HTMLResponse:
+    """Show the reference of the API, from the document at /openapi.json."""
+    document = request.app.openapi()
+    operations = list(_operations(document))
+    return page("api.html", here=here, document=document, operations=operations, base=str(request.base_url))
+
+
+@router.get("/static/pages.css", response_class=FileResponse)
+async def pages_style() -> FileResponse:
+    """Send the style of the plain pages."""
+    return _sent("pages.css", "text/css")
+
+
+@router.get("/static/report-page.css", response_class=FileResponse)
+async def report_page_style() -> FileResponse:
+    """Send the style of what stands around a report."""
+    return _sent("report-page.css", "text/css")
+
+
+@router.get("/static/measure-next.js", response_class=FileResponse)
+async def measure_next_script() -> FileResponse:
+    """Send the script behind the buttons of a diagnosis."""
+    return _sent("measure-next.js", "text/javascript")
+
+
+def _sent(name: str, media_type: str) -> FileResponse:
+    # A browser asks again each time and is told that nothing has changed: pages never mix versions.
+    return FileResponse(_STATIC / name, media_type=media_type, headers={"Cache-Control": "no-cache"})
+
+
+def _operations(document: dict[str, Any]) -> Any:
+    """Yield method, path and operation with its parameters and replies ready to print."""
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            yield {
+                "method": method.upper(),
+                "path": path,
+                "summary": operation.get("description") or operation["summary"],
+                "parameters": operation.get("parameters", []),
+                "bodies": _contents(operation.get("requestBody", {})),
+                "replies": [
+                    (status, reply["description"], _contents(reply))
+                    for status, reply in operation["responses"].items()
+                ],
+            }
+
+
+def _contents(holder: dict[str, Any]) -> list[tuple[str, list[str]]]:
+    """Return media type and names of schemas, of a body or a reply."""
+    return [
+        (media, sorted(set(_schema_names(content.get("schema", {})))))
+        for media, content in holder.get("content", {}).items()
+    ]
+
+
+def _schema_names(schema: Any) -> list[str]:
+    if isinstance(schema, dict):
+        found = [schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else []
+        return found + [name for part in schema.values() for name in _schema_names(part)]
+    if isinstance(schema, list):
+        return [name for part in schema for name in _schema_names(part)]
+    return []

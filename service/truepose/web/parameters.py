@@ -1,0 +1,64 @@
+"""Parameters that several routes take."""
+
+import hashlib
+from typing import Annotated
+
+from fastapi import Depends, Header, Path, Query, Request
+
+from truepose.storage.records import Page, RequestKey
+from truepose.web.schemas.base import KEY, NUMBER_LIMIT
+
+Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
+Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as the list gives it.")]
+IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=128,
+        pattern=KEY,
+        description="Any text of your own. A request sent again with the same key makes nothing twice: "
+        "it answers with what the first one made.",
+        examples=["3f1c6a9e-plan-left-arm"],
+    ),
+]
+
+
+NeededKey = Annotated[
+    str,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=128,
+        pattern=KEY,
+        description="Any text of your own. An act sent again with the same key is done once: it answers with "
+        "the sentence and the entry of the first one.",
+        examples=["3f1c6a9e-store-leg-2-3"],
+    ),
+]
+
+
+def _page(
+    after: Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List records above this number.")] = 0,
+    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many records.")] = 100,
+) -> Page:
+    return Page(after, limit)
+
+
+async def _json_key(request: Request, key: IdempotencyKey = None) -> RequestKey | None:
+    return None if key is None else request_key(request, key, await request.body())
+
+
+async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
+    return request_key(request, key, await request.body())
+
+
+def request_key(request: Request, key: str, body: bytes) -> RequestKey:
+    """Return the key with the fingerprint of the request it came with."""
+    said = b"\n".join((request.method.encode(), request.url.path.encode(), body))
+    return RequestKey(key, hashlib.sha256(said).hexdigest())
+
+
+PageQuery = Annotated[Page, Depends(_page)]
+OptionalKey = Annotated[RequestKey | None, Depends(_json_key)]
+RequiredKey = Annotated[RequestKey, Depends(_needed_key)]

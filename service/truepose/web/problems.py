@@ -1,0 +1,215 @@
+"""Errors as problem documents (RFC 9457): a status, one sentence, and nothing else to parse."""
+
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any, Final
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
+from starlette.routing import Match
+
+from truepose.analysis.errors import (
+    BusyError,
+    NeverDiagnosedError,
+    NothingMeasuredError,
+    RobotsMixedError,
+    RoleError,
+    SessionsDifferError,
+)
+from truepose.domain.errors import RecordRefusedError, TrueposeError
+from truepose.domain.people import NAME_PATTERN
+from truepose.exchange.errors import InputFileError, UnknownRobotError
+from truepose.operation.errors import (
+    CellChangedError,
+    DeviceInUseError,
+    MissingDeviceError,
+    NoBallbarError,
+    RealCellError,
+    UnknownDeviceError,
+)
+from truepose.planning.errors import WorkSpaceError
+from truepose.sequencing.errors import (
+    NotNowError,
+    PersonMissingError,
+    PersonUnknownError,
+    PersonUnreadableError,
+    PlanRefusedError,
+    WatchingTabletError,
+)
+from truepose.storage.errors import ConflictError, NotFoundError, StorageUnavailableError
+from truepose.web.schemas.base import KEY, VISIBLE
+from truepose_drivers.errors import DeviceRefusedError, DriverError
+
+_IN_WORDS: Final = {  # of patterns
+    VISIBLE: "Nobody could see it; give it at least one visible character",
+    NAME_PATTERN: "A name has a letter or a digit, and only characters that can be seen",
+    KEY: "A key consists of letters, digits and signs of ASCII, without blanks",
+}
+_NAME: Final = "name"  # the kind of problem that another person's name solves
+_OF_NAMES: Final = (PersonMissingError, PersonUnknownError, PersonUnreadableError)
+MEDIA_TYPE: Final = "application/problem+json"
+_METHODS: Final = ("DELETE", "GET", "PATCH", "POST", "PUT")
+
+# The first class that fits counts, so a subclass stands before its base.
+_STATUS: Mapping[type[Exception], HTTPStatus] = {
+    NotFoundError: HTTPStatus.NOT_FOUND,
+    UnknownDeviceError: HTTPStatus.NOT_FOUND,
+    UnknownRobotError: HTTPStatus.NOT_FOUND,
+    NeverDiagnosedError: HTTPStatus.NOT_FOUND,
+    ConflictError: HTTPStatus.CONFLICT,
+    NotNowError: HTTPStatus.CONFLICT,
+    WatchingTabletError: HTTPStatus.CONFLICT,
+    DeviceInUseError: HTTPStatus.CONFLICT,
+    MissingDeviceError: HTTPStatus.CONFLICT,
+    CellChangedError: HTTPStatus.CONFLICT,
+    NoBallbarError: HTTPStatus.CONFLICT,
+    RealCellError: HTTPStatus.CONFLICT,
+    NothingMeasuredError: HTTPStatus.CONFLICT,
+    SessionsDifferError: HTTPStatus.CONFLICT,
+    RoleError: HTTPStatus.CONFLICT,
+    RobotsMixedError: HTTPStatus.CONFLICT,
+    WorkSpaceError: HTTPStatus.CONFLICT,
+    PlanRefusedError: HTTPStatus.CONFLICT,  # the request is sound, this cell cannot do it
+    DeviceRefusedError: HTTPStatus.CONFLICT,
+    PersonUnreadableError: HTTPStatus.CONFLICT,  # what a schema cannot say; the rest of it is refused there
+    PersonUnknownError: HTTPStatus.CONFLICT,
+    PersonMissingError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    InputFileError: HTTPStatus.UNPROCESSABLE_ENTITY,
+    StorageUnavailableError: HTTPStatus.SERVICE_UNAVAILABLE,
+    RecordRefusedError: HTTPStatus.SERVICE_UNAVAILABLE,
+    BusyError: HTTPStatus.SERVICE_UNAVAILABLE,
+    DriverError: HTTPStatus.SERVICE_UNAVAILABLE,
+    TrueposeError: HTTPStatus.UNPROCESSABLE_ENTITY,
+}
+_MEANING: Mapping[int, str] = {
+    400: "The request cannot be read.",
+    404: "There is no such thing.",
+    408: "The body did not arrive in time.",
+    409: "Not in the present state.",
+    413: "The body is too large.",
+    415: "The body has a type that is not understood here.",
+    422: "The request is readable and wrong; the sentence names the field.",
+    503: "A device or the disk does not answer, or too many ask at once.",
+}
+
+
+class Problem(BaseModel):
+    """What went wrong, where, and what to do."""
+
+    type: str = Field(
+        description="Identifies the kind of problem; `urn:truepose:problem:name`: give another name.",
+        examples=["urn:truepose:problem:not-found"],
+    )
+    title: str = Field(description="The HTTP status in words.", examples=["Not Found"])
+    status: int = Field(description="The HTTP status.", examples=[404])
+    detail: str = Field(description="One sentence for whoever reads it.", examples=["There is no session 7."])
+    instance: str = Field(description="The path that was asked for.", examples=["/api/v1/sessions/7"])
+
+
+def problem_response(
+    request: Request,
+    status: int,
+    detail: str,
+    headers: Mapping[str, str] | None = None,
+    kind: str | None = None,
+) -> JSONResponse:
+    """Return a problem document; its kind is that of the status unless another one is given."""
+    title = HTTPStatus(status).phrase
+    body = Problem(
+        type=f"urn:truepose:problem:{kind or title.lower().replace(' ', '-')}",
+        title=title,
+        status=status,
+        detail=detail,
+        instance=request.url.path,
+    )
+    return JSONResponse(body.model_dump(), status, headers, media_type=MEDIA_TYPE)
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Return what a route lists under `responses` for the problems it may answer with."""
+    schema = {"$ref": "#/components/schemas/Problem"}
+    return {
+        status: {"description": _MEANING[status], "content": {MEDIA_TYPE: {"schema": schema}}}
+        for status in statuses
+    }
+
+
+def install(app: FastAPI) -> None:
+    """Let every error of `app` leave as a problem document."""
+    app.add_exception_handler(RequestValidationError, _on_invalid)
+    app.add_exception_handler(HTTPException, _on_http)
+    app.add_exception_handler(TrueposeError, _on_refusal)
+    app.add_exception_handler(DriverError, _on_refusal)
+    app.add_exception_handler(Exception, _on_failure)
+    app.add_exception_handler(ClientDisconnect, _on_nobody)
+
+
+async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
+    status = next(status for kind, status in _STATUS.items() if isinstance(error, kind))
+    headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
+    kind = _NAME if isinstance(error, _OF_NAMES) else None
+    return problem_response(request, status, str(error), headers, kind)
+
+
+async def _on_nobody(request: Request, error: Exception) -> JSONResponse:
+    # Nobody reads it, and the log is for what went wrong here.
+    return problem_response(request, HTTPStatus.REQUEST_TIMEOUT, "The connection ended before the answer.")
+
+
+async def _on_failure(request: Request, error: Exception) -> JSONResponse:
+    """Answer for a fault of the program; its traceback goes to the log, not to whoever asked."""
+    told = f"The service failed at this request ({type(error).__name__}); its log says where."
+    return problem_response(request, HTTPStatus.INTERNAL_SERVER_ERROR, told)
+
+
+async def _on_http(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, HTTPException):
+        raise error
+    detail, headers = str(error.detail), dict(error.headers or {})
+    if error.status_code == HTTPStatus.BAD_REQUEST:  # the framework's word for bytes that are no text
+        detail = "The body cannot be read; send JSON in UTF-8."
+    if error.status_code == HTTPStatus.NOT_FOUND:
+        detail = f"There is nothing at {request.url.path}; /openapi.json lists what there is."
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(_allowed_methods(request))
+        detail = f"{request.method} is not possible at {request.url.path}; {headers['Allow']} is."
+    return problem_response(request, error.status_code, detail, headers)
+
+
+def _allowed_methods(request: Request) -> list[str]:
+    """Return the methods of every route at this path; the framework names those of the first one only."""
+    return [
+        method
+        for method in _METHODS
+        if any(
+            route.matches({**request.scope, "method": method})[0] is Match.FULL
+            for route in request.app.routes
+        )
+    ]
+
+
+async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
+    if not isinstance(error, RequestValidationError):
+        raise error
+    faults = error.errors()
+    kind = _NAME if faults[0]["loc"][-1] == "person" else None
+    return problem_response(request, HTTPStatus.UNPROCESSABLE_ENTITY, _sentence(faults), kind=kind)
+
+
+def _sentence(faults: Any) -> str:
+    """Return one sentence on the first fault: where, what, and how many more there are."""
+    first = faults[0]
+    where = ".".join(str(part) for part in first["loc"] if part != "body") or "the body"
+    if first["type"] == "json_invalid":
+        return f"The body is not JSON: {first['ctx']['error']} at character {first['loc'][-1]}."
+    what = _IN_WORDS.get(first.get("ctx", {}).get("pattern"), first["msg"])
+    more = f" ({len(faults) - 1} more like this.)" if len(faults) > 1 else ""
+    return f"{where}: {_lowered(what)}.{more}"
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:].rstrip(".")

@@ -1,0 +1,46 @@
+"""Readings of all sessions."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from truepose.storage.records import ReadingKind
+from truepose.web.context import Here
+from truepose.web.parameters import Id, PageQuery
+from truepose.web.problems import problems
+from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.schemas.readings import ReadingReply, reading_reply
+
+router = APIRouter(tags=["readings"])
+OfKind = Annotated[ReadingKind | None, Query(description="Only of this kind.")]
+Superseded = Annotated[bool, Query(description="False: only readings that count.")]
+OfSession = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Only of this session.")]
+
+
+@router.get("/readings", responses=problems(422, 503))
+async def list_readings(
+    here: Here,
+    page: PageQuery,
+    session_id: OfSession = None,
+    kind: OfKind = None,
+    superseded: Superseded = True,
+) -> list[ReadingReply]:
+    """List readings in the order they were taken."""
+    found = await here.readings.page(page, session_id=session_id, kind=kind, superseded=superseded)
+    return [reading_reply(record) for record in found]
+
+
+@router.get("/readings/{id}", responses=problems(404, 422, 503))
+async def get_reading(here: Here, id: Id) -> ReadingReply:
+    """Show a reading as it was stored."""
+    return reading_reply(await here.readings.get(id))
+
+
+@router.get("/sessions/{id}/readings", responses=problems(404, 422, 503))
+async def list_readings_of_session(
+    here: Here, id: Id, page: PageQuery, kind: OfKind = None, superseded: Superseded = True
+) -> list[ReadingReply]:
+    """List the readings of a session in the order they were taken."""
+    await here.sessions.get(id)
+    found = await here.readings.page(page, session_id=id, kind=kind, superseded=superseded)
+    return [reading_reply(record) for record in found]

@@ -1,0 +1,78 @@
+"""Configurations that are added to the plan of a session."""
+
+import math
+
+from pydantic import Field
+
+from truepose.operation.sessions import WantedStops
+from truepose.planning.added_stops import Addition, WantedStop
+from truepose.sequencing.plans import numbers
+from truepose.web.schemas.base import Number, PersonName, Reply, Request, example
+from truepose.web.schemas.sessions import AngleDeg, SessionReply, StopReply, stop_reply
+
+
+class ConfigurationRequest(Request):
+    """A configuration to add to a plan."""
+
+    joints_deg: list[AngleDeg] = Field(
+        min_length=1, max_length=32, description="Nominal joint angles.", examples=[[0, 45, -30, 0, 30, 0]]
+    )
+    nest: Number | None = Field(None, description="Tool nest; null: the one that faces the tracker best.")
+
+
+class AdditionRequest(Request):
+    """Configurations to add to the plan of a session, as a diagnosis proposes them or of one's own."""
+
+    model_config = example({
+        "person": "Ada Byron",
+        "configurations": [{"joints_deg": [0, 45, -30, 0, 30, 0]}, {"joints_deg": [10, 40, -20, 0, 45, 90]}],
+    })
+
+    person: PersonName
+    configurations: list[ConfigurationRequest] = Field(min_length=1, max_length=1000)
+    leave_out_unfit: bool = Field(
+        False,
+        description="Leave out what cannot be measured in this cell, with its reason in the reply; else one "
+        "such configuration refuses the request.",
+    )
+    diagnosis_id: Number | None = Field(
+        None,
+        description="The diagnosis of this session that proposed them: it is run again, from the same start, "
+        "once the session has finished.",
+    )
+
+
+class AdditionReply(Reply):
+    """What was added to the plan, and when it is measured."""
+
+    sentence: str = Field(examples=["Added configurations 56 to 59; a person confirms ..."])
+    stops: list[StopReply]
+    left_out: list["LeftOutReply"]
+    session: SessionReply
+
+
+class LeftOutReply(Reply):
+    """A configuration that cannot be measured in this cell."""
+
+    configuration: int = Field(description="Which of the request, from 1.", examples=[2])
+    reason: str
+
+
+def wanted_stops(wanted: AdditionRequest) -> WantedStops:
+    """Return what a request wants to add."""
+    configurations = [
+        WantedStop(tuple(math.radians(angle) for angle in entry.joints_deg), entry.nest)
+        for entry in wanted.configurations
+    ]
+    return WantedStops(configurations, wanted.leave_out_unfit, wanted.diagnosis_id)
+
+
+def addition_reply(found: Addition, session: SessionReply) -> AdditionReply:
+    """Return what was added as it travels."""
+    added = f"Added {numbers(found.stops)}; a person confirms before the robot goes there."
+    return AdditionReply(
+        sentence=" ".join(filter(None, (added, found.notice))),
+        stops=[stop_reply(stop) for stop in found.stops],
+        left_out=[LeftOutReply(configuration=e.number, reason=e.reason) for e in found.left_out],
+        session=session,
+    )

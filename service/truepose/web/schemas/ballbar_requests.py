@@ -1,0 +1,235 @@
+"""What a client says of ballbar sessions: which one to plan, and which button was pressed."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from truepose.domain.ballbar import (
+    BallbarPlan,
+    PlannedAway,
+    PlannedPlacement,
+    PlannedPose,
+    PlannedSetup,
+    Vector,
+)
+from truepose.domain.people import NAME_PATTERN, tidy_name
+from truepose.domain.robot import FramePlacement
+from truepose.operation.ballbar_plans import BallbarWish
+from truepose.sequencing.ballbar.acts import Act, ActName, Answer
+from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, PersonName, Request, example, whole
+from truepose.web.schemas.sessions import AngleDeg
+
+JointsDeg = Annotated[
+    list[AngleDeg],
+    Field(min_length=1, max_length=32, description="Joint angles.", examples=[[0, 45, -30, 0, 30, 0]]),
+]
+CoordinateMm = Annotated[float, Field(ge=-20_000, le=20_000)]  # beyond any robot that a person stands beside
+PointMm = Annotated[list[CoordinateMm], Field(min_length=3, max_length=3)]
+Way = Annotated[list[JointsDeg], Field(max_length=50, description="Clear way to it from the stop before.")]
+BasePoint = Annotated[int, Field(ge=1, le=4)]
+LegPoints = Annotated[
+    list[Annotated[BasePoint, BeforeValidator(whole)]], Field(min_length=2, max_length=2, examples=[[2, 3]])
+]
+
+
+class SetupRequest(Request):
+    """Where the robot holds the setting ball while a cup is clamped on it."""
+
+    base_point: BasePoint
+    joints_deg: JointsDeg
+    via_deg: Way = Field(default_factory=list)
+
+
+class AwayRequest(Request):
+    """Where the arm waits, after the last cup, while a person reaches the tool and the cups."""
+
+    joints_deg: JointsDeg
+    via_deg: Way = Field(default_factory=list)
+
+
+class PoseRequest(Request):
+    """One configuration and its legs, each base point and tool point."""
+
+    config: Number = Field(description="Unique in the session.", examples=[1])
+    joints_deg: JointsDeg
+    legs: list[LegPoints] = Field(min_length=1, max_length=12, description="In the order of connecting.")
+    aimed_mm: list[Annotated[float, Field(gt=0, le=5000)]] | None = Field(
+        None, description="Coded length of each leg; null: all nominal."
+    )
+    via_deg: Way = Field(default_factory=list)
+
+
+class PlacementRequest(Request):
+    """One place of the base fixture; without set-ups and poses the service chooses them."""
+
+    x_mm: CoordinateMm = Field(description="Of B1 in the world; B2 is on the frame's x axis.")
+    y_mm: CoordinateMm
+    z_mm: CoordinateMm
+    rx_deg: AngleDeg = 0.0
+    ry_deg: AngleDeg = 0.0
+    rz_deg: AngleDeg = 0.0
+    cups_mm: list[PointMm] | None = Field(
+        None, min_length=3, max_length=4, description="In the world; required where poses are given."
+    )
+    setups: list[SetupRequest] | None = Field(None, min_length=3, max_length=4)
+    away: AwayRequest | None = Field(None, description="Null: the arm stays at the last set-up.")
+    poses: list[PoseRequest] | None = Field(None, min_length=1, max_length=500)
+
+
+class BallbarSessionRequest(Request):
+    """A ballbar session to plan; nothing moves by planning."""
+
+    model_config = example({"name": "left arm, six legs", "poses": 24, "base_points": 3})
+
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm, six legs"])
+    placements: list[PlacementRequest] | None = Field(
+        None, min_length=1, max_length=8, description="Null: the service suggests where the base goes."
+    )
+    placement_count: int = Field(1, ge=1, le=4, description="How many are suggested.")
+    poses: int = Field(24, ge=1, le=200, description="Of the whole session, where they are not given.")
+    base_points: Literal[3, 4] | None = Field(None, description="Cups of the base; null: as the cell file.")
+    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same poses.")
+
+
+class ActRequest(Request):
+    """One button pressed by somebody on some tablet."""
+
+    model_config = example({
+        "act": "confirm",
+        "step_id": "placement-1/pose-12/move",
+        "person": "Ada Byron",
+        "tablet": "tablet-1",
+    })
+
+    act: Annotated[ActName, Field(strict=False)]
+    step_id: str | None = Field(
+        None, max_length=200, description="The step that the person saw.", examples=["tool/initialise"]
+    )
+    person: PersonName
+    tablet: Annotated[str, AfterValidator(tidy_name)] = Field(
+        min_length=1, max_length=100, pattern=NAME_PATTERN, examples=["tablet-1"]
+    )
+    reason: str = Field(
+        "",
+        max_length=2000,
+        description="Of a skip, a pause, a stop; how one knows that a ballbar that cannot be read is off.",
+    )
+    answer: Annotated[Answer | None, Field(strict=False)] = Field(None, description="To a suspicion.")
+    seen_time_s: float | None = Field(
+        None,
+        ge=0,
+        description="Cell time of the newest value on the page when the person confirmed a motion.",
+    )
+    accept_serial_number: str | None = Field(
+        None,
+        max_length=200,
+        description="Of a confirmation: the ballbar in question that the person accepts.",
+        examples=["12A345"],
+    )
+
+
+class HandsRequest(Request):
+    """What the simulated hands are to do; each action takes its own details."""
+
+    model_config = example({"action": "connect", "base": 2, "tool": 3})
+
+    action: Literal[
+        "calibrator", "connect", "side", "detach", "place_base", "fit_ball", "remove_ball", "clamp",
+        "pull_cable", "plug_cable", "hold", "switch_off", "switch_on",
+    ]  # fmt: skip
+    bars: Literal["tool", "base"] | None = Field(None, description="calibrator: made up with these.")
+    base: BasePoint | None = Field(None, description="connect: cup of the base.")
+    tool: Annotated[int, Field(ge=1, le=3)] | None = Field(None, description="connect: nest of the tool.")
+    artefact: Literal["tool", "base"] | None = Field(None, description="side: of this triangle.")
+    a: BasePoint | None = Field(None, description="side: from this point ...")
+    b: BasePoint | None = Field(None, description="side: ... to this one.")
+    base_point: BasePoint | None = Field(None, description="clamp: this cup.")
+    placement: Number | None = Field(None, description="place_base: its number; its place, if not planned:")
+    x_mm: CoordinateMm | None = None
+    y_mm: CoordinateMm | None = None
+    z_mm: CoordinateMm | None = None
+    rx_deg: AngleDeg | None = None
+    ry_deg: AngleDeg | None = None
+    rz_deg: AngleDeg | None = None
+
+    def details(self) -> dict[str, str | int | float | bool]:
+        """Return what goes with the action."""
+        return self.model_dump(exclude={"action"}, exclude_none=True)
+
+
+def act_of(wanted: ActRequest, key: str) -> Act:
+    """Return the act that was asked for."""
+    return Act(
+        name=wanted.act,
+        person=wanted.person,
+        tablet=wanted.tablet,
+        key=key,
+        step_id=wanted.step_id,
+        reason=wanted.reason,
+        answer=wanted.answer.value if wanted.answer else "",
+        seen_time_s=wanted.seen_time_s,
+        accepted_serial=wanted.accept_serial_number or "",
+    )
+
+
+def _frame(place: PlacementRequest) -> FramePlacement:
+    """Return the frame of a placement."""
+    turns = (math.radians(angle) for angle in (place.rx_deg, place.ry_deg, place.rz_deg))
+    return FramePlacement(place.x_mm, place.y_mm, place.z_mm, *turns)
+
+
+def wanted_plan(wanted: BallbarSessionRequest) -> BallbarWish:
+    """Return what is wanted of a session."""
+    places = wanted.placements or []
+    given = [_given(number, place) for number, place in enumerate(places, 1)]
+    complete = tuple(place for place in given if place is not None)
+    return BallbarWish(
+        given=BallbarPlan(complete) if places and len(complete) == len(places) else None,
+        frames=tuple(_frame(place) for place in places),
+        placements=wanted.placement_count,
+        poses=wanted.poses,
+        seed=wanted.seed,
+    )
+
+
+def _given(number: int, place: PlacementRequest) -> PlannedPlacement | None:
+    if place.cups_mm is None or place.setups is None or place.poses is None:
+        return None
+    return PlannedPlacement(
+        number=number,
+        frame=_frame(place),
+        cups_mm=tuple(_vector(cup) for cup in place.cups_mm),
+        setups=tuple(
+            PlannedSetup(setup.base_point, _rad(setup.joints_deg), _ways(setup.via_deg))
+            for setup in place.setups
+        ),
+        poses=tuple(_pose(number, pose) for pose in place.poses),
+        away=None
+        if place.away is None
+        else PlannedAway(_rad(place.away.joints_deg), _ways(place.away.via_deg)),
+    )
+
+
+def _pose(placement: int, pose: PoseRequest) -> PlannedPose:
+    return PlannedPose(
+        config=pose.config,
+        placement=placement,
+        joints_rad=_rad(pose.joints_deg),
+        legs=tuple((leg[0], leg[1]) for leg in pose.legs),
+        aimed_mm=None if pose.aimed_mm is None else tuple(pose.aimed_mm),
+        via_rad=_ways(pose.via_deg),
+    )
+
+
+def _vector(point: list[float]) -> Vector:
+    x_mm, y_mm, z_mm = point
+    return x_mm, y_mm, z_mm
+
+
+def _rad(angles_deg: list[float]) -> tuple[float, ...]:
+    return tuple(math.radians(angle) for angle in angles_deg)
+
+
+def _ways(via_deg: list[list[float]]) -> tuple[tuple[float, ...], ...]:
+    return tuple(_rad(stop) for stop in via_deg)

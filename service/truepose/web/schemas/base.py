@@ -1,0 +1,87 @@
+"""What all schemas share."""
+
+import math
+from datetime import date
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
+
+# A character that no reader of the schema takes for a space: what counts as one differs between them.
+VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
+KEY = r"^[!-~]+$"  # of a request: what every client can put into a header
+
+NUMBER_LIMIT = 2**31 - 1  # of a record; far beyond any cell's life, and every client's integer holds it
+Number = Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]
+RecordId = Annotated[int, Field(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
+RecordedAt = Annotated[
+    str, Field(description="When it was recorded: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
+]
+Point = Annotated[list[float], Field(min_length=3, max_length=3, examples=[[512.4, -33.1, 640.2]])]
+PersonName = Annotated[
+    str,
+    Field(
+        min_length=1,
+        max_length=LONGEST_NAME,
+        pattern=NAME_PATTERN,
+        description="Who looked at the cell.",
+        examples=["Ada Byron"],
+    ),
+    AfterValidator(tidy_name),
+]
+
+
+class Request(BaseModel):
+    """A body that a client sends: unknown keys are refused, numbers are finite."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _whole_numbers(cls, body: object) -> object:
+        # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
+        return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
+
+
+def _day(value: object) -> object:
+    # The strict mode of requests, meant for numbers, would take no text for a day; a lax one takes seconds.
+    if not isinstance(value, str):
+        return value
+    if len(value) != len("2026-03-03"):
+        raise ValueError("a day as 2026-03-03 is required")
+    return date.fromisoformat(value)
+
+
+Day = Annotated[date, BeforeValidator(_day)]
+Simulated = Annotated[
+    bool,
+    Field(description="True: the readings say of themselves that no robot and no instrument took part."),
+]
+
+
+def whole(value: object) -> object:
+    """Return a number without fraction as an integer, anything else as it is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+class Reply(BaseModel):
+    """A body that the service sends."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+def example(document: dict[str, Any]) -> ConfigDict:
+    """Return the settings of a schema with an example."""
+    return ConfigDict(json_schema_extra={"examples": [document]})
+
+
+def known(number: float) -> float | None:
+    """Return `number`, or None where it is NaN: JSON has no word for it."""
+    return number if math.isfinite(number) else None
+
+
+def degrees(angles_rad: tuple[float, ...]) -> list[float]:
+    """Return angles in degrees, without the noise of the conversion."""
+    # 1e-9 deg turns a 2 m arm by 35 fm: far below anything, far above the rounding of the product.
+    return [round(math.degrees(angle), 9) for angle in angles_rad]

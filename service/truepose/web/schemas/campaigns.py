@@ -1,0 +1,82 @@
+"""Campaigns: the folder of one measured robot, as a zip."""
+
+from pydantic import Field
+
+from truepose.storage.records import CampaignRecord
+from truepose.web.schemas.base import (
+    VISIBLE,
+    Number,
+    RecordedAt,
+    RecordId,
+    Reply,
+    Request,
+    Simulated,
+    example,
+)
+
+
+class CampaignRequest(Request):
+    """What to make a campaign of, beside the calibration session."""
+
+    model_config = example({"name": "left arm", "validation_session_id": 2})
+
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
+    validation_session_id: Number | None = Field(
+        None, description="Its readings never identify, only judge.", examples=[2]
+    )
+
+
+class SessionsRequest(Request):
+    """Sessions to make a campaign of."""
+
+    model_config = example({"name": "left arm", "session_ids": [3, 2]})
+
+    name: str = Field("campaign", min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
+    session_ids: list[Number] = Field(
+        min_length=1, max_length=2, description="The one that identifies, then the one that judges, if any."
+    )
+
+
+class CampaignReply(Reply):
+    """A stored campaign."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    name: str = Field(examples=["left arm"])
+    robot: str = Field(description="As the campaign names it; it brings its own table.")
+    session_ids: list[int] = Field(description="It was made of these; empty for an upload.")
+    simulated: Simulated
+    measured_on: str | None = Field(
+        description="Day of the readings, as the upload or its description said; null: neither did.",
+        examples=["2026-03-03"],
+    )
+    calibration_points: int = Field(examples=[55])
+    validation_points: int = Field(examples=[1000])
+    calibration_legs: int
+    validation_legs: int
+    reference_readings: int = Field(description="Looks at fixed nests.")
+    ignored: list[str] = Field(description="Columns and keys kept but not understood, a sentence each.")
+    notes: list[str]
+    archive_url: str = Field(examples=["/api/v1/campaigns/3/archive"])
+
+
+def campaign_reply(record: CampaignRecord) -> CampaignReply:
+    """Return a campaign as it travels."""
+    summary = record.summary
+    return CampaignReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        name=record.name,
+        robot=record.robot,
+        session_ids=list(record.session_ids),
+        simulated=record.simulated,
+        measured_on=summary.measured_on,
+        calibration_points=summary.calibration_points,
+        validation_points=summary.validation_points,
+        calibration_legs=summary.calibration_legs,
+        validation_legs=summary.validation_legs,
+        reference_readings=summary.reference_readings,
+        ignored=list(summary.ignored),
+        notes=list(summary.notes),
+        archive_url=f"/api/v1/campaigns/{record.id}/archive",
+    )

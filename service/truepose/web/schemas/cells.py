@@ -1,0 +1,218 @@
+"""Cells, their devices and the robots that can stand in them."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from truepose.domain.cell import Cell
+from truepose.domain.robot import JointRange, Robot
+from truepose.operation.devices import DeviceStatus
+from truepose.storage.condition import Integrity
+from truepose.web.context import Endpoint
+from truepose.web.schemas.base import Point, Reply, degrees
+from truepose_drivers.api import DeviceKind
+
+
+class IntegrityReply(Reply):
+    """Whether all records are as they were written; looked through after each start and now and then."""
+
+    state: Integrity
+    share: float = Field(description="Done, of the look under way or the last one.", examples=[1.0])
+
+
+class Health(Reply):
+    """Whether the service works, and on what."""
+
+    status: Literal["ok", "degraded"] = Field(description="`degraded`: `fault` says what is amiss.")
+    fault: str | None = Field(description="One sentence; null where all is well.")
+    version: str = Field(description="Of the program.", examples=["0.1.0"])
+    simulated: bool = Field(description="True: no robot and no instrument take part.")
+    people: Literal["announced", "anybody"] = Field(
+        description="Who may have the arm move: people of the cell file, or whoever gives a name."
+    )
+    writable: bool = Field(description="False: the disk refuses records; sessions wait for it.")
+    integrity: "IntegrityReply"
+    sqlite: str = Field(description="Version of the database library.", examples=["3.53.4"])
+    sqlite_mended: bool = Field(
+        description="False: the library has the fault of the WAL reset; one writer keeps it from striking."
+    )
+    schema_revision: str = Field(alias="schema", description="Of the database.", examples=["0006"])
+
+
+class EndpointReply(Reply):
+    """Where one instrument of a simulated cell listens; any client of its protocol may look at it."""
+
+    device: str = Field(examples=["tracker"])
+    protocol: str = Field(examples=["emscon"])
+    host: str = Field(examples=["127.0.0.1"])
+    port: int = Field(examples=[40123])
+
+
+class NestReply(Reply):
+    """A nest: where it is, and how well that is known."""
+
+    nest: int = Field(description="Number, from 1.", examples=[1])
+    centre_mm: Point | None = Field(description="Null where it must be found from the data.")
+    standard_uncertainty_mm: float | None = Field(examples=[0.002])
+
+
+class CellReply(Reply):
+    """A cell: a robot, what measures it, and the artefacts it is measured on."""
+
+    name: str = Field(examples=["Simulated cell irb120-tilted"])
+    robot: str = Field(description="Name of the robot; see robots.", examples=["ABB IRB 120"])
+    robot_serial_number: str = Field(examples=["120-500123"])
+    joints: int = Field(description="Number of joints.", examples=[6])
+    simulated: bool = Field(description="True: no robot and no instrument take part.")
+    scenario: str | None = Field(description="Of the simulated cell.", examples=["irb120-tilted"])
+    endpoints: list[EndpointReply] = Field(description="Of the simulated cell; empty for a real one.")
+    devices: list[str] = Field(description="Names of the devices.", examples=[["tracker", "robot"]])
+    tool_nests: list[NestReply] = Field(description="In the frame of the last joint.")
+    fixed_nests: list[NestReply] = Field(description="In the world frame.")
+    load: str = Field(description="What the robot carries, as the cell file says.", examples=["2.7 kg"])
+    warm_up: str = Field(description="As the cell file says.", examples=["30 min"])
+    people: list[str] = Field(
+        description="Who may confirm, as the cell file announces them; empty: whoever gives a name.",
+        examples=[["Ada Byron", "Grace Hopper"]],
+    )
+
+
+class DeviceReply(Reply):
+    """A device of the cell and the state of its link."""
+
+    name: str = Field(examples=["tracker"])
+    kind: DeviceKind = Field(examples=["tracker"])
+    driver: str = Field(examples=["leica_emscon"])
+    protocol: str = Field(examples=["emscon"])
+    connected: bool
+    session_id: int | None = Field(description="The session that holds the device.")
+    fault: str | None = Field(description="Why the last attempt to connect failed.")
+    manufacturer: str | None = Field(description="As the device said itself.", examples=["Leica Geosystems"])
+    model: str | None = Field(examples=["AT401"])
+    firmware: str | None = Field(examples=["2.0"])
+    serial_number: str | None = Field(description="As the device said, else as the cell file says.")
+    expected_serial_number: str | None = Field(description="As the cell file says; null: it names none.")
+    answered_serial_number: str | None = Field(description="As the device last said; null: it did not.")
+    foreign: bool = Field(description="Another device answered than the cell file names.")
+    certificate: str = Field(description="As the cell file says; empty where another device answered.")
+
+
+class JointReply(Reply):
+    """One row of the DH-Modified table after Craig, and what the joint may do."""
+
+    joint: int = Field(examples=[3])
+    alpha_deg: float = Field(examples=[0.0])
+    a_mm: float = Field(examples=[270.0])
+    theta_offset_deg: float = Field(examples=[-90.0])
+    d_mm: float = Field(examples=[0.0])
+    sign: int = Field(description="The joint turns by `sign*q + theta_offset`.", examples=[1])
+    lower_limit_deg: float | None = Field(description="Of the controller.", examples=[-110.0])
+    upper_limit_deg: float | None = Field(description="Of the controller.", examples=[70.0])
+    calibration_from_deg: float | None = Field(description="Configurations are chosen from here ...")
+    calibration_to_deg: float | None = Field(description="... to here.")
+
+
+class RobotReply(Reply):
+    """A robot that is shipped with the program, as its maker describes it."""
+
+    name: str = Field(description="By which cell files name it.", examples=["abb-irb-120"])
+    title: str = Field(examples=["ABB IRB 120"])
+    joints: list[JointReply]
+    repeatability_mm: float = Field(description="Standard deviation of the arm itself, per axis.")
+    rated_payload_kg: float | None = Field(examples=[3.0])
+    source: str = Field(description="Where the numbers come from.")
+
+
+def cell_reply(cell: Cell, endpoints: tuple[Endpoint, ...]) -> CellReply:
+    """Return a cell as it travels."""
+    return CellReply(
+        name=cell.name,
+        robot=cell.robot.name,
+        robot_serial_number=cell.robot_serial_number,
+        joints=cell.robot.n_joints,
+        simulated=cell.simulated is not None,
+        scenario=None if cell.simulated is None else cell.simulated.scenario,
+        endpoints=[
+            EndpointReply(device=e.device, protocol=e.protocol, host=e.host, port=e.port) for e in endpoints
+        ],
+        devices=[entry.name for entry in cell.devices],
+        tool_nests=[
+            _nest(number, nest.centre_mm, nest.standard_uncertainty_mm)
+            for number, nest in enumerate(cell.nests, 1)
+        ],
+        fixed_nests=[
+            _nest(number, nest.centre_mm, nest.standard_uncertainty_mm)
+            for number, nest in enumerate(cell.fixed_nests, 1)
+        ],
+        load=cell.conditions.load,
+        warm_up=cell.conditions.warm_up,
+        people=list(cell.people),
+    )
+
+
+def _nest(number: int, centre: tuple[float, ...] | None, uncertainty: float | None) -> NestReply:
+    return NestReply(
+        nest=number,
+        centre_mm=None if centre is None else list(centre),
+        standard_uncertainty_mm=uncertainty,
+    )
+
+
+def device_reply(status: DeviceStatus) -> DeviceReply:
+    """Return a device as it travels."""
+    identity, entry = status.identity, status.mounted.entry
+    return DeviceReply(
+        name=entry.name,
+        kind=status.mounted.kind,
+        driver=entry.driver,
+        protocol=status.mounted.protocol,
+        connected=status.connected,
+        session_id=status.session_id,
+        fault=status.fault,
+        manufacturer=None if identity is None else identity.manufacturer,
+        model=None if identity is None else identity.model,
+        firmware=None if identity is None else identity.firmware,
+        serial_number=(entry.serial_number or None) if identity is None else identity.serial,
+        expected_serial_number=status.mounted.expected_serial or None,
+        answered_serial_number=status.answered_serial or None,
+        foreign=status.is_foreign,
+        certificate="" if status.is_foreign else entry.certificate,
+    )
+
+
+def robot_reply(name: str, robot: Robot) -> RobotReply:
+    """Return a shipped robot as it travels."""
+    return RobotReply(
+        name=name,
+        title=robot.name,
+        joints=[_joint(robot, index) for index in range(robot.n_joints)],
+        repeatability_mm=robot.repeatability_mm,
+        rated_payload_kg=robot.rated_payload_kg,
+        source=robot.source,
+    )
+
+
+def _joint(robot: Robot, index: int) -> JointReply:
+    row = robot.joints[index]
+    alpha_deg, theta_offset_deg = degrees((row.alpha_rad, row.theta_offset_rad))
+    lower, upper = _range(robot.joint_limits, index)
+    calibration_from, calibration_to = _range(robot.calibration_ranges, index)
+    return JointReply(
+        joint=index + 1,
+        alpha_deg=alpha_deg,
+        a_mm=row.a_mm,
+        theta_offset_deg=theta_offset_deg,
+        d_mm=row.d_mm,
+        sign=row.sign,
+        lower_limit_deg=lower,
+        upper_limit_deg=upper,
+        calibration_from_deg=calibration_from,
+        calibration_to_deg=calibration_to,
+    )
+
+
+def _range(ranges: tuple[JointRange, ...] | None, index: int) -> tuple[float | None, float | None]:
+    if ranges is None:
+        return None, None
+    lower, upper = degrees((ranges[index].lower_rad, ranges[index].upper_rad))
+    return lower, upper

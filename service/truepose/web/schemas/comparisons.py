@@ -1,0 +1,120 @@
+"""How the causes on one robot change over time."""
+
+from collections.abc import Sequence
+
+from pydantic import Field
+
+from truepose.diagnosis.comparison import CauseOverTime, Change, Sighting, Sign
+from truepose.domain.diagnosis import Confidence
+from truepose.storage.records import DiagnosisRecord
+from truepose.web.schemas.base import RecordId, Reply, known
+from truepose.web.schemas.diagnoses import DiagnosisSummaryReply, MeasuredAt, diagnosis_summary_reply
+
+
+class SignReply(Reply):
+    """What one diagnosis says of a cause; numbers are null where it did not find it."""
+
+    diagnosis_id: RecordId
+    measured_at: MeasuredAt
+    sighting: Sighting = Field(
+        description="`not_visible`: these readings could not show it; `part_of_start`: the model had it."
+    )
+    amplitude: float | None = Field(examples=[0.021])
+    amplitude_standard_uncertainty: float | None = Field(examples=[0.003])
+    confidence: Confidence | None
+
+
+class ChangeReply(Reply):
+    """How far an amplitude changed between two diagnoses that found it, in its unit."""
+
+    from_diagnosis_id: RecordId
+    to_diagnosis_id: RecordId
+    difference: float | None = Field(description="Later less earlier.", examples=[0.012])
+    standard_uncertainty: float | None = Field(examples=[0.004])
+    p_value: float | None = Field(description="Corrected for all changes of the reply; null: not tested.")
+    significant: bool = Field(description="The change is more than noise explains (level 5 % in all).")
+    sentence: str
+
+
+class VariantReply(Reply):
+    """Which of several ways a cause acts in."""
+
+    name: str = Field(description="`order` of a wave, `source joint` of a coupling.", examples=["order"])
+    value: float = Field(examples=[2.0])
+
+
+class CauseReply(Reply):
+    """A cause in all diagnoses, oldest readings first."""
+
+    effect: str = Field(examples=["backlash"])
+    subject: str = Field(examples=["joint 3"])
+    variant: VariantReply | None = Field(description="Null where there is but one way.")
+    unit: str = Field(examples=["deg"])
+    signs: list[SignReply]
+    changes: list[ChangeReply] = Field(description="Between consecutive diagnoses that found it.")
+    overall: ChangeReply | None = Field(description="From the first to the last, where there are more.")
+
+
+class ComparisonReply(Reply):
+    """How the causes on one robot changed over time."""
+
+    robot: str = Field(examples=["ABB IRB 120"])
+    diagnoses: list[DiagnosisSummaryReply] = Field(
+        description="What was compared, oldest readings first, undated ones last; of those of the same "
+        "readings the latest."
+    )
+    undated_ids: list[int] = Field(
+        description="Diagnoses of which nobody said when their readings were taken: last of the list, and "
+        "nothing is subtracted from them."
+    )
+    causes: list[CauseReply]
+
+
+def comparison_reply(
+    robot: str, records: Sequence[DiagnosisRecord], causes: Sequence[CauseOverTime]
+) -> ComparisonReply:
+    """Return a comparison as it travels."""
+    return ComparisonReply(
+        robot=robot,
+        diagnoses=[diagnosis_summary_reply(record) for record in records],
+        undated_ids=[record.id for record in records if record.measured_at is None],
+        causes=[_cause(cause) for cause in causes],
+    )
+
+
+def _cause(cause: CauseOverTime) -> CauseReply:
+    variant = cause.variant
+    return CauseReply(
+        effect=cause.effect,
+        subject=cause.subject,
+        variant=None if variant is None else VariantReply(name=variant.name, value=variant.value),
+        unit=cause.unit,
+        signs=[_sign(sign) for sign in cause.signs],
+        changes=[_change(change) for change in cause.changes],
+        overall=None if cause.overall is None else _change(cause.overall),
+    )
+
+
+def _sign(sign: Sign) -> SignReply:
+    return SignReply(
+        diagnosis_id=sign.diagnosis_id,
+        measured_at=sign.measured_at,
+        sighting=sign.sighting,
+        amplitude=None if sign.amplitude is None else known(sign.amplitude),
+        amplitude_standard_uncertainty=(
+            None if sign.standard_uncertainty is None else known(sign.standard_uncertainty)
+        ),
+        confidence=sign.confidence,
+    )
+
+
+def _change(change: Change) -> ChangeReply:
+    return ChangeReply(
+        from_diagnosis_id=change.from_id,
+        to_diagnosis_id=change.to_id,
+        difference=known(change.difference),
+        standard_uncertainty=known(change.standard_uncertainty),
+        p_value=change.p_value,
+        significant=change.significant,
+        sentence=change.sentence,
+    )

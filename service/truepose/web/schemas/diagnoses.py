@@ -1,0 +1,154 @@
+"""Diagnoses: requests and records."""
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from truepose.domain.diagnosis import Confidence, Finding, Verdict
+from truepose.exchange.diagnosis_document import diagnosis_document
+from truepose.storage.records import DiagnosisRecord
+from truepose.web.schemas.base import (
+    Day,
+    Number,
+    RecordedAt,
+    RecordId,
+    Reply,
+    Request,
+    Simulated,
+    example,
+    known,
+)
+from truepose.web.schemas.diagnosis_document import DiagnosisDocument
+from truepose.web.schemas.results import EffectNames
+
+StartEffects = Annotated[
+    EffectNames | None,
+    Field(
+        description="Effects of the model that the diagnosis starts from; none of them is a finding. "
+        "Null: base, tool as far as unknown, geometry and compliance.",
+    ),
+]
+MeasuredAt = Annotated[
+    str | None,
+    Field(
+        description="When the readings were taken: a day, or UTC in ISO 8601. Null: nobody said.",
+        examples=["2026-03-03"],
+    ),
+]
+
+
+class DiagnosisRequest(Request):
+    """A campaign to diagnose."""
+
+    model_config = example({"campaign_id": 1, "effects": None, "measured_on": "2026-03-03"})
+
+    campaign_id: Number
+    effects: StartEffects = None
+    measured_on: Day | None = Field(
+        None,
+        description="Day of the readings, by which diagnoses are compared over time. Null: the day that the "
+        "campaign states, or when the session's last reading was stored; else it is not known.",
+    )
+
+
+class SessionDiagnosisRequest(Request):
+    """What to diagnose a session with, beside its own readings."""
+
+    model_config = example({"validation_session_id": 2})
+
+    validation_session_id: Number | None = Field(
+        None, description="Its readings judge the gain and nothing else.", examples=[2]
+    )
+    effects: StartEffects = None
+
+
+class DiagnosisReply(Reply):
+    """A stored diagnosis; its extended model is a model like any other."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    measured_at: MeasuredAt
+    simulated: Simulated
+    job_id: RecordId
+    campaign_id: RecordId
+    session_id: RecordId | None = Field(description="Whose readings it is of; null: of an upload.")
+    model_id: RecordId | None = Field(description="Null where nothing could be fitted.")
+    robot_serial_number: str | None = Field(description="As the cell file said.", examples=["120-500123"])
+    document: DiagnosisDocument
+
+
+class FindingReply(Reply):
+    """A finding in one line."""
+
+    effect: str = Field(examples=["backlash"])
+    subject: str = Field(examples=["joint 3"])
+    amplitude: float | None = Field(examples=[0.021])
+    unit: str = Field(examples=["deg"])
+    amplitude_standard_uncertainty: float | None = Field(examples=[0.003])
+    confidence: Confidence
+
+
+class DiagnosisSummaryReply(Reply):
+    """A stored diagnosis in a list: its first line and its findings."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    measured_at: MeasuredAt
+    simulated: Simulated
+    job_id: RecordId
+    campaign_id: RecordId
+    session_id: RecordId | None
+    model_id: RecordId | None
+    robot: str = Field(examples=["ABB IRB 120"])
+    robot_serial_number: str | None
+    verdict: Verdict
+    message: str
+    findings: list[FindingReply]
+
+
+def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
+    """Return a diagnosis as it travels."""
+    document: dict[str, Any] = diagnosis_document(record.diagnosis)
+    return DiagnosisReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        measured_at=record.measured_at,
+        simulated=record.simulated,
+        job_id=record.job_id,
+        campaign_id=record.campaign_id,
+        session_id=record.session_id,
+        model_id=record.model_id,
+        robot_serial_number=record.robot_serial_number or None,
+        document=DiagnosisDocument.model_validate(document),
+    )
+
+
+def diagnosis_summary_reply(record: DiagnosisRecord) -> DiagnosisSummaryReply:
+    """Return a diagnosis as it stands in a list."""
+    found = record.diagnosis
+    return DiagnosisSummaryReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        measured_at=record.measured_at,
+        simulated=record.simulated,
+        job_id=record.job_id,
+        campaign_id=record.campaign_id,
+        session_id=record.session_id,
+        model_id=record.model_id,
+        robot=found.robot,
+        robot_serial_number=record.robot_serial_number or None,
+        verdict=found.verdict,
+        message=found.message,
+        findings=[_finding(finding) for finding in found.findings],
+    )
+
+
+def _finding(finding: Finding) -> FindingReply:
+    return FindingReply(
+        effect=finding.effect,
+        subject=finding.subject,
+        amplitude=known(finding.amplitude),
+        unit=finding.unit,
+        amplitude_standard_uncertainty=known(finding.amplitude_standard_uncertainty),
+        confidence=finding.confidence,
+    )

@@ -1,0 +1,59 @@
+"""Jobs: what a worker process was asked and how far it is."""
+
+from pydantic import Field
+
+from truepose.storage.records import JobKind, JobRecord, JobState
+from truepose.web.schemas.base import RecordedAt, RecordId, Reply
+
+_RESULTS = {
+    JobKind.IDENTIFICATION: "identifications",
+    JobKind.VALIDATION: "validations",
+    JobKind.DIAGNOSIS: "diagnoses",
+    JobKind.PLAN: "sessions",
+}
+
+
+class JobRequestReply(Reply):
+    """What the job was asked; each kind has its own part of these."""
+
+    campaign_id: int | None = None
+    model_id: int | None = None
+    effects: list[str] | None = Field(None, description="Null: the usual ones.")
+    measured_on: str | None = Field(None, description="Day of the readings, where somebody said it.")
+    limit_mm: float | None = None
+    name: str | None = None
+    role: str | None = None
+    configurations: int | None = None
+    seed: int | None = None
+
+
+class JobReply(Reply):
+    """A job and where it stands."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    kind: JobKind
+    request: JobRequestReply
+    state: JobState = Field(description="`interrupted`: the service ended before the job did.")
+    state_since: RecordedAt
+    message: str = Field(description="What it is doing, how it ended, or why it failed.")
+    fraction: float = Field(ge=0, le=1, description="How far it is: 0 to 1.", examples=[0.4])
+    result_id: int | None = Field(description="Number of what it made, once it succeeded.")
+    result_url: str | None = Field(examples=["/api/v1/identifications/3"])
+
+
+def job_reply(record: JobRecord) -> JobReply:
+    """Return a job as it travels."""
+    made = record.result_id
+    return JobReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        kind=record.kind,
+        request=JobRequestReply(**record.request),
+        state=record.state,
+        state_since=record.state_since,
+        message=record.message,
+        fraction=record.fraction,
+        result_id=made,
+        result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}",
+    )

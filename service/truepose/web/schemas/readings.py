@@ -1,0 +1,89 @@
+"""Readings: what an instrument said, never changed, at most superseded."""
+
+from pydantic import Field
+
+from truepose.domain.session import FixedNestTaken, PointTaken
+from truepose.storage.records import ReadingKind, ReadingRecord
+from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply, degrees, known
+
+
+class PointReadingReply(Reply):
+    """What was read at a stop, on a tool nest."""
+
+    config: int = Field(examples=[12])
+    commanded_deg: list[float] = Field(description="Joint angles that the robot was sent to.")
+    reported_deg: list[float] = Field(description="Joint angles that the controller reported there.")
+    direction: list[int] = Field(description="Sign of each joint's last motion; 0 unknown.")
+    temperature_c: float | None = Field(description="Of the air, at the instrument.", examples=[23.1])
+    attachment: int = Field(description="How often the tool has been mounted.", examples=[1])
+    rms_mm: float | None = Field(description="Scatter of the samples.", examples=[0.012])
+    samples: int = Field(examples=[1000])
+    repeat_of: int | None = Field(description="Earlier configuration with the same joints.")
+
+
+class FixedNestReadingReply(Reply):
+    """What was read on a fixed nest."""
+
+    phase: str = Field(description="registration, two_face or reference.", examples=["reference"])
+    face: int = Field(examples=[1])
+
+
+class ReadingReply(Reply):
+    """A reading; exactly one of `point` and `fixed_nest` is there."""
+
+    id: RecordId
+    session_id: RecordId
+    recorded_at: RecordedAt
+    kind: ReadingKind
+    supersedes: int | None = Field(
+        description="The earlier reading of the same stop, which no longer counts."
+    )
+    superseded_by: int | None = Field(description="The later reading that counts in its place.")
+    nest: int = Field(description="Of the tool, or fixed.", examples=[2])
+    time_s: float = Field(description="Cell time.", examples=[812.4])
+    position_tracker_mm: Point = Field(description="In the tracker's frame.")
+    position_world_mm: Point | None = Field(description="In the world; null before the registration.")
+    standard_uncertainty_mm: float | None = Field(description="Per axis.", examples=[0.015])
+    instrument_serial: str = Field(description="As the instrument told it; empty where it does not.")
+    point: PointReadingReply | None
+    fixed_nest: FixedNestReadingReply | None
+
+
+def reading_reply(record: ReadingRecord) -> ReadingReply:
+    """Return a reading as it travels."""
+    taken = record.reading
+    world = taken.position_world_mm
+    return ReadingReply(
+        id=record.id,
+        session_id=record.session_id,
+        recorded_at=record.recorded_at,
+        kind=record.kind,
+        supersedes=record.supersedes,
+        superseded_by=record.superseded_by,
+        nest=taken.nest if isinstance(taken, PointTaken) else taken.fixed_nest,
+        time_s=taken.time_s,
+        position_tracker_mm=list(taken.position_tracker_mm),
+        position_world_mm=None if world is None else list(world),
+        standard_uncertainty_mm=known(taken.standard_uncertainty_mm),
+        instrument_serial=taken.instrument_serial,
+        point=_point(taken) if isinstance(taken, PointTaken) else None,
+        fixed_nest=_fixed_nest(taken) if isinstance(taken, FixedNestTaken) else None,
+    )
+
+
+def _point(taken: PointTaken) -> PointReadingReply:
+    return PointReadingReply(
+        config=taken.config,
+        commanded_deg=degrees(taken.commanded_rad),
+        reported_deg=degrees(taken.reported_rad),
+        direction=list(taken.direction),
+        temperature_c=known(taken.temperature_c),
+        attachment=taken.attachment,
+        rms_mm=known(taken.rms_mm),
+        samples=taken.samples,
+        repeat_of=taken.repeat_of,
+    )
+
+
+def _fixed_nest(taken: FixedNestTaken) -> FixedNestReadingReply:
+    return FixedNestReadingReply(phase=taken.phase, face=taken.face)

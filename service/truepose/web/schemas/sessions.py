@@ -1,0 +1,305 @@
+"""Sessions: what is planned, where they stand, what they measured."""
+
+import dataclasses
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from truepose.domain.cell import Cell
+from truepose.domain.session import PlannedStop, Progress, Role, SessionPlan, SessionRole, SessionState
+from truepose.storage.records import SessionRecord, StateChange
+from truepose.web.schemas.base import (
+    NUMBER_LIMIT,
+    VISIBLE,
+    Number,
+    PersonName,
+    RecordedAt,
+    RecordId,
+    Reply,
+    Request,
+    degrees,
+    example,
+)
+from truepose.web.schemas.identities import IdentityReply
+
+MOST_STOPS = 5000  # two days and nights of measuring
+AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller's range
+
+
+class StopRequest(Request):
+    """One configuration to visit and the tool nest to measure there."""
+
+    config: Number = Field(description="Number of the configuration, unique in the session.", examples=[1])
+    joints_deg: list[AngleDeg] = Field(
+        min_length=1, max_length=32, description="Nominal joint angles.", examples=[[0, 45, -30, 0, 30, 0]]
+    )
+    nest: Number = Field(description="Tool nest that faces the tracker.", examples=[1])
+    repeat_of: Number | None = Field(None, description="Earlier configuration with the same joints.")
+
+
+class GivenStops(Request):
+    """The configurations are given."""
+
+    method: Literal["given"]
+    stops: list[StopRequest] = Field(min_length=1, max_length=MOST_STOPS)
+
+
+class ChosenStops(Request):
+    """The configurations are chosen: by observability to calibrate, at random to validate."""
+
+    method: Literal["choose"]
+    configurations: int = Field(
+        ge=1, le=MOST_STOPS, description="How many, revisits not counted.", examples=[50]
+    )
+    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+
+
+class SessionRequest(Request):
+    """A session to plan; nothing moves by planning. What is left out is as the cell file says."""
+
+    model_config = example({
+        "name": "left arm, after the collision",
+        "role": "calibration",
+        "plan": {"method": "choose", "configurations": 50, "seed": 1},
+    })
+
+    name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
+    role: Role = Field(description="What the readings are for; validation readings never identify.")
+    plan: Annotated[GivenStops | ChosenStops, Field(discriminator="method")]
+    attachment: Number = Field(1, description="How often the tool has been mounted.")
+    approach_offset_deg: Annotated[float, Field(ge=-45, le=45)] | None = Field(
+        -5.0, description="Each stop is approached from here on all joints; null: mixed directions."
+    )
+    settle_s: float = Field(4.0, ge=0, le=600, description="Between motion and measurement.")
+    measure_s: float = Field(1.0, ge=0.1, le=60, description="Length of a measurement.")
+    reference_every: int = Field(10, ge=1, le=1000, description="Fixed nests are read so often.")
+    registration_readings: int = Field(20, ge=1, le=1000, description="Of each fixed nest at the start.")
+    two_face_check: bool = Field(True, description="Read a fixed nest in both faces at the start.")
+
+
+class PersonRequest(Request):
+    """Who looked at the cell; nothing moves without a name."""
+
+    person: PersonName
+
+
+class ConfirmRequest(PersonRequest):
+    """Who looked at the cell, and which instrument they accept where the session questions one."""
+
+    accept_serial_number: str | None = Field(
+        None,
+        max_length=200,
+        description="Of the tracker that the session questions; without it none is accepted.",
+        examples=["391234"],
+    )
+
+
+class RequestOfPerson(Request):
+    """Who asks, as far as that is to be kept."""
+
+    person: PersonName | None = None
+
+
+class ProgressReply(Reply):
+    """How far a session is."""
+
+    done: int = Field(description="Configurations measured.", examples=[12])
+    skipped: int = Field(description="Configurations skipped, with a reason each.", examples=[0])
+    planned: int = Field(examples=[55])
+    elapsed_s: float = Field(description="Cell time.", examples=[345.2])
+    remaining_s: float | None = Field(description="Cell time, from the pace so far.", examples=[1190.0])
+    doing: str = Field(examples=["measuring configuration 13"])
+
+
+class SessionReply(Reply):
+    """A session and where it stands."""
+
+    id: RecordId
+    recorded_at: RecordedAt
+    name: str = Field(examples=["left arm"])
+    role: SessionRole = Field(description="What its readings are; ballbar sessions have routes of their own.")
+    state: SessionState
+    state_since: RecordedAt
+    reason: str = Field(description="Why it is in this state.")
+    person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
+    question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
+    trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
+    motion_notice: str | None = Field(
+        description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
+    )
+    planned: int = Field(description="Configurations in the plan, revisits included.", examples=[55])
+    measured: int = Field(description="Of a ballbar session: poses with a leg at least.", examples=[12])
+    skipped: int = Field(description="Of a ballbar session: poses left out.", examples=[0])
+    simulated: bool = Field(description="True: no robot and no instrument take part in this session.")
+
+
+class SessionDetailReply(SessionReply):
+    """A session with its history."""
+
+    progress: ProgressReply | None = Field(description="As it last said; null before the first move.")
+    states: list["StateReply"] = Field(description="Every state it was in, oldest first.")
+    skipped_stops: list["SkippedStopReply"]
+    registration: "RegistrationReply | None" = Field(description="The tracker's place in the world.")
+    identities: list[IdentityReply] = Field(description="Which devices answered, and who accepted them.")
+    notes: list[str]
+
+
+class StateReply(Reply):
+    """One step in the life of a session."""
+
+    recorded_at: RecordedAt
+    state: SessionState
+    reason: str
+    person: str | None
+
+
+class SkippedStopReply(Reply):
+    """A configuration that was not measured; never filled in."""
+
+    config: int = Field(examples=[17])
+    time_s: float = Field(description="Cell time.")
+    reason: str = Field(examples=["No reflector was found within 10 mm."])
+
+
+class RegistrationReply(Reply):
+    """The tracker's place in the world, from the fixed nests."""
+
+    tracker_position_mm: list[float] = Field(description="In the world frame.")
+    rms_mm: float = Field(description="Of the fixed nests' residuals.", examples=[0.006])
+    two_face_mm: float | None = Field(description="Half the difference between the faces.", examples=[0.004])
+    scale: float | None = Field(description="Certified over measured lengths; null: scale not verified.")
+    scale_standard_uncertainty: float | None
+
+
+class StopReply(Reply):
+    """One configuration of a plan."""
+
+    config: int
+    joints_deg: list[float]
+    nest: int
+    repeat_of: int | None
+
+
+class PlanReply(Reply):
+    """What a session does, in order."""
+
+    role: Role
+    approach_offset_deg: float | None
+    settle_s: float
+    measure_s: float
+    search_radius_mm: float
+    tool_speed_mm_s: float
+    orientation_speed_deg_s: float
+    reference_every: int
+    reference_limit_mm: float
+    registration_readings: int
+    two_face_check: bool
+    stops: list[StopReply]
+
+
+class ActionReply(Reply):
+    """What was decided, and when it takes effect."""
+
+    sentence: str = Field(
+        examples=["The session pauses; a motion under way cannot be stopped, so it ends first."]
+    )
+    session: SessionReply
+
+
+def plan_template(wanted: SessionRequest, cell: Cell) -> SessionPlan:
+    """Return the plan that `wanted` describes, without its stops."""
+    offset_deg = wanted.approach_offset_deg
+    return SessionPlan(
+        role=wanted.role,
+        stops=(),
+        approach_offset_rad=None if offset_deg is None else math.radians(offset_deg),
+        settle_s=wanted.settle_s,
+        measure_s=wanted.measure_s,
+        tool_speed_mm_s=cell.limits.tool_speed_mm_s,
+        orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
+        reference_every=wanted.reference_every,
+        reference_limit_mm=cell.limits.reference_mm,
+        registration_readings=wanted.registration_readings,
+        two_face_check=wanted.two_face_check,
+    )
+
+
+def given_plan(template: SessionPlan, given: GivenStops) -> SessionPlan:
+    """Return the plan with the stops given."""
+    return dataclasses.replace(
+        template,
+        stops=tuple(
+            PlannedStop(
+                stop.config,
+                tuple(math.radians(angle) for angle in stop.joints_deg),
+                stop.nest,
+                stop.repeat_of,
+            )
+            for stop in given.stops
+        ),
+    )
+
+
+def plan_reply(plan: SessionPlan) -> PlanReply:
+    """Return a plan as it travels."""
+    offset = plan.approach_offset_rad
+    return PlanReply(
+        role=plan.role,
+        approach_offset_deg=None if offset is None else degrees((offset,))[0],
+        settle_s=plan.settle_s,
+        measure_s=plan.measure_s,
+        search_radius_mm=plan.search_radius_mm,
+        tool_speed_mm_s=plan.tool_speed_mm_s,
+        orientation_speed_deg_s=degrees((plan.orientation_speed_rad_s,))[0],
+        reference_every=plan.reference_every,
+        reference_limit_mm=plan.reference_limit_mm,
+        registration_readings=plan.registration_readings,
+        two_face_check=plan.two_face_check,
+        stops=[stop_reply(stop) for stop in plan.stops],
+    )
+
+
+def stop_reply(stop: PlannedStop) -> StopReply:
+    """Return a stop as it travels."""
+    return StopReply(
+        config=stop.config,
+        joints_deg=degrees(stop.joints_rad),
+        nest=stop.nest,
+        repeat_of=stop.repeat_of,
+    )
+
+
+def session_reply(
+    record: SessionRecord, question: str | None, trouble: str | None, motion_notice: str | None
+) -> SessionReply:
+    """Return a session as it travels."""
+    return SessionReply(
+        id=record.id,
+        recorded_at=record.recorded_at,
+        name=record.name,
+        role=record.role,
+        state=record.state,
+        state_since=record.state_since,
+        reason=record.reason,
+        person=record.person,
+        question=question,
+        trouble=trouble,
+        motion_notice=motion_notice,
+        planned=record.planned,
+        measured=record.measured,
+        skipped=record.skipped,
+        simulated=record.simulated,
+    )
+
+
+def progress_reply(progress: Progress) -> ProgressReply:
+    """Return a session's progress as it travels."""
+    return ProgressReply(**dataclasses.asdict(progress))
+
+
+def state_reply(change: StateChange) -> StateReply:
+    """Return a state as it travels."""
+    return StateReply(
+        recorded_at=change.recorded_at, state=change.state, reason=change.reason, person=change.person
+    )

@@ -1,0 +1,31 @@
+"""Validations: a model judged on readings that it was not made from."""
+
+from fastapi import APIRouter, Response, status
+
+from truepose.web.context import Here
+from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.problems import problems
+from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.results import ValidationReply, ValidationRequest, validation_reply
+
+router = APIRouter(prefix="/validations", tags=["validations"])
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, responses=problems(400, 404, 409, 413, 415, 422, 503))
+async def validate(here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey) -> JobReply:
+    """Judge a model in a worker process; the job's result is the validation."""
+    number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key)
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return job_reply(await here.jobs.get(number))
+
+
+@router.get("", responses=problems(422, 503))
+async def list_validations(here: Here, page: PageQuery) -> list[ValidationReply]:
+    """List validations, oldest first."""
+    return [validation_reply(record) for record in await here.results.validations(page)]
+
+
+@router.get("/{id}", responses=problems(404, 422, 503))
+async def get_validation(here: Here, id: Id) -> ValidationReply:
+    """Show a validation: the document that `truepose validate --json` prints."""
+    return validation_reply(await here.results.validation(id))

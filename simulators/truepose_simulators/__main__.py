@@ -1,0 +1,148 @@
+"""`python -m truepose_simulators [SCENARIO]`: starts a simulated cell and announces its endpoints."""
+
+import argparse
+import asyncio
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from truepose_simulators.clock import CellClock, Pace
+from truepose_simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
+from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.cell_clock import clock_endpoint
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.hands import hands_endpoint
+from truepose_simulators.instruments.leica_emscon import tracker_endpoint
+from truepose_simulators.instruments.length_source import Electronics
+from truepose_simulators.instruments.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.open_abb import MotionProgram
+from truepose_simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.truth import truth_endpoint
+from truepose_simulators.instruments.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.usbip import usbip_endpoint
+from truepose_simulators.journal import RememberedCell
+from truepose_simulators.model_file import load_model
+from truepose_simulators.physics.identified import IdentifiedModel
+from truepose_simulators.scenario_file import load_scenario, shipped_scenarios
+
+_EXIT_UNUSABLE_INPUT = 2
+_EXIT_DEVICE_FAILED = 3
+_JOINTS_ON_THE_WIRE = 6  # of every message of open_abb
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a cell until interrupted; returns the exit status."""
+    options = _parse(arguments)
+    try:
+        scenario = load_scenario(options.scenario)
+        model = None if options.model is None else _drivable(load_model(options.model))
+        cell = RememberedCell(scenario, options.seed, CellClock(0), model)
+        asyncio.run(_run(cell, options))
+    except EndpointUnavailableError as error:
+        return _fail(error, _EXIT_DEVICE_FAILED)
+    except SimulatorError as error:
+        return _fail(error, _EXIT_UNUSABLE_INPUT)
+    except KeyboardInterrupt:  # before the signal handlers were in place
+        return 0
+    return 0
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m truepose_simulators",
+        description="Start a simulated cell: laser tracker (emScon), robot controller (open_abb), clock.",
+        epilog="example: python -m truepose_simulators irb120-clean --seed 3 --port-base 7000 --pace 0",
+    )
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        default="irb120-tilted",
+        help=f"a scenario file or one of {', '.join(shipped_scenarios())} (default: %(default)s)",
+    )
+    parser.add_argument("--seed", type=_natural, default=0, help="which cell of that kind (default: 0)")
+    parser.add_argument(
+        "--port-base", type=_natural, default=0, help="first of the consecutive ports; 0: any free ones"
+    )
+    parser.add_argument(
+        "--pace", type=int, choices=(0, 1), default=1, help="1: real time (default); 0: waiting costs nothing"
+    )
+    parser.add_argument(
+        "--model",
+        type=Path,
+        help="identified model (JSON): its robot, base and tool stand in the place of the scenario's",
+    )
+    parser.add_argument(
+        "--state",
+        type=Path,
+        help="keep what is done in this file; a cell that is started with it again stands where it stood",
+    )
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
+    return parser.parse_args(arguments)
+
+
+def _natural(text: str) -> int:
+    number = int(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError(f"{text} is negative")
+    return number
+
+
+def _drivable(model: IdentifiedModel) -> IdentifiedModel:
+    """Return a model that can be moved over the wire; raises ModelError."""
+    n_joints, instead = len(model.table.rows), "replay a campaign with truepose_simulators.recording instead"
+    if n_joints != _JOINTS_ON_THE_WIRE:
+        raise ModelError(
+            f"{model.table.name} has {n_joints} joints, open_abb moves {_JOINTS_ON_THE_WIRE}; {instead}"
+        )
+    if model.sensed_torques and not model.table.masses:
+        raise ModelError(
+            f"the springs of {model.table.name} were identified from torque sensors and the model states no"
+            f" masses, so that nothing would load them here; {instead}"
+        )
+    return model
+
+
+async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
+    if options.state is not None:
+        await cell.remember(options.state)
+    pace: Pace = 1 if options.pace == 1 else 0
+    cell.clock.go_at(pace)
+    interrupted = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, interrupted.set)
+    endpoints, first = _endpoints(cell), options.port_base
+    try:
+        for offset, endpoint in enumerate(endpoints):
+            address = await endpoint.open(options.host, first + offset if first else 0)
+            sys.stdout.write(address.as_json() + "\n")
+        sys.stdout.flush()
+        await interrupted.wait()
+    finally:
+        for endpoint in endpoints:
+            await endpoint.close()
+
+
+def _endpoints(cell: RememberedCell) -> list[Endpoint]:
+    program, bar = MotionProgram(cell), Electronics(cell.ballbar, cell.faults, cell.clock)
+    return [
+        tracker_endpoint(cell),
+        robot_endpoint(cell, program),
+        logger_endpoint(cell, program),
+        clock_endpoint(cell.clock),
+        truth_endpoint(cell),
+        # Newer endpoints come last, so that the older ones keep their ports.
+        nd28x_endpoint(bar),
+        usbip_endpoint("hid", HidBallbarGadget(bar)),
+        usbip_endpoint("usb_itn", UsbItnGadget(bar)),
+        hands_endpoint(cell),
+    ]
+
+
+def _fail(error: SimulatorError, status: int) -> int:
+    sys.stderr.write(f"{error}\n")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+"""A listening socket with its connections; no meaning."""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, dataclass
+
+from truepose_simulators.errors import EndpointUnavailableError
+
+# What a client may send ahead of being read; also the longest line of a protocol of lines.
+_BUFFER_BYTES = 1 << 16
+
+Serve = Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """Where an endpoint listens, as it is announced."""
+
+    device: str
+    protocol: str
+    host: str
+    port: int
+
+    def as_json(self) -> str:
+        """Return the announcement, one line."""
+        return json.dumps(asdict(self))
+
+
+class Endpoint:
+    """Listens and hands every connection to `serve`; can stop listening and begin again on its port."""
+
+    def __init__(
+        self, device: str, protocol: str, serve: Serve, *, buffer_bytes: int = _BUFFER_BYTES
+    ) -> None:
+        self.device = device
+        self.protocol = protocol
+        self._serve = serve
+        self._buffer_bytes = buffer_bytes
+        self._server: asyncio.Server | None = None
+        self._connections: set[asyncio.Task[None]] = set()
+
+    async def open(self, host: str, port: int) -> Address:
+        """Listen; port 0 takes a free one. Raises EndpointUnavailableError."""
+        try:
+            self._server = await asyncio.start_server(self._accept, host, port, limit=self._buffer_bytes)
+        except (OSError, OverflowError) as error:
+            raise EndpointUnavailableError(
+                f"the {self.device} cannot listen on {host}:{port}: {_reason(error)}; choose another port"
+            ) from error
+        self._host = host
+        self._port: int = self._server.sockets[0].getsockname()[1]
+        return Address(self.device, self.protocol, host, self._port)
+
+    def stop_listening(self) -> None:
+        """Refuse new connections; those that exist go on."""
+        if self._server is not None:
+            self._server.close()
+
+    async def listen_again(self) -> None:
+        """Accept connections on the same port as before."""
+        await self.open(self._host, self._port)
+
+    async def close(self) -> None:
+        """Stop listening and drop every connection."""
+        self.stop_listening()
+        for task in self._connections:
+            task.cancel()
+        await asyncio.gather(*self._connections, return_exceptions=True)
+
+    def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.get_running_loop().create_task(self._attend(reader, writer))
+        self._connections.add(task)
+        task.add_done_callback(self._connections.discard)
+
+    async def _attend(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        # A client that vanishes is an everyday event for a server, not an error.
+        with contextlib.suppress(ConnectionError):
+            try:
+                await self._serve(reader, writer)
+            finally:
+                writer.close()
+
+
+def _reason(error: Exception) -> str:
+    return error.strerror or str(error) if isinstance(error, OSError) else "no such port"

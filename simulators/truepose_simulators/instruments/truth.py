@@ -1,0 +1,165 @@
+"""What only a simulator knows, as JSON lines; for the showcase, tests and whoever scripts a failure.
+
+- `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` gives
+  `{"positions_mm": [[x, y, z], ...]}`;
+- `{"op": "plant"}` gives link motions, springs, base, nests, the tracker's frame and what is planted;
+- `{"op": "aim"}` gives `{"fixed_nests_seen_from_tracker_mm": [[x, y, z], ...]}`, about as well as an
+  operator aims by hand;
+- `{"op": "effect", "name": ..., "subject": ..., "amplitude": ..., "from_s": ...}` plants a change, with
+  the details of that effect as further keys (simulators/truepose_simulators/README.md);
+- `{"op": "fault", "kind": ..., ...}` scripts a failure (the keys of a scenario's `[[fault]]`);
+- `{"op": "attach"}` gives `{"attachment": 2}`: the tool was taken off and mounted anew.
+
+Positions are nest centres in the world frame without noise and scatter, every joint approached from below,
+at cell time `time_s` (a number or one per row; now when absent). `nests` has one number per row; without
+it each row gives all nests. An impossible request is answered `{"error": "..."}`.
+"""
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from truepose_simulators.cell import Cell
+from truepose_simulators.errors import SimulatorError, TruthRequestError
+from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.physics.rigid import FloatArray
+from truepose_simulators.scenario_file import read_change, read_fault
+from truepose_simulators.tracker import seen_from
+from truepose_simulators.truth_document import plant_document
+
+_LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
+_LATEST_S = 1e9  # thirty years of cell time
+# An operator turns the tracker by hand to about this much.
+_AIM_STEP_MM = 20.0
+
+
+def truth_endpoint(cell: Cell) -> Endpoint:
+    """Build the truth endpoint of a cell."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while True:
+            try:
+                line = await reader.readline()
+            except ValueError:  # the reader's word for a line that does not end
+                sentence = f"a request is one line of at most {_LONGEST_LINE_BYTES} bytes"
+                writer.write(_encode({"error": sentence}))
+                return
+            if not line:
+                return
+            writer.write(_encode(answer(line, cell)))
+            await writer.drain()
+
+    return Endpoint("truth", "truth", serve, buffer_bytes=_LONGEST_LINE_BYTES)
+
+
+def answer(line: bytes, cell: Cell) -> dict[str, Any]:
+    """Carry out one request line."""
+    try:
+        request = _decode(line)
+        operation = request.get("op")
+        if not isinstance(operation, str) or operation not in _OPERATIONS:
+            raise TruthRequestError(f'key "op" must be one of {", ".join(_OPERATIONS)}')
+        rest = {key: value for key, value in request.items() if key != "op"}
+        return _OPERATIONS[operation](rest, cell)
+    except SimulatorError as error:
+        return {"error": str(error)}
+
+
+def _encode(document: dict[str, Any]) -> bytes:
+    return json.dumps(document, allow_nan=False).encode() + b"\n"
+
+
+def _decode(line: bytes) -> dict[str, Any]:
+    try:
+        request = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise TruthRequestError(f"the request is no JSON: {error}") from error
+    if not isinstance(request, dict):
+        raise TruthRequestError('a request is an object such as {"op": "plant"}')
+    return request
+
+
+def _positions(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    joints = _joints(request.get("joints_rad"), cell.plant.arm.n_joints)
+    n = len(joints)
+    time_s = np.broadcast_to(_times(request.get("time_s", cell.clock.now_s), n), n)
+    stops = cell.conditions(joints, np.ones_like(joints), time_s, np.full(n, float(cell.attachment)))
+    positions = cell.true_positions(stops)
+    if "nests" in request:
+        nests = _nests(request["nests"], n, positions.shape[1])
+        positions = positions[np.arange(n), nests - 1]
+    return {"positions_mm": positions.tolist()}
+
+
+def _plant(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    return plant_document(cell)
+
+
+def _aim(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    seen = seen_from(cell.tracker.frame, cell.fixed_nests_mm())
+    return {"fixed_nests_seen_from_tracker_mm": (np.round(seen / _AIM_STEP_MM) * _AIM_STEP_MM).tolist()}
+
+
+def _effect(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    cell.plant_change(read_change(request, "effect"))
+    return {}
+
+
+def _fault(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    cell.add_fault(read_fault(request, "fault"))
+    return {}
+
+
+def _attach(request: Mapping[str, object], cell: Cell) -> dict[str, Any]:
+    del request
+    cell.attachment += 1
+    return {"attachment": cell.attachment}
+
+
+_OPERATIONS: Mapping[str, Callable[[Mapping[str, object], Cell], dict[str, Any]]] = {
+    "positions": _positions,
+    "plant": _plant,
+    "aim": _aim,
+    "effect": _effect,
+    "fault": _fault,
+    "attach": _attach,
+}
+
+
+def _joints(value: object, n_joints: int) -> FloatArray:
+    joints = _numbers(value, "joints_rad") if isinstance(value, list) else np.zeros(0)
+    if joints.ndim != 2 or joints.shape[1] != n_joints:
+        raise TruthRequestError(f'key "joints_rad" must be a list of rows of {n_joints} angles [rad]')
+    return joints
+
+
+def _times(value: object, n: int) -> FloatArray:
+    times = _numbers(value, "time_s")
+    if times.ndim > 1 or times.size not in {1, n}:
+        raise TruthRequestError(f'key "time_s" must be one time or {n}, one per row of joints_rad')
+    if (np.abs(times) > _LATEST_S).any():
+        raise TruthRequestError(f'key "time_s" must lie within {_LATEST_S:g} s of the start')
+    return times
+
+
+def _nests(value: object, n: int, n_nests: int) -> Any:
+    nests = _numbers(value, "nests")
+    whole = nests.shape == (n,) and np.isin(nests, np.arange(1, n_nests + 1)).all()
+    if not whole:
+        raise TruthRequestError(f'key "nests" must have {n} entries from 1 to {n_nests}, one per row')
+    return nests.astype(int)
+
+
+def _numbers(value: object, key: str) -> FloatArray:
+    try:
+        numbers = np.array(value, dtype=np.float64)
+    except (ValueError, TypeError) as error:
+        raise TruthRequestError(f'key "{key}" must hold numbers, rows of equal length') from error
+    if not np.isfinite(numbers).all():
+        raise TruthRequestError(f'key "{key}" must hold finite numbers')
+    return numbers

@@ -1,0 +1,99 @@
+"""Changes of place: so many mm one way and so many rad about some axis, both drawn unless stated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.physics.arm import Vector
+from truepose_simulators.physics.effects.effect import PlantedChange
+from truepose_simulators.physics.effects.site import Site, read_details
+from truepose_simulators.physics.rigid import FloatArray, inverse, placed, to_six
+
+_LARGEST_ROTATION_RAD = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class JumpDetails:
+    """Of a change at once."""
+
+    rotation_rad: float = 0.0
+    direction: Vector | None = None  # of the translation, any length
+    axis: Vector | None = None  # of the rotation, any length
+
+    def __post_init__(self) -> None:
+        _check_turn("rotation_rad", self.rotation_rad)
+        _check_vector("direction", self.direction)
+        _check_vector("axis", self.axis)
+
+
+@dataclass(frozen=True, slots=True)
+class DriftDetails:
+    """Of a change that goes on."""
+
+    rotation_rad_per_h: float = 0.0
+    direction: Vector | None = None  # of the translation, any length
+    axis: Vector | None = None  # of the rotation, any length
+
+    def __post_init__(self) -> None:
+        _check_turn("rotation_rad_per_h", self.rotation_rad_per_h)
+        _check_vector("direction", self.direction)
+        _check_vector("axis", self.axis)
+
+
+def drift_per_s(change: PlantedChange, site: Site) -> FloatArray:
+    """Motion per second `[tx ty tz rx ry rz]` of a drift whose amplitude is in mm/h, shape (6,)."""
+    details = read_details(DriftDetails, change)
+    rate = _motion(change.amplitude, details.rotation_rad_per_h, details.direction, details.axis, site)
+    per_s: FloatArray = rate / 3600.0
+    return per_s
+
+
+def jump(change: PlantedChange, site: Site) -> FloatArray:
+    """Motion `[tx ty tz rx ry rz]` of a change at once whose amplitude is in mm, shape (6,)."""
+    details = read_details(JumpDetails, change)
+    return _motion(change.amplitude, details.rotation_rad, details.direction, details.axis, site)
+
+
+def unit_or_drawn(vector: Vector | None, rng: np.random.Generator) -> FloatArray:
+    """Return the direction of a vector, or any direction at all where none is stated, shape (3,)."""
+    drawn = rng.standard_normal(3)
+    chosen = drawn if vector is None else np.array(vector)
+    unit: FloatArray = chosen / np.linalg.norm(chosen)
+    return unit
+
+
+def _motion(
+    translation: float, rotation: float, direction: Vector | None, axis: Vector | None, site: Site
+) -> FloatArray:
+    rng = site.rng()
+    along, about = unit_or_drawn(direction, rng), unit_or_drawn(axis, rng)
+    return np.concatenate([translation * along, rotation * about])
+
+
+def _check_turn(key: str, value: float) -> None:
+    if abs(value) > _LARGEST_ROTATION_RAD:
+        raise ScenarioError(f'key "{key}" must be within {_LARGEST_ROTATION_RAD:g} of 0, not {value:g}')
+
+
+def _check_vector(key: str, value: Vector | None) -> None:
+    if value is not None and not 1e-6 <= max(abs(part) for part in value) <= 1e6:
+        raise ScenarioError(f'key "{key}" must be a vector that points somewhere, not {list(value)}')
+
+
+def seen_in_world(frame: FloatArray, own: FloatArray) -> FloatArray:
+    """Motions of a body, stated in its own frame as Trans RotX RotY RotZ, in the world about its origin.
+
+    Parameters
+    ----------
+    frame : ndarray, shape (4, 4)
+        The body in the world before it moves.
+    own : ndarray, shape (..., 6)
+        Shifts [mm] and the three angles [rad].
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        `[tx ty tz rx ry rz]` [mm, rad] with a rotation vector, as `rigid.small_motion` takes it.
+    """
+    return to_six(frame @ placed(own[..., :3], own[..., 3:]) @ inverse(frame))

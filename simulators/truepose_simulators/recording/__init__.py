@@ -1,0 +1,18 @@
+"""Campaigns recorded from the simulated cell without a wire, for studies that need very many of them."""
+
+from truepose_simulators.recording.campaign import Points, Recording, References, record
+from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.plan import NoStopsError, Stops, Wishes
+from truepose_simulators.recording.registered_tracker import Readings
+
+__all__ = [
+    "NoStopsError",
+    "Points",
+    "Readings",
+    "Recording",
+    "References",
+    "Stops",
+    "Wishes",
+    "record",
+    "write_campaign",
+]

@@ -1,0 +1,114 @@
+"""`python -m truepose_simulators.recording SCENARIO --out FOLDER`: a campaign folder, drawn or replayed."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.errors import ReplayError, SimulatorError
+from truepose_simulators.model_file import load_model
+from truepose_simulators.recording.ballbar import BallbarWishes, record_ballbar
+from truepose_simulators.recording.ballbar_files import write_ballbar_campaign
+from truepose_simulators.recording.ballbar_plan import read_plan
+from truepose_simulators.recording.campaign import record
+from truepose_simulators.recording.files import write_campaign
+from truepose_simulators.recording.plan import APPROACHES, Wishes
+from truepose_simulators.recording.replay import replay, write_replay
+from truepose_simulators.scenario import Scenario
+from truepose_simulators.scenario_file import load_scenario, shipped_scenarios
+
+_EXIT_UNUSABLE_INPUT = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Record one campaign; returns the exit status."""
+    options = _parse(arguments)
+    try:
+        _write(options, load_scenario(options.scenario), _wishes(options))
+    except SimulatorError as error:
+        return _fail(str(error))
+    except OSError as error:
+        return _fail(f"{options.out} cannot be written: {error.strerror}")
+    return 0
+
+
+def _wishes(options: argparse.Namespace) -> Wishes:
+    """Return what was asked of the tracker campaign; what was not is usual, beside a ballbar or alone."""
+    usual = Wishes() if options.ballbar is None else BallbarWishes().tracker
+    asked = {name: getattr(options, name) for name in Wishes.__dataclass_fields__}
+    return replace(usual, **{name: value for name, value in asked.items() if value is not None})
+
+
+def _write(options: argparse.Namespace, scenario: Scenario, wishes: Wishes) -> None:
+    model = None if options.model is None else load_model(options.model)
+    scenario = scenario.quiet() if options.quiet else scenario
+    if options.ballbar is not None:
+        ballbar = BallbarWishes(options.aimed, options.aim_error, options.approach, wishes)
+        plan = read_plan(options.ballbar)
+        write_ballbar_campaign(record_ballbar(scenario, options.seed, plan, ballbar, model), options.out)
+        return
+    if model is None or options.replay is None:
+        write_campaign(record(scenario, options.seed, wishes, model), options.out)
+        return
+    if options.out.resolve() == options.replay.resolve():
+        raise ReplayError(f"--out {options.out} is the measured campaign itself; choose another folder")
+    replayed = replay(Cell(scenario, options.seed, CellClock(0), model), model, options.replay)
+    write_replay(replayed, options.out)
+    for remark in replayed.remarks:
+        sys.stderr.write(f"{remark}\n")
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m truepose_simulators.recording",
+        description="Record a tracker campaign of a simulated cell and write it as a folder.",
+        epilog="example: python -m truepose_simulators.recording irb120-everyday --seed 3 --out everyday-3",
+    )
+    add = parser.add_argument
+    add("scenario", help=f"a scenario file or one of {', '.join(shipped_scenarios())}")
+    add("--out", type=Path, required=True, help="folder to write into")
+    add("--seed", type=int, default=0, help="which cell of that kind, 0 or more (default: 0)")
+    for name, what in (
+        ("configurations", "of the calibration"),
+        ("validation", "further ones"),
+        ("revisits", "visited again"),
+        ("attachments", "mountings of the tool"),
+        ("reference-every", "stops between readings of the fixed nests, 0 for none"),
+    ):
+        alone, beside = (
+            getattr(usual, name.replace("-", "_")) for usual in (Wishes(), BallbarWishes().tracker)
+        )
+        default = f"{alone}" if alone == beside else f"{alone}, beside --ballbar {beside}"
+        add(f"--{name}", type=int, help=f"{what} (default: {default})")
+    add("--approach", choices=APPROACHES, default=Wishes().approach, help="default: %(default)s")
+    add("--quiet", action="store_true", help="leave out the drift and the warm-up of an everyday robot")
+    add("--ballbar", type=Path, metavar="PLAN", help="record a ballbar campaign of this plan (JSON) as well")
+    add("--aimed", action="store_true", help="ballbar: joints corrected as after a pre-calibration")
+    add(
+        "--aim-error",
+        type=float,
+        default=BallbarWishes().aim_error_mm,
+        help="by which that misses a length, mm (default: %(default)s)",
+    )
+    add("--model", type=Path, help="identified model (JSON) that stands in the place of the robot")
+    add("--replay", type=Path, help="measured campaign folder whose stops are made again, with --model")
+    options = parser.parse_args(arguments)
+    if options.replay is not None and options.model is None:
+        parser.error("argument --replay: name the model of that robot too, with --model")
+    if options.replay is not None and options.ballbar is not None:
+        parser.error("argument --ballbar: a plan is recorded, a campaign is replayed; not both")
+    if options.seed < 0:
+        parser.error(f"argument --seed: {options.seed} is negative")
+    return options
+
+
+def _fail(sentence: str) -> int:
+    sys.stderr.write(f"{sentence}\n")
+    return _EXIT_UNUSABLE_INPUT
+
+
+if __name__ == "__main__":
+    sys.exit(main())

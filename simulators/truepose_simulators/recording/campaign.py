@@ -1,0 +1,119 @@
+"""A measured campaign without any wire: the cell is asked directly, for all stops at once.
+
+The same plant, effects, tracker noise, registration on the fixed nests and repeatability as behind the
+protocols, a thousand times faster.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose_simulators.cell import Cell
+from truepose_simulators.clock import CellClock
+from truepose_simulators.physics.effects.ports import NestNumbers
+from truepose_simulators.physics.identified import IdentifiedModel
+from truepose_simulators.physics.rigid import FloatArray
+from truepose_simulators.recording.plan import Stops, Wishes, plan_stops
+from truepose_simulators.recording.registered_tracker import Readings, RegisteredTracker
+from truepose_simulators.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Stops with what was read there."""
+
+    stops: Stops
+    nest: NestNumbers  # (n,) as written down
+    temperature_c: FloatArray  # (n,) as sensed
+    readings: Readings
+    true_mm: FloatArray  # (n, 3) the nest truly there, without noise and scatter
+
+    def part(self, rows: slice) -> "Points":
+        """Return some of the points."""
+        readings = Readings(self.readings.position_mm[rows], self.readings.u_mm[rows])
+        return Points(
+            self.stops.part(rows), self.nest[rows], self.temperature_c[rows], readings, self.true_mm[rows]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class References:
+    """Readings of the fixed nests now and then."""
+
+    time_s: FloatArray  # (m,)
+    fixed_nest: NestNumbers  # (m,) 1-based
+    readings: Readings
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """One campaign and the cell that it was recorded in."""
+
+    cell: Cell
+    calibration: Points
+    validation: Points
+    references: References
+
+
+def record(scenario: Scenario, seed: int, wishes: Wishes, model: IdentifiedModel | None = None) -> Recording:
+    """Record a campaign of the cell that scenario, seed and perhaps an identified model give.
+
+    The same scenario, seed and wishes give the same campaign.
+
+    Raises
+    ------
+    SimulatorError
+        The cell cannot be, or its tracker sees too few configurations.
+    """
+    return record_in(Cell(scenario, seed, CellClock(0), model), wishes)[0]
+
+
+def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recording, RegisteredTracker]:
+    """Record a campaign in a cell from a cell time on; the tracker stays for further readings.
+
+    Raises
+    ------
+    NoStopsError
+        The cell's tracker sees too few configurations.
+    """
+    streams = (np.random.SeedSequence(cell.seed, spawn_key=(key,)) for key in (100, 101))
+    plan_rng, noise_rng = (np.random.default_rng(stream) for stream in streams)
+    stops = plan_stops(cell, wishes, plan_rng)
+    stops = replace(stops, time_s=stops.time_s + start_s)
+    tracker = RegisteredTracker(cell, noise_rng)
+    points = _read_points(cell, stops, tracker, noise_rng)
+    n_calibration = wishes.configurations + wishes.revisits
+    recording = Recording(
+        cell=cell,
+        calibration=points.part(slice(n_calibration)),
+        validation=points.part(slice(n_calibration, None)),
+        references=_read_references(cell, stops.time_s, wishes.reference_every, tracker),
+    )
+    return recording, tracker
+
+
+def _read_points(cell: Cell, stops: Stops, tracker: RegisteredTracker, rng: np.random.Generator) -> Points:
+    joints = np.radians(stops.joints_deg)
+    conditions = cell.conditions(joints, stops.direction, stops.time_s, stops.attachment)
+    n = len(stops)
+    true = cell.true_positions(conditions)[np.arange(n), stops.nest - 1]
+    scatter, sensor = (
+        (cell.scenario.arm.scatter_mm, cell.scenario.air.sensor_noise_k)
+        if cell.scenario.noise
+        else (0.0, 0.0)
+    )
+    return Points(
+        stops=stops,
+        nest=cell.nests_read(stops.nest, stops.time_s),
+        temperature_c=conditions.temperature_c + sensor * rng.standard_normal(n),
+        readings=tracker.read(true + scatter * rng.standard_normal((n, 3)), stops.time_s),
+        true_mm=true,
+    )
+
+
+def _read_references(cell: Cell, time_s: FloatArray, every: int, tracker: RegisteredTracker) -> References:
+    times = time_s[::every] if every else time_s[:0]
+    nests = cell.fixed_nests_mm()
+    numbers = np.tile(np.arange(1, len(nests) + 1), len(times))
+    each = np.repeat(times, len(nests))
+    return References(each, numbers, tracker.read(nests[numbers - 1], each))

@@ -1,0 +1,85 @@
+"""TOML and JSON tables into dataclasses; every mistake is one sentence with place and key."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from types import UnionType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+from truepose_simulators.errors import ScenarioError
+
+T = TypeVar("T")
+
+
+def read_table(cls: type[T], table: object, where: str) -> T:
+    """Build the dataclass `cls` from a table whose keys are its fields.
+
+    Parameters
+    ----------
+    cls : type
+        A dataclass with fields of float, int, bool, str, or fixed and open tuples of these.
+    table : object
+        What the file has there.
+    where : str
+        The place for the error's sentence, such as "my.toml: [tracker]".
+
+    Raises
+    ------
+    ScenarioError
+        The table is none, or a key is unknown, missing or of the wrong kind.
+    """
+    if not isinstance(table, Mapping):
+        raise ScenarioError(f"{where} must be a table of keys, not {_kind(table)}")
+    fields = {field.name: field for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    hints = get_type_hints(cls)
+    for key in table:
+        if key not in fields:
+            raise ScenarioError(f'{where}: unknown key "{key}"; known: {", ".join(fields)}')
+    for field in fields.values():
+        if field.name not in table and _required(field):
+            raise ScenarioError(f'{where}: key "{field.name}" is missing')
+    values = {key: convert(hints[key], value, f'{where}: key "{key}"') for key, value in table.items()}
+    return cls(**values)
+
+
+def convert(hint: Any, value: object, where: str) -> Any:
+    """Check one value against a type hint and return it as that type; raises ScenarioError."""
+    if get_origin(hint) is UnionType:  # an optional key: present means the other type
+        return convert(get_args(hint)[0], value, where)
+    if get_origin(hint) is tuple:
+        return _convert_tuple(get_args(hint), value, where)
+    if hint is float:
+        return _number(value, where)
+    if type(value) is not hint:
+        raise ScenarioError(f"{where} must be {_NAMES[hint]}, not {_kind(value)}")
+    return value
+
+
+_NAMES: Mapping[type, str] = {int: "a whole number", bool: "true or false", str: "a text"}
+
+
+def _convert_tuple(hints: tuple[Any, ...], value: object, where: str) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise ScenarioError(f"{where} must be a list, not {_kind(value)}")
+    if hints[-1] is Ellipsis:
+        hints = (hints[0],) * len(value)
+    if len(value) != len(hints):
+        raise ScenarioError(f"{where} must have {len(hints)} entries, not {len(value)}")
+    return tuple(convert(hint, item, where) for hint, item in zip(hints, value, strict=True))
+
+
+def _number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ScenarioError(f"{where} must be a number, not {_kind(value)}")
+    if not math.isfinite(value):
+        raise ScenarioError(f"{where} must be a finite number, not {value}")
+    return float(value)
+
+
+def _required(field: dataclasses.Field[Any]) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is missing and field.default_factory is missing
+
+
+def _kind(value: object) -> str:
+    return f"{value!r}" if isinstance(value, str | int | float) else f"a {type(value).__name__}"

@@ -1,0 +1,86 @@
+"""How well the laser tracker measures: its setup, its noise, its two-face error; any number of points.
+
+The standard deviation of a reading depends on the distance D [m], along the beam a + b D, across it c + d D.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose_simulators.errors import ScenarioError
+from truepose_simulators.physics.arm import Vector
+from truepose_simulators.physics.rigid import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerSetup:
+    """Where the tracker stands and how good it is."""
+
+    position_mm: Vector = (2600.0, -700.0, 500.0)  # world
+    position_u_mm: float = 5.0  # the tripod stands about there, one sigma per axis
+    tilt_rad: float = 0.002  # out of plumb, one sigma about both horizontal axes
+    along_mm: float = 0.008
+    along_mm_per_m: float = 0.0008
+    across_mm: float = 0.010
+    across_mm_per_m: float = 0.0035
+    two_face_rad: float = 0.5e-6  # collimation and index error
+    noise_degrees_of_freedom: float | None = None  # of Student's t; absent: normal
+    initialise_s: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            value = getattr(self, name)
+            if isinstance(value, float | int) and value < 0.0:
+                raise ScenarioError(f'key "{name}" must be 0 or more, not {value}')
+        freedom = self.noise_degrees_of_freedom
+        if freedom is not None and freedom <= 2.0:  # no finite variance to scale to what is stated
+            raise ScenarioError(f'key "noise_degrees_of_freedom" must be above 2, not {freedom}')
+
+
+def covariance_mm2(setup: TrackerSetup, position_mm: FloatArray) -> FloatArray:
+    """Covariance that the accuracy model states for readings, tracker frame, (..., 3) -> (..., 3, 3)."""
+    beam, along, across = _beam_and_deviations_mm(setup, position_mm)
+    projector = beam[..., :, np.newaxis] * beam[..., np.newaxis, :]
+    off_beam = across[..., np.newaxis] ** 2 * (np.eye(3) - projector)
+    covariance: FloatArray = along[..., np.newaxis] ** 2 * projector + off_beam
+    return covariance
+
+
+def noise_mm(setup: TrackerSetup, position_mm: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Draw noise of one reading per point, tracker frame, shape (..., 3)."""
+    unit = _unit_noise(setup, position_mm.shape, rng)
+    beam, along, across = _beam_and_deviations_mm(setup, position_mm)
+    on_beam = np.sum(beam * unit, axis=-1, keepdims=True) * beam
+    noise: FloatArray = along * on_beam + across * (unit - on_beam)
+    return noise
+
+
+def face_error_mm(setup: TrackerSetup, position_mm: FloatArray, face: int) -> FloatArray:
+    """Error that changes its sign with the face (1 or 2), tracker frame, shape (..., 3)."""
+    sign = 1.0 if face == 1 else -1.0
+    x, y, _ = np.moveaxis(position_mm, -1, 0)
+    sideways = np.stack([-y, x, np.zeros_like(x)], axis=-1)
+    sideways /= np.maximum(np.linalg.norm(sideways, axis=-1, keepdims=True), 1e-9)
+    upwards = np.cross(position_mm, sideways)  # has the length of the distance
+    distance = np.linalg.norm(position_mm, axis=-1, keepdims=True)
+    error: FloatArray = sign * setup.two_face_rad * (distance * sideways + upwards)
+    return error
+
+
+def _unit_noise(setup: TrackerSetup, shape: tuple[int, ...], rng: np.random.Generator) -> FloatArray:
+    """Draw numbers of variance 1, normal or with Student's heavier tails."""
+    freedom = setup.noise_degrees_of_freedom
+    if freedom is None:
+        return rng.standard_normal(shape)
+    scaled: FloatArray = rng.standard_t(freedom, shape) * np.sqrt((freedom - 2.0) / freedom)
+    return scaled
+
+
+def _beam_and_deviations_mm(
+    setup: TrackerSetup, position_mm: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Direction of the beam (..., 3), and standard deviations along and across it, each (..., 1)."""
+    distance_mm = np.linalg.norm(position_mm, axis=-1, keepdims=True)
+    along: FloatArray = setup.along_mm + setup.along_mm_per_m * distance_mm / 1000.0
+    across: FloatArray = setup.across_mm + setup.across_mm_per_m * distance_mm / 1000.0
+    return position_mm / distance_mm, along, across
