@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.diagnosed_cells import ENDINGS, two_findings
+from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, two_findings
 from truepose.reports import DiagnosisInput, write_diagnosis_report
 
 SMALLEST_LETTERS_PX = """Math.min(16, ...[...document.querySelectorAll("svg text")].map(

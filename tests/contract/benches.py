@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.bridge_server import bridge_endpoint
-from tests.length_sources import FakeBar, FakeHands
-from tests.usb_in_memory import UsbInMemory
+from tests.helpers.ballbar.length_sources import FakeBar, FakeHands
+from tests.helpers.instruments.bridge_server import bridge_endpoint
+from tests.helpers.instruments.usb_in_memory import UsbInMemory
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot
 from truepose_drivers.api import Clock
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar

@@ -9,7 +9,7 @@ import statistics
 import time
 from dataclasses import dataclass
 
-from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
 from truepose.storage.database import Database
 from truepose.storage.library import VERSION

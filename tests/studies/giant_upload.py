@@ -18,7 +18,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from tests.synthetic import nominal_campaign
+from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.exchange.campaign_folder import campaign_files
 from truepose.showcase.processes import SimulatedService, running_service
 

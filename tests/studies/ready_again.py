@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import httpx
 import numpy as np
 
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.integration.web.bench import CELL, session_request
-from tests.measured_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
 from truepose.showcase.killed_service import KilledService
 from truepose.storage.chain import linked_hash

@@ -15,8 +15,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.ballbar_sessions import make_ballbar_plan, measured
-from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
 from truepose.storage.arrival import verify_left
 from truepose.storage.ballbar_ledger import BallbarLedger

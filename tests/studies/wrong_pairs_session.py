@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tests.ballbar_sessions import make_length
+from tests.helpers.ballbar.sessions import make_length
 from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
 from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.analysis.precalibration import precalibrate

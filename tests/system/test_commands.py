@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.synthetic import measured, nominal_campaign
+from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.cli import main
 from truepose.exchange.campaign_folder import write_campaign
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.synthetic import measured, nominal_campaign
+from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.domain.campaign import Campaign
 from truepose.exchange.campaign_folder import write_campaign
 

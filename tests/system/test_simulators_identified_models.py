@@ -16,8 +16,15 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from tests.identified_models import EXTENSIONS, ROBOTS, extended, model_of, parameters_of, stops_and_nests
-from tests.robots import IRB_120
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import (
+    EXTENSIONS,
+    ROBOTS,
+    extended,
+    model_of,
+    parameters_of,
+    stops_and_nests,
+)
 from truepose.domain.results import Unit
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.model_file import write_model

@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from tests.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
 from truepose.validation.connections import judge_leg, judge_pose
 
 STOPS = 100

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm
-from tests.ballbar_truth import TrueArm, measured_session
+from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
+from tests.helpers.ballbar.true_session import TrueArm, measured_session
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.precalibration import precalibrate
 from truepose.domain.artefacts import BallbarKit

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from tests.builders import make_campaign
+from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import BusyError
 from truepose.analysis.tasks import CampaignRead
 from truepose.analysis.uploads import Uploads

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.checkout import SOURCES
-from tests.scenes import telling_campaign, telling_scene
+from tests.helpers.checkout import SOURCES
+from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
 from truepose.diagnosis.diagnose import diagnose
 from truepose.effects.causes import NamedCause
 from truepose.effects.installed import GROUP, load_installed

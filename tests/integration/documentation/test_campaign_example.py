@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.checkout import SOURCES
+from tests.helpers.checkout import SOURCES
 
 _CHECKOUT = Path(__file__).parents[3]
 _FOLDER = _CHECKOUT / "docs" / "examples" / "campaign"

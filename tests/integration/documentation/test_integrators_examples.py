@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.scenes import telling_scene
+from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import EFFECTS

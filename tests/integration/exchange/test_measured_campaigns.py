@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign, make_points
+from tests.helpers.domain.builders import make_campaign, make_points
 from truepose.exchange.campaign_folder import campaign_files, read_campaign, write_campaign
 from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from truepose.exchange.errors import MissingFileError

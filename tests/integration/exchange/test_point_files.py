@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.builders import make_ballbar_campaign
+from tests.helpers.domain.builders import make_ballbar_campaign
 from truepose.domain.campaign import LegReadings, PointReadings
 from truepose.exchange.campaign_folder import campaign_files
 from truepose.exchange.errors import BadValueError, MissingEntryError, MissingFileError, WrongUnitError

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.ballbar_cells import domain_cell
-from tests.ballbar_sessions import make_ballbar_plan, measured
+from tests.helpers.ballbar.cells import domain_cell
+from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.integration.web.bench import Bench
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry

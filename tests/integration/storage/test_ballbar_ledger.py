@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import text
 
-from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
-from tests.measured_sessions import make_plan, make_setup
+from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.ballbar import (
     EntryKind,
     LedgerEntry,

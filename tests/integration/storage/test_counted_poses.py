@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.measured_sessions import make_setup
+from tests.helpers.domain.tracker_sessions import make_setup
 from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
 from truepose.domain.ballbar import EntryKind
 from truepose.sequencing.ballbar import step_ids

@@ -27,7 +27,7 @@ WRITES_UNTIL_KILLED = textwrap.dedent("""
     from truepose.storage.database import Database
     from truepose.storage.readings import ReadingRepository
     from truepose.storage.sessions import SessionRepository
-    from tests.measured_sessions import make_plan, make_point, make_setup
+    from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 
     async def main():
         database = Database(sys.argv[1])

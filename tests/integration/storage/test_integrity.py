@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tests.measured_sessions import make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from truepose.storage.arrival import verify_left
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from tests.ballbar_sessions import make_ballbar_plan, measured
-from tests.builders import make_identification, make_model
-from tests.diagnoses import make_diagnosis
-from tests.measured_sessions import make_plan, make_setup
+from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
+from tests.helpers.diagnosis.answers import make_diagnosis
+from tests.helpers.domain.builders import make_identification, make_model
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.domain.cell import SimulatedCell
 from truepose.storage.ballbar_ledger import BallbarLedger

@@ -5,7 +5,7 @@ import json
 import pytest
 from sqlalchemy import text
 
-from tests.measured_sessions import make_fixed_nest, make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_plan, make_point, make_setup
 from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage.added_stops import AddedStopsRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError

@@ -9,7 +9,7 @@ import textwrap
 
 import pytest
 
-from tests.measured_sessions import make_plan, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.storage.database import Database
 from truepose.storage.errors import ConflictError, StorageUnavailableError
 from truepose.storage.library import LIBRARY
@@ -203,7 +203,7 @@ FILLS = textwrap.dedent("""
     from truepose.storage.database import Database
     from truepose.storage.errors import StorageUnavailableError
     from truepose.storage.sessions import SessionRepository
-    from tests.measured_sessions import make_plan, make_setup
+    from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 
     async def main():
         database = Database(sys.argv[1])

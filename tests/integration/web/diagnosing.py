@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import httpx
 
-from tests.diagnoses import make_diagnosis
+from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.conftest import asking
 from truepose.app import create_app
 from truepose.exchange.campaign_zip import read_campaign_zip

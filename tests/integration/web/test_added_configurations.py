@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.diagnoses import make_diagnosis
+from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served

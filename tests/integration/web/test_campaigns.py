@@ -8,7 +8,7 @@ from datetime import date
 
 import pytest
 
-from tests.builders import make_campaign
+from tests.helpers.domain.builders import make_campaign
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
 from truepose.analysis.uploads import Uploads

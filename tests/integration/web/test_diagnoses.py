@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.builders import make_campaign, make_robot
-from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
+from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_unexplained
+from tests.helpers.domain.builders import make_campaign, make_robot
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
 from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip

@@ -5,7 +5,7 @@ import contextlib
 import pytest
 from fastapi.responses import HTMLResponse
 
-from tests.routes import METHODS, addresses_of, asked, paths_of
+from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_of
 from truepose.web.application import create_application
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.judgement import PAGES

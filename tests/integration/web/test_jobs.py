@@ -7,7 +7,7 @@ import httpx
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign
+from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import WorkerDiedError
 from truepose.analysis.tasks import IdentifyTask, PlanTask
 from truepose.analysis.worker_process import TaskRefusedError

@@ -8,7 +8,7 @@ import httpx
 import pytest
 from fastapi.responses import StreamingResponse
 
-from tests.routes import paths_of
+from tests.helpers.web.routes import paths_of
 from truepose.web import lanes
 from truepose.web.application import create_application
 from truepose.web.lanes import Lanes

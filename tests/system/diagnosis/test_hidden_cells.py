@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.hidden_causes import recorded
+from tests.helpers.diagnosis.hidden_causes import recorded
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Verdict
 from truepose_simulators.physics.effects.effect import Deflection

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.synthetic import (
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import (
     NESTS,
     configurations,
     drawn,

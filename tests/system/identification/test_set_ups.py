@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations, leg_campaign, measured, nominal_campaign
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import (
+    NESTS,
+    configurations,
+    leg_campaign,
+    measured,
+    nominal_campaign,
+)
 from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Status

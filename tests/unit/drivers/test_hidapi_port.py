@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.checkout import CHECKOUT, SOURCES
+from tests.helpers.checkout import CHECKOUT, SOURCES
 from tests.unit.drivers.umockdev_ballbar import write_device
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
 from truepose_drivers.transports.hid import HidapiPort

@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from tests.length_sources import FakeBar, electronics
+from tests.helpers.ballbar.length_sources import FakeBar, electronics
 from truepose_drivers.ballbar_hid.driver import PLUGIN as BALLBAR_HID
 from truepose_drivers.ballbar_hid.protocol import (
     BarIdentity,

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tests.measured_sessions import make_fixed_nest, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import Campaign

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_sessions import make_length
-from tests.measured_sessions import make_setup
+from tests.helpers.ballbar.sessions import make_length
+from tests.helpers.domain.tracker_sessions import make_setup
 from truepose.analysis.ballbar_assembly import (
     Counting,
     LegKept,

@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from tests.builders import make_campaign
-from tests.measured_sessions import make_plan, make_setup
+from tests.helpers.domain.builders import make_campaign
+from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.tasks import PlanTask, held_out
 from truepose.domain.errors import ConfigurationError

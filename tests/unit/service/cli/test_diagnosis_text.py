@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.diagnoses import (
+from tests.helpers.diagnosis.answers import (
     make_described,
     make_diagnosis,
     make_finding,

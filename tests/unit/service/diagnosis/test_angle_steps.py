@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import telling_campaign
-from tests.selections import PRESENT, left_of, make_selected, make_start, planted
-from tests.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
+from tests.helpers.identification.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
 from truepose.diagnosis.angle_steps import step_of
 from truepose.diagnosis.start import started
 from truepose.diagnosis.wording import remaining_sentence

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import START, telling_campaign
-from tests.selections import left_of, make_selected, make_start, planted
-from tests.synthetic import NOISE_MM, configurations, shifted
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign
+from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
+from tests.helpers.identification.synthetic import NOISE_MM, configurations, shifted
 from truepose.diagnosis.answer import _verdict, unanswerable
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.gains import gain_of

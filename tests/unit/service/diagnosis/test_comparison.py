@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnoses import make_diagnosis, make_finding, make_wave
+from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.diagnosis.amplitudes import Variant
 from truepose.diagnosis.comparison import DatedDiagnosis, Sighting, compare
 from truepose.domain.diagnosis import Confidence, Detail, RuledOut

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.scenes import ORIGIN_S, telling_campaign
-from tests.selections import make_selected, make_start, proposed
+from tests.helpers.diagnosis.point_scenes import ORIGIN_S, telling_campaign
+from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
+from tests.helpers.domain.robots import IRB_120
 from truepose.diagnosis.curves import finding_curve, remaining_curve
 from truepose.diagnosis.left import Depends
 from truepose.diagnosis.ways import of_joint, seen

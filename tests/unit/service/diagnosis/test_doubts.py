@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.selections import left_of, make_selected, make_start
+from tests.helpers.diagnosis.selections import left_of, make_selected, make_start
 from truepose.diagnosis.doubts import better_families, owed_to_the_rest
 from truepose.diagnosis.remaining import prepared_families
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.scenes import telling_campaign
-from tests.selections import make_start, planted, select_from
-from tests.synthetic import configurations
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import make_start, planted, select_from
+from tests.helpers.identification.synthetic import configurations
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.evidence import described
 from truepose.diagnosis.functions import most_likely

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
 from truepose.diagnosis.gathered import gathered
 
 N = 96

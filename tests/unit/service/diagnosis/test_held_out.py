@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import START, telling_campaign
-from tests.selections import make_start, planted, select_from
-from tests.synthetic import NOISE_MM, configurations
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign
+from tests.helpers.diagnosis.selections import make_start, planted, select_from
+from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.diagnose import proposed as every_cause
 from truepose.diagnosis.folds import Nested, as_found, partition
 from truepose.diagnosis.gains import gain_of

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.scenes import START, telling_campaign
-from tests.selections import planted, select_from
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign
+from tests.helpers.diagnosis.selections import planted, select_from
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.scene import scene_of

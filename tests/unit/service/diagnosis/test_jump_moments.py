@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.selections import make_start, select_from
-from tests.synthetic import NOISE_MM
+from tests.helpers.diagnosis.selections import make_start, select_from
+from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.jump_moments import with_exact_moments
 from truepose.diagnosis.scene import scene_of

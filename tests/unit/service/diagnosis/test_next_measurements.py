@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.scenes import telling_campaign
-from tests.selections import make_selected, make_start
-from tests.synthetic import configurations
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import make_selected, make_start
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import configurations
 from truepose.diagnosis.actions import action_for
 from truepose.diagnosis.left import Depends, Left
 from truepose.diagnosis.next_measurements import next_measurements

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnosed_cells import make_finding
-from tests.diagnoses import make_described, make_rest
-from tests.scenes import START, telling_campaign
-from tests.selections import left_of, make_selected, make_start, planted
-from tests.synthetic import NOISE_MM, configurations
+from tests.helpers.diagnosis.answers import make_described, make_rest
+from tests.helpers.diagnosis.diagnosed_cells import make_finding
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign
+from tests.helpers.diagnosis.selections import left_of, make_selected, make_start, planted
+from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.answer import _worse_at
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.held_out import Judged

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.scenes import telling_campaign
-from tests.selections import make_selected, make_start, planted
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import make_selected, make_start, planted
+from tests.helpers.domain.robots import IRB_120
 from truepose.diagnosis.places import (
     drawn,
     filling,

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.selections import make_selected, make_start
+from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.counted import design_effect
 from truepose.diagnosis.normal import normal_of, products_of
 from truepose.domain.campaign import Stops

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.selections import make_start
+from tests.helpers.diagnosis.selections import make_start
 from truepose.diagnosis.families import families, terms_of
 from truepose.diagnosis.normal import normal_of
 from truepose.diagnosis.remaining import as_random_effect, prepared_families, structured

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.scenes import ORIGIN_S
-from tests.selections import make_selected, make_start
+from tests.helpers.diagnosis.point_scenes import ORIGIN_S
+from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.rivals import weighed
 from truepose.domain.diagnosis import Cause

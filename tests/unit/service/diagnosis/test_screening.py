@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from tests.selections import make_selected, make_start, proposed
+from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.screening import screen
 from truepose.effects.ports import ParameterSpec

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.scenes import START
-from tests.selections import make_selected, make_start
+from tests.helpers.diagnosis.point_scenes import START
+from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.places import drawn, measured_ranges
 from truepose.diagnosis.separation import reading_variance, separation
 from truepose.domain.diagnosis import Cause

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.selections import make_start
+from tests.helpers.diagnosis.selections import make_start
 from truepose.diagnosis.single_readings import swapped_labels, tails
 
 N = 300

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.diagnoses import make_finding, make_wave
+from tests.helpers.diagnosis.answers import make_finding, make_wave
 from truepose.diagnosis.small_findings import parted
 from truepose.domain.diagnosis import Gain
 

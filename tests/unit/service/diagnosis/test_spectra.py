@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.selections import make_selected, make_start
+from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.spectra import finding_spectrum
 
 WAVES = {

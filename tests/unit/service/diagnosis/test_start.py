@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import START, telling_campaign
-from tests.selections import PRESENT, planted
-from tests.synthetic import shifted
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, planted
+from tests.helpers.identification.synthetic import shifted
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.start import NUISANCE, Start, started
 

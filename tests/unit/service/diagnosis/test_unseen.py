@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import telling_campaign
-from tests.selections import PRESENT, make_selected, planted
-from tests.synthetic import configurations
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, make_selected, planted
+from tests.helpers.identification.synthetic import configurations
 from truepose.diagnosis.curves import finding_curve
 from truepose.diagnosis.start import started
 from truepose.diagnosis.unseen import curve_with_unseen, unseen_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.selections import make_start, proposed
+from tests.helpers.diagnosis.selections import make_start, proposed
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.upper_limits import upper_limits_mm
 

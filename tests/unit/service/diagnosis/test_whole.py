@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.selections import make_start, select_from
+from tests.helpers.diagnosis.selections import make_start, select_from
 from truepose.diagnosis.diagnose import proposed
 from truepose.diagnosis.evidence import described
 from truepose.diagnosis.groups import names_of

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import telling_campaign
-from tests.selections import PRESENT, left_of, make_selected, make_start, planted
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from truepose.diagnosis.start import started
 from truepose.diagnosis.witnesses import accused, speak_against
 from truepose.domain.diagnosis import Cause

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.leg_scenes import (
+from tests.helpers.diagnosis.leg_scenes import (
     CADENCE_S,
     LEG_START,
     PER_INITIALISATION,
@@ -14,8 +14,8 @@ from tests.leg_scenes import (
     leg_scene,
     telling_legs,
 )
-from tests.scenes import telling_scene
-from tests.synthetic import leg_campaign
+from tests.helpers.diagnosis.point_scenes import telling_scene
+from tests.helpers.identification.synthetic import leg_campaign
 from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES

@@ -6,7 +6,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import UnknownEffectError
 from truepose.domain.results import Unit

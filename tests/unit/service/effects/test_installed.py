@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from tests.scenes import telling_scene
+from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.domain.errors import ConfigurationError, InstalledCauseError
 from truepose.effects.causes import CellRow, NamedCause
 from truepose.effects.installed import GROUP, load_installed

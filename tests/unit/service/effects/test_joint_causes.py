@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
-from tests.scenes import START, telling_campaign, telling_scene, without_masses
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene, without_masses
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.scenes import telling_scene
+from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.effects.causes import SPRING, Fitted, Shown
 from truepose.effects.loads import stated_mass
 from truepose.effects.registry import CAUSES

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import ORIGIN_S, START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
 from truepose.domain.campaign import Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.jumps import gaps

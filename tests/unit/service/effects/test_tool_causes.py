@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
 from truepose.domain.robot import Nest
 from truepose.effects.causes import Fitted
 from truepose.effects.label_swap import pair_subject

@@ -6,9 +6,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.scenes import ORIGIN_S, START, TRACKER_MM, telling_campaign, telling_scene, without_masses
-from tests.synthetic import NESTS
+from tests.helpers.diagnosis.point_scenes import (
+    ORIGIN_S,
+    START,
+    TRACKER_MM,
+    telling_campaign,
+    telling_scene,
+    without_masses,
+)
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES, needs_of
 from truepose.effects.unnamed.kinds import key_of

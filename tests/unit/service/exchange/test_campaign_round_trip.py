@@ -10,7 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tests.builders import make_ballbar_campaign, make_campaign, make_points, make_robot, make_stops
+from tests.helpers.domain.builders import (
+    make_ballbar_campaign,
+    make_campaign,
+    make_points,
+    make_robot,
+    make_stops,
+)
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, WorldRegistration
 from truepose.exchange.campaign_folder import campaign_files, campaign_from
 

@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 
-from tests.builders import make_ballbar_campaign, make_campaign
+from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.exchange.campaign_folder import campaign_files
 from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
 from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.builders import make_ballbar_campaign, make_campaign
+from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
 from truepose.exchange.campaign_folder import campaign_files, campaign_from
 from truepose.exchange.errors import (
     BadValueError,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnoses import (
+from tests.helpers.diagnosis.answers import (
     make_curve,
     make_described,
     make_diagnosis,

@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from tests.builders import make_model, make_parameter, make_robot
+from tests.helpers.domain.builders import make_model, make_parameter, make_robot
 from truepose.domain.results import Anchor, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from tests.builders import make_identification, make_pair
+from tests.helpers.domain.builders import make_identification, make_pair
 from truepose.domain.results import NotIdentifiable, Outlier, PureError, Validation
 from truepose.exchange.result_documents import identification_document, validation_document
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign, make_points
+from tests.helpers.domain.builders import make_campaign, make_points
 from truepose.exchange.campaign_folder import campaign_files, campaign_from
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"

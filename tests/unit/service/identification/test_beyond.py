@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.identified_models import ORIGIN_S, model_of, parameters_of
-from tests.robots import IRB_120
-from tests.synthetic import configurations
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import ORIGIN_S, model_of, parameters_of
+from tests.helpers.identification.synthetic import configurations
 from truepose.domain.campaign import Stops
 from truepose.domain.results import Parameter
 from truepose.identification import predict, unpredictable

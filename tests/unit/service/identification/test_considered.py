@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, nominal_campaign
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS, nominal_campaign
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest, Nest, WorldRegistration
 from truepose.identification.considered import considered, world_registration

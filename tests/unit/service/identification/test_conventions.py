@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
-from tests.synthetic import NESTS, configurations
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
+from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.conventions import Evidence, change_that_fits, with_zero
 from truepose.identification.placement import Known
 from truepose.kinematics.chain import nominal_chain

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
-from tests.synthetic import leg_campaign, nominal_campaign
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
+from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
 from truepose.domain.campaign import LegReadings
 from truepose.domain.robot import Nest
 from truepose.identification.evaluation import evaluate

@@ -10,8 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
-from tests.scenes import START, scene_of, telling_campaign, telling_scene, without_masses
+from tests.helpers.diagnosis.point_scenes import (
+    START,
+    scene_of,
+    telling_campaign,
+    telling_scene,
+    without_masses,
+)
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.effects.registry import CAUSES, EFFECTS
 from truepose.identification.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.evaluation import evaluate

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_campaigns import ballbar_campaign
+from tests.helpers.ballbar.campaigns import ballbar_campaign
 from truepose.domain.campaign import CupSetups, LegReadings, Stops
 from truepose.identification import identify
 from truepose.identification.fixture_observations import ClampBlock, SideBlock, anchor_places

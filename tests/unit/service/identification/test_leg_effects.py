@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
+from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify, predict_lengths
 from truepose.identification.observations import linearise_blocks, targets_subset

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import FIXED_MM, telling_campaign
+from tests.helpers.diagnosis.point_scenes import FIXED_MM, telling_campaign
 from truepose.domain.campaign import FixedNestReadings
 from truepose.identification.looks import contradiction, gross_looks, own_discrepancy_mm
 from truepose.identification.problem import build

@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tests.leg_scenes import telling_legs
-from tests.scenes import telling_campaign
+from tests.helpers.diagnosis.leg_scenes import telling_legs
+from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.results import Parameter
 from truepose.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
 from truepose.identification.missing import Span, span_of

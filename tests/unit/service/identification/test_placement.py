@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.placement import Known, place
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import rotation_xyz

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, NestCentre, Parameter

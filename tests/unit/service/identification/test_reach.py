@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.synthetic import leg_campaign, measured, nominal_campaign, shifted
+from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign, shifted
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.results import Status
 from truepose.identification import identify

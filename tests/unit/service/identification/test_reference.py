@@ -5,8 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.leg_scenes import telling_legs
-from tests.scenes import FIXED_MM, ORIGIN_S, TRACKER_MM, telling_campaign, telling_scene
+from tests.helpers.diagnosis.leg_scenes import telling_legs
+from tests.helpers.diagnosis.point_scenes import (
+    FIXED_MM,
+    ORIGIN_S,
+    TRACKER_MM,
+    telling_campaign,
+    telling_scene,
+)
 from truepose.domain.robot import FixedNest
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify

@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from tests.robots import IRB_120
-from tests.synthetic import drawn, measured, nominal_campaign, shifted
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
 from truepose.effects.geometry import GEOMETRY_EFFECTS
 from truepose.identification.evaluation import evaluate
 from truepose.identification.problem import build

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.scenes import telling_campaign
+from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.registry import CAUSES
 from truepose.identification.problem import build

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_campaigns import ballbar_campaign, places
+from tests.helpers.ballbar.campaigns import ballbar_campaign, places
 from truepose.domain.errors import ConfigurationError
 from truepose.identification.thesis_procedure import identify_as_thesis, positions_from_legs
 

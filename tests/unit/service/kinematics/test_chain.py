@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120, SEVEN_AXES
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import LinkMass
 from truepose.kinematics.chain import (
     alpha_gradient,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.robots import SEVEN_AXES
+from tests.helpers.domain.robots import SEVEN_AXES
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange, JointRow
 from truepose.exchange.shipped_robots import load_robot

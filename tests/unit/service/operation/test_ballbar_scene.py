@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import domain_cell
-from tests.ballbar_sessions import make_ballbar_plan, measured, moved
+from tests.helpers.ballbar.cells import domain_cell
+from tests.helpers.ballbar.sessions import make_ballbar_plan, measured, moved
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.kinematics.chain import forward, nominal_values

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from tests.ballbar_cells import domain_cell
+from tests.helpers.ballbar.cells import domain_cell
 from truepose.analysis.errors import BusyError
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan

@@ -1,6 +1,6 @@
 """What counts of a ballbar session: nothing superseded, nothing skipped, nothing confused."""
 
-from tests.ballbar_sessions import LEGS, make_ballbar_plan, measured, moved, skipped
+from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry, PreCalibration
 from truepose.operation.counting import counting

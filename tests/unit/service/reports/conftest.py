@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign, make_model, make_robot
+from tests.helpers.domain.builders import make_campaign, make_model, make_robot
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.robot import Nest, WorldRegistration
 from truepose.identification import identify, predict

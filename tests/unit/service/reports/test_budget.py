@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_pair
+from tests.helpers.domain.builders import make_pair
 from truepose.domain.results import NominalAndIdentified
 from truepose.identification.rows import taken
 from truepose.identification.statistics import statistics

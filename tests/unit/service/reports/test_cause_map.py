@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from tests.diagnoses import make_described, make_diagnosis, make_finding, make_rest, make_wave
+from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make_finding, make_rest, make_wave
 from truepose.domain.diagnosis import Cause, Worth
 from truepose.reports.cause_map import cause_map
 from truepose.reports.figures.cause_map import map_picture, share_text

@@ -1,6 +1,6 @@
 """What is described without a name: one sentence with the largest, and what it is good for."""
 
-from tests.diagnoses import make_described, make_rest
+from tests.helpers.diagnosis.answers import make_described, make_rest
 from truepose.domain.diagnosis import Worth
 from truepose.reports.described import described_rows, described_sentence
 

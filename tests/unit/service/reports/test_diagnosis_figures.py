@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
-from tests.diagnoses import make_spectrum
+from tests.helpers.diagnosis.answers import make_spectrum
+from tests.helpers.diagnosis.diagnosed_cells import make_curve, make_errors, make_finding, make_gain_finding
 from truepose.domain.diagnosis import CurvePoints, HeldOutErrors
 from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import error_maps

@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_model
-from tests.diagnosed_cells import (
+from tests.helpers.diagnosis.answers import make_described, make_rest
+from tests.helpers.diagnosis.diagnosed_cells import (
     ENDINGS,
     NOTHING_LEFT,
     make_curve,
@@ -15,8 +15,8 @@ from tests.diagnosed_cells import (
     make_gain_finding,
     two_findings,
 )
-from tests.diagnoses import make_described, make_rest
-from tests.pages import Page
+from tests.helpers.domain.builders import make_model
+from tests.helpers.web.pages import Page
 from truepose.domain.diagnosis import Cause, Detail, NextMeasurement, RuledOut, Verdict
 from truepose.reports import DiagnosisInput, ReportConditions, diagnosis_content, write_diagnosis_report
 from truepose.reports.errors import UnwritableReportError

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_model
+from tests.helpers.domain.builders import make_model
 from truepose.identification import predict
 from truepose.reports.figures.correlation import correlation_map, correlation_matrix, strongest_pairs
 from truepose.reports.figures.histogram import histogram

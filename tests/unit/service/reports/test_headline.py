@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_identification, make_statistics
+from tests.helpers.domain.builders import make_identification, make_statistics
 from truepose.domain.results import NominalAndIdentified, Status
 from truepose.identification import identify
 from truepose.identification.rows import taken

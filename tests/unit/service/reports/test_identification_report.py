@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_identification, make_model, make_statistics
-from tests.pages import Page
+from tests.helpers.domain.builders import make_identification, make_model, make_statistics
+from tests.helpers.web.pages import Page
 from truepose.domain.campaign import LegReadings
 from truepose.domain.cell import Artefact
 from truepose.domain.results import NominalAndIdentified, Outlier, PureError

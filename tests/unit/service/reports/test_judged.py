@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.builders import make_identification
+from tests.helpers.domain.builders import make_identification
 from truepose.reports.judged import judged, noise_split, without_far_out
 
 

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.diagnosed_cells import make_diagnosis, make_finding
+from tests.helpers.diagnosis.diagnosed_cells import make_diagnosis, make_finding
 from truepose.domain.diagnosis import Cause, NextMeasurement, RuledOut
 from truepose.reports.look_alikes import acts_alike, alternatives
 

@@ -3,7 +3,13 @@ import math
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign, make_identification, make_model, make_parameter, make_robot
+from tests.helpers.domain.builders import (
+    make_campaign,
+    make_identification,
+    make_model,
+    make_parameter,
+    make_robot,
+)
 from truepose.domain.results import NotIdentifiable
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import Setting

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from tests.builders import make_identification, make_pair
+from tests.helpers.domain.builders import make_identification, make_pair
 from truepose.domain.results import NotIdentifiable, Outlier, Validation
 from truepose.reports.summary import (
     figures_table,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.builders import make_campaign, make_model, make_points
+from tests.helpers.domain.builders import make_campaign, make_model, make_points
 from truepose.identification import predict
 from truepose.kinematics.frames import rotation_xyz
 from truepose.showcase.cell_truth import TrueReadings

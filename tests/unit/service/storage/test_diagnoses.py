@@ -1,6 +1,6 @@
 """What lists and comparisons read of a diagnosis: everything but its drawings."""
 
-from tests.diagnoses import make_diagnosis, make_finding, make_unexplained
+from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_unexplained
 from truepose.storage.diagnoses import without_drawings
 
 

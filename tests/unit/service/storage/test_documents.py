@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.ballbar_sessions import make_ballbar_plan
+from tests.helpers.ballbar.sessions import make_ballbar_plan
 from truepose.domain.ballbar import BallbarPlan, PlannedAway
 from truepose.domain.results import Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot

@@ -4,7 +4,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
+from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
 from truepose.domain.ballbar import PoseForecast
 from truepose.domain.errors import ConfigurationError
 from truepose.validation.connections import judge_leg, judge_pose

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.early_sessions import EarlySession
+from tests.helpers.ballbar.early_sessions import EarlySession
 from truepose.validation.connections_early import alike, refuted_stops
 
 FIRST, LATER = 0, 8  # poses: of which nothing is foreseen, and of which much is

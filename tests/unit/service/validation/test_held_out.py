@@ -6,8 +6,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter

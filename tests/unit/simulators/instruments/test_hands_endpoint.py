@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.length_sources import FakeHands
+from tests.helpers.ballbar.length_sources import FakeHands
 from truepose_simulators.instruments.hands import hands_endpoint
 
 

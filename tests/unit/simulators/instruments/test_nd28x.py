@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.length_sources import FakeBar, electronics
+from tests.helpers.ballbar.length_sources import FakeBar, electronics
 from truepose_drivers.heidenhain_nd.protocol import RequestReader, encode_reply
 from truepose_simulators.faults.kinds import BallbarTooFast
 from truepose_simulators.faults.scripted import Faults

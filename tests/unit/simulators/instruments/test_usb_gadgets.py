@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from tests.length_sources import FakeBar, electronics
+from tests.helpers.ballbar.length_sources import FakeBar, electronics
 from truepose_drivers.ballbar_hid.protocol import Rate, decode_rate, decode_reading, encode_rate
 from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
 from truepose_drivers.usb.protocol.control import Setup

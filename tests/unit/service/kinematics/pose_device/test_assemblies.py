@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.pose_devices import CUPS, FOUR_CUPS, NESTS, lengths
+from tests.helpers.ballbar.pose_device import CUPS, FOUR_CUPS, NESTS, lengths
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import assemblies, distinct, measurable, turn_between
 

@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.pose_devices import CUPS, FOUR_CUPS, NESTS
+from tests.helpers.ballbar.pose_device import CUPS, FOUR_CUPS, NESTS
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.kinematics.pose_device import (

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.pose_devices import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, SIGMA_MM, lengths
+from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, SIGMA_MM, lengths
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.kinematics.frames import rotation_from_vector, vector_from_rotation
 from truepose.kinematics.pose_device import (

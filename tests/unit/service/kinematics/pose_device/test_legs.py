@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.pose_devices import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, lengths
+from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, lengths
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Fixtures, Pose, assemblies, foreseen, linear_legs, measurable
 from truepose.validation.connections import judge_pose

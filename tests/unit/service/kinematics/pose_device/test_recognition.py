@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.pose_devices import CUPS, NESTS, lengths
+from tests.helpers.ballbar.pose_device import CUPS, NESTS, lengths
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Pose, assemblies, pose_of, recognise_assembly, solve
 from truepose.kinematics.pose_device.cascade import sides

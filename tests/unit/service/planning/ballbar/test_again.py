@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.planning.ballbar.again import aimed_again
 from truepose.planning.ballbar.aiming import nominal_lengths
 from truepose.planning.ballbar.clearance import is_clear

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import all_branches

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.away import ROOMS_MM, away
 from truepose.planning.ballbar.bodies import chain_of
 from truepose.planning.ballbar.clearance import hands_room_mm, scene

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, domain_cell
-from tests.ballbar_truth import TrueArm
-from tests.early_sessions import plan_of
+from tests.helpers.ballbar.cells import ballbar_cell, domain_cell
+from tests.helpers.ballbar.early_sessions import plan_of
+from tests.helpers.ballbar.true_session import TrueArm
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.robot import FramePlacement
 from truepose.planning.ballbar.beforehand import Beforehand, known_beforehand

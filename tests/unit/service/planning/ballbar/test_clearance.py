@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import arm_body, arm_links, chain_of, tool_body, tool_normal
 from truepose.planning.ballbar.clearance import (
     LEAN_RAD,

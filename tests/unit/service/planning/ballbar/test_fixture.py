@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import frame
+from tests.helpers.ballbar.cells import frame
 from truepose.domain.errors import ConfigurationError
 from truepose.kinematics.pose_device import fourth_cup
 from truepose.planning.ballbar.fixture import base_fixture, fixture_body

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.choice import candidates, choose, known_after
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.information import (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.planning.ballbar.choice import candidates, known_after
 from truepose.planning.ballbar.information import arm_model, predicted_error_mm, work_space_sample
 from truepose.planning.ballbar.placements import Wish, suggest

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm, frame
 from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
 from truepose.domain.cell import CellLimits
 from truepose.domain.errors import ConfigurationError

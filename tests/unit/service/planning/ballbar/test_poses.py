@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import IRB_120, ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import IRB_120, ballbar_cell, fixture_before_the_arm, frame
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.planning.ballbar.aiming import nominal_lengths

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import chain_of, tool_normal
 from truepose.planning.ballbar.clearance import arm_room_mm, scene, without_cups
 from truepose.planning.ballbar.fixture import base_fixture

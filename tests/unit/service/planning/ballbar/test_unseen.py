@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tests.ballbar_cells import ballbar_cell
-from tests.early_sessions import KIT, plan_of
+from tests.helpers.ballbar.cells import ballbar_cell
+from tests.helpers.ballbar.early_sessions import KIT, plan_of
 from truepose.planning.ballbar.beforehand import Beforehand
 from truepose.planning.ballbar.unseen import unseen_swaps
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm, frame
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.bodies import chain_of
 from truepose.planning.ballbar.clearance import arm_room_mm, scene
 from truepose.planning.ballbar.fixture import base_fixture

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell
-from tests.ballbar_truth import TrueArm
-from tests.early_sessions import KIT, plan_of
+from tests.helpers.ballbar.cells import ballbar_cell
+from tests.helpers.ballbar.early_sessions import KIT, plan_of
+from tests.helpers.ballbar.true_session import TrueArm
 from tests.unit.service.sequencing.ballbar.sessions import Story, length
 from truepose.domain.ballbar import EntryKind, PoseForecast, StepKind
 from truepose.planning.ballbar.beforehand import Beforehand

@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.domain.ballbar import BallbarPlan
 from truepose.planning.ballbar.plan import plan_at
 from truepose.reports.table_report import Verdict

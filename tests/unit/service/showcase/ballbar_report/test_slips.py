@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.coded_stops import coded_stop
+from tests.helpers.ballbar.coded_stops import coded_stop
 from truepose.reports.table_report import Verdict
 from truepose.showcase.ballbar_report.connection_section import connection_section
 from truepose.showcase.ballbar_report.connections import Course, SlipCounts, count_slips, silences

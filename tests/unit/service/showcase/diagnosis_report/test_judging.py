@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.diagnoses import make_diagnosis, make_finding, make_wave
+from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_wave
 from truepose.domain.diagnosis import Cause, Confidence, Remaining, Verdict
 from truepose.showcase.diagnosis_report.judging import failed, judge
 from truepose.showcase.diagnosis_report.planting import Planted

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.robots import IRB_120
+from tests.helpers.domain.robots import IRB_120
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.identification.evaluation import Targets, evaluate

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tests import diagnoses
-from tests.builders import make_model, make_parameter
+from tests.helpers.diagnosis import answers as diagnoses
+from tests.helpers.domain.builders import make_model, make_parameter
 from truepose.domain.diagnosis import (
     Cause,
     Confidence,

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.scenes import telling_campaign
-from tests.synthetic import NOISE_MM
+from tests.helpers.diagnosis.point_scenes import telling_campaign
+from tests.helpers.identification.synthetic import NOISE_MM
 from truepose.diagnosis.left import left_by
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.remaining import prepared_families

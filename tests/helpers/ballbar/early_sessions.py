@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.ballbar_cells import ballbar_cell, fixture_before_the_arm
-from tests.ballbar_truth import READING_U_MM, TrueArm
+from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
+from tests.helpers.ballbar.true_session import READING_U_MM, TrueArm
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, PlannedPlacement
 from truepose.planning.ballbar.beforehand import Beforehand

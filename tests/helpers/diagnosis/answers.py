@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.builders import make_model, make_parameter, make_statistics
+from tests.helpers.domain.builders import make_model, make_parameter, make_statistics
 from truepose.domain.diagnosis import (
     Cause,
     Confidence,

@@ -2,5 +2,5 @@
 
 from pathlib import Path
 
-CHECKOUT = Path(__file__).parents[1]
+CHECKOUT = Path(__file__).parents[2]
 SOURCES = tuple(str(CHECKOUT / folder) for folder in ("service", "drivers", "simulators"))

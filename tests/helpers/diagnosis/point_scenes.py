@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from tests.robots import IRB_120
-from tests.synthetic import nominal_campaign
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.diagnosis.scene import scene_at
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.robots import IRB_120, SEVEN_AXES
+from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.campaign import Stops
 from truepose.domain.results import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, LinkMass

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.scenes import scene_of
-from tests.synthetic import leg_campaign
+from tests.helpers.diagnosis.point_scenes import scene_of
+from tests.helpers.identification.synthetic import leg_campaign
 from truepose.identification.problem import build
 
 N = 60

@@ -5,8 +5,8 @@ from itertools import combinations
 
 import numpy as np
 
-from tests.robots import IRB_120
-from tests.synthetic import NESTS, configurations
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.domain.campaign import (
     Campaign,
     CupReadings,
