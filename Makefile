@@ -32,13 +32,13 @@ check: setup
 	$(BIN)/lint-imports
 
 accuracy: setup
-	$(BIN)/python -m truepose.showcase.accuracy --out out/accuracy
+	$(BIN)/python -m tests.studies.accuracy --out out/accuracy
 
 diagnosis-report: setup
-	$(BIN)/python -m truepose.showcase.diagnosis_report --out out/diagnosis
+	$(BIN)/python -m tests.studies.diagnosis_report --out out/diagnosis
 
 ballbar-report: setup
-	$(BIN)/python -m truepose.showcase.ballbar_report --out out/ballbar
+	$(BIN)/python -m tests.studies.ballbar_report --out out/ballbar
 
 # An hour and a half on two idle cores; each study has a command of its own, in docs/hardening-figures.md.
 hardening-report: setup
@@ -54,10 +54,10 @@ hardening-report: setup
 
 # Two hundred kills of a ballbar session take a quarter of an hour; the latency of the live stream half a minute.
 interruptions: setup
-	$(BIN)/python -m truepose.showcase.interruptions --kills 200 --out out/interruptions
+	$(BIN)/python -m tests.studies.interruptions --kills 200 --out out/interruptions
 
 live-latency: setup
-	$(BIN)/python -m truepose.showcase.live_latency
+	$(BIN)/python -m tests.studies.interruptions.live_latency
 
 nightly: setup
 	$(BIN)/truepose nightly --out out/nightly

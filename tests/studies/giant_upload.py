@@ -19,8 +19,8 @@ import httpx
 import numpy as np
 
 from tests.helpers.identification.synthetic import nominal_campaign
+from truepose.demo.cell.processes import SimulatedService, running_service
 from truepose.exchange.campaign_folder import campaign_files
-from truepose.showcase.processes import SimulatedService, running_service
 
 ROWS = 1_000_000
 _MODES = (1, 4)

@@ -14,8 +14,8 @@ import numpy as np
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.integration.web.bench import CELL, session_request
+from tests.studies.interruptions.killed_service import KilledService
 from tests.studies.running import from_command_line
-from truepose.showcase.killed_service import KilledService
 from truepose.storage.chain import linked_hash
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document

@@ -6,9 +6,9 @@ import httpx
 import pytest
 
 from tests.integration.web.ballbar_bench import PLACEMENT
+from tests.studies.interruptions.ballbar_person import PersonAtTablet
+from tests.studies.interruptions.killed_service import KilledService, standing_cell
 from truepose.exchange.campaign_zip import read_campaign_zip
-from truepose.showcase.ballbar_person import PersonAtTablet
-from truepose.showcase.killed_service import KilledService, standing_cell
 
 
 @pytest.fixture

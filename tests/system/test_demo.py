@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from tests.system.processes_left import descendants, named, running_after
+from truepose.demo.demo import DemoSize, run_demo
 from truepose.exchange.campaign_folder import read_campaign
 from truepose.exchange.model_file import read_model
 from truepose.exchange.result_documents import identification_document
 from truepose.identification import identify, predict
-from truepose.showcase.demo import DemoSize, run_demo
 from truepose.storage.lock import ServiceLock
 
 SCENARIO = "irb120-tilted"

@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 from tests.integration.web.ballbar_bench import WANTED
-from truepose.showcase.ballbar_person import PersonAtTablet
-from truepose.showcase.killed_service import KilledService
+from tests.studies.interruptions.ballbar_person import PersonAtTablet
+from tests.studies.interruptions.killed_service import KilledService
 
 DRIVERS = {
     "emscon": "leica_emscon",

@@ -12,8 +12,8 @@ import httpx
 import numpy as np
 import pytest
 
-from truepose.showcase.ballbar_person import PersonAtTablet
-from truepose.showcase.killed_service import KilledService
+from tests.studies.interruptions.ballbar_person import PersonAtTablet
+from tests.studies.interruptions.killed_service import KilledService
 from truepose_drivers.abb_open_abb.protocol import LogReader
 
 DRIVERS = {"robot": "abb_open_abb", "ballbar": "heidenhain_nd", "hands": "cell_hands", "clock": "cell_clock"}

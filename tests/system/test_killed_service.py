@@ -1,10 +1,10 @@
 """A service that is killed in the middle of a ballbar session loses nothing and doubles nothing.
 
-A handful of kills; `python -m truepose.showcase.interruptions` makes two hundred.
+A handful of kills; `python -m tests.studies.interruptions` makes two hundred.
 """
 
 from tests.integration.web.ballbar_bench import PLACE
-from truepose.showcase.interruptions import Tally, interrupt, report
+from tests.studies.interruptions.__main__ import Tally, interrupt, report
 
 
 async def test_a_killed_service_loses_and_doubles_nothing_and_moves_nothing(tmp_path):

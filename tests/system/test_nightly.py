@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
-from truepose.showcase.cell_run import CellRequest
-from truepose.showcase.night_cases import (
+from truepose.demo.cell.run import CellRequest
+from truepose.demo.night.cases import (
     Check,
     NightCase,
     night_cases,
@@ -17,7 +17,7 @@ from truepose.showcase.night_cases import (
     wavy_gear_case,
     wrong_axis_case,
 )
-from truepose.showcase.nightly import run_nightly
+from truepose.demo.night.nightly import run_nightly
 from truepose_simulators.scenario_file import shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[2]

@@ -21,7 +21,7 @@ def demo_command(
 
     Example: truepose demo --out demo --seed 3
     """
-    from truepose.showcase.demo import run_demo
+    from truepose.demo.demo import run_demo
 
     return run_demo(out, seed, scenario)
 
@@ -36,7 +36,7 @@ def nightly_command(
 
     Example: truepose nightly --out nightly
     """
-    from truepose.showcase.nightly import run_nightly
+    from truepose.demo.night.nightly import run_nightly
 
     return run_nightly(out, seed)
 

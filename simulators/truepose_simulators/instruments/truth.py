@@ -1,4 +1,4 @@
-"""What only a simulator knows, as JSON lines; for the showcase, tests and whoever scripts a failure.
+"""What only a simulator knows, as JSON lines; for the demo, tests and whoever scripts a failure.
 
 - `{"op": "positions", "joints_rad": [[...], ...], "nests": [1, ...]}` gives
   `{"positions_mm": [[x, y, z], ...]}`;

@@ -11,9 +11,9 @@ import httpx
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS
 from tests.integration.web.bench import CELL, Bench, FakeBallbar, FakeHands, FakeRobot
 from tests.integration.web.listening import listening
+from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose.showcase.ballbar_person import PersonAtTablet
 from truepose_drivers.api import BallbarReading
 
 PACE = 3  # the clock of the cell runs so much faster than the person who waits for it

@@ -1,7 +1,7 @@
 """Stops of the arm at which a person connects six legs, over the fixtures of the thesis."""
 
 from tests.helpers.ballbar.pose_device import CUPS, NESTS
-from truepose.showcase.ballbar_report.coded_stops import CODES_MM, READING_U_MM, ZERO_U_MM, StopMaker
+from tests.studies.ballbar_report.coded_stops import CODES_MM, READING_U_MM, ZERO_U_MM, StopMaker
 
 UNCERTAINTIES = {"reading_u_mm": READING_U_MM, "zero_u_mm": ZERO_U_MM}
 BALLBAR = {**UNCERTAINTIES, "nominal_mm": 300.0, "range_mm": 1.0}

@@ -16,16 +16,16 @@ from typing import Any
 
 import httpx
 
+from tests.studies.interruptions.ballbar_person import PersonAtTablet, Session, present_step
+from tests.studies.interruptions.killed_service import KilledService
+from tests.studies.interruptions.ledger_check import faults
 from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 from tests.studies.taken_up.begun import Begun, Copy
 from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
-from truepose.showcase.ballbar_person import PersonAtTablet, Session, present_step
-from truepose.showcase.errors import ShowcaseError
-from truepose.showcase.killed_service import KilledService
-from truepose.showcase.ledger_check import faults
+from truepose.demo.errors import DemoError
 from truepose.storage.arrival import verify_left
 
 _ANSWER_S = 60.0
@@ -210,7 +210,7 @@ async def _walk(scene: _Scene, further: int | None) -> None:
         reached = _runs_on(further) if further is not None else lambda session: False
         session = await scene.person.walk_until(reached)
         await lasting
-    except (ShowcaseError, httpx.TransportError) as error:
+    except (DemoError, httpx.TransportError) as error:
         scene.outcome.state = repr(error)
         return
     finally:

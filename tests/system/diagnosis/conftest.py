@@ -2,10 +2,10 @@
 
 import pytest
 
+from tests.studies.diagnosis_report.judging import judge
+from tests.studies.diagnosis_report.recorder import running_recorder
+from tests.studies.diagnosis_report.trials import record_trial
 from truepose.diagnosis.diagnose import diagnose
-from truepose.showcase.diagnosis_report.judging import judge
-from truepose.showcase.diagnosis_report.recorder import running_recorder
-from truepose.showcase.diagnosis_report.trials import record_trial
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,8 @@ how often it is found.
 
 import pytest
 
-from truepose.showcase.diagnosis_report.cases import BARELY_VISIBLE, FOR_INFORMATION, REALISTIC
-from truepose.showcase.diagnosis_report.study import trial_of
+from tests.studies.diagnosis_report.cases import BARELY_VISIBLE, FOR_INFORMATION, REALISTIC
+from tests.studies.diagnosis_report.study import trial_of
 
 # Amplitudes are estimated with their standard uncertainty: beyond three of them lies 0.3 % of all.
 SIGMAS = 3.0

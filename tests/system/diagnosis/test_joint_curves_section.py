@@ -4,9 +4,9 @@ import json
 
 import pytest
 
+from tests.studies.diagnosis_report.joint_curves import judged
 from truepose.diagnosis.diagnose import diagnose
 from truepose.exchange.campaign_folder import read_campaign
-from truepose.showcase.diagnosis_report.joint_curves import judged
 
 
 @pytest.fixture(scope="module")

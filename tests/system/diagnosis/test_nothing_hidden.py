@@ -2,7 +2,7 @@
 
 import pytest
 
-from truepose.showcase.diagnosis_report.trials import Trial
+from tests.studies.diagnosis_report.trials import Trial
 
 
 @pytest.mark.parametrize(("readings", "seed"), [(50, 61), (100, 61), (100, 62), (200, 61)])

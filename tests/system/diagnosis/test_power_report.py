@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose.showcase.diagnosis_report.__main__ import main
-from truepose.showcase.diagnosis_report.cases import FOR_INFORMATION, REALISTIC
-from truepose.showcase.diagnosis_report.study import trial_of
-from truepose.showcase.diagnosis_report.trials import Trial, record_trial, run_trials
-from truepose.showcase.diagnosis_report.workers import outcomes_of, worker_processes
-from truepose.showcase.errors import NothingHappenedError, RecorderFailedError
+from tests.studies.diagnosis_report.__main__ import main
+from tests.studies.diagnosis_report.cases import FOR_INFORMATION, REALISTIC
+from tests.studies.diagnosis_report.errors import NothingHappenedError, RecorderFailedError
+from tests.studies.diagnosis_report.study import trial_of
+from tests.studies.diagnosis_report.trials import Trial, record_trial, run_trials
+from tests.studies.diagnosis_report.workers import outcomes_of, worker_processes
 
 
 def bad_readings(seed, size=50):

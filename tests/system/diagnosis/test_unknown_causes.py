@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose.showcase.diagnosis_report.cases import REALISTIC
-from truepose.showcase.diagnosis_report.study import trial_of
+from tests.studies.diagnosis_report.cases import REALISTIC
+from tests.studies.diagnosis_report.study import trial_of
 
 # A gain of a joint that turns a quarter is a slow wave of it to within its noise, and bad readings are left
 # out by robust weights whether they have a name or not: the power report counts both.

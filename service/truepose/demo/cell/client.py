@@ -1,0 +1,151 @@
+"""What a run asks of the service, over REST like any client."""
+
+import contextlib
+import json
+from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from typing import Any, Final
+
+import httpx
+
+from truepose.demo.errors import JobFailedError, RequestRefusedError, ServiceFailedError, SessionHaltedError
+
+PERSON: Final = "demo"  # who confirms that a simulated cell is clear of people
+Told = Callable[[int, int, str], None]  # how many are done, of how many, what is being done
+
+_API: Final = "/api/v1"
+_ENDED_SESSION: Final = {"finished", "aborted", "failed"}
+# A person would look at the cell now; this run has none.
+_STANDING_STILL: Final = {"paused", "awaiting_confirmation", "aborted", "failed"}
+_ENDED_JOB: Final = {"succeeded", "failed", "cancelled", "interrupted"}
+_ANSWER_S: Final = 60.0  # a page of a thousand readings takes a tenth of a second on an idle machine
+_PERCENT: Final = 100
+
+
+@contextlib.asynccontextmanager
+async def connected(url: str) -> AsyncIterator["ServiceClient"]:
+    """Open a client; raises ServiceFailedError where the service stops answering in the meantime."""
+    try:
+        # trust_env off: a proxy for the world's traffic has nothing to do with loopback.
+        async with httpx.AsyncClient(base_url=url, timeout=_ANSWER_S, trust_env=False) as http:
+            yield ServiceClient(http)
+    except httpx.TransportError as error:
+        raise ServiceFailedError(
+            f"The service at {url} does not answer any more ({type(error).__name__}); see its log."
+        ) from error
+
+
+class ServiceClient:
+    """The requests of a demo run; each raises RequestRefusedError with the service's own sentence."""
+
+    def __init__(self, http: httpx.AsyncClient) -> None:
+        self._http = http
+
+    async def get(self, path: str) -> Any:
+        """Return what is at `path`, below the versioned API."""
+        return (await self._send("GET", path)).json()
+
+    async def download(self, path: str) -> bytes:
+        """Return the file at `path`."""
+        return (await self._send("GET", path)).content
+
+    async def end_left_sessions(self) -> None:
+        """End the sessions that an interrupted run left in the database; their readings stay."""
+        for session in await self.get("/sessions?limit=1000"):
+            if session["state"] not in {*_ENDED_SESSION, "planned"}:
+                await self._post(f"/sessions/{session['id']}/abort", {"person": PERSON})
+
+    async def connect_devices(self) -> None:
+        """Connect every device of the cell, which makes each say who it is."""
+        for device in await self.get("/devices"):
+            await self._post(f"/devices/{device['name']}/connect", None)
+
+    async def plan(self, name: str, role: str, configurations: int, seed: int) -> int:
+        """Have configurations chosen by a job; returns the job's number."""
+        chosen = {"method": "choose", "configurations": configurations, "seed": seed}
+        job = await self._post("/sessions", {"name": name, "role": role, "plan": chosen})
+        return int(job["id"])
+
+    async def identify(self, campaign_id: int) -> int:
+        """Queue an identification; returns the job's number."""
+        return int((await self._post("/identifications", {"campaign_id": campaign_id}))["id"])
+
+    async def validate(self, model_id: int, campaign_id: int, limit_mm: float | None) -> int:
+        """Queue a validation; returns the job's number."""
+        request = {"model_id": model_id, "campaign_id": campaign_id, "limit_mm": limit_mm}
+        return int((await self._post("/validations", request))["id"])
+
+    async def diagnose(self, campaign_id: int) -> int:
+        """Queue a diagnosis; returns the job's number."""
+        return int((await self._post("/diagnoses", {"campaign_id": campaign_id}))["id"])
+
+    async def make_campaign(self, name: str, calibration_id: int, validation_id: int) -> int:
+        """Make a campaign of two sessions; returns its number."""
+        request = {"name": name, "validation_session_id": validation_id}
+        return int((await self._post(f"/sessions/{calibration_id}/campaign", request))["id"])
+
+    async def finish_job(self, job_id: int, told: Told) -> int:
+        """Follow a job to its end and return the number of what it made; raises JobFailedError."""
+        async with contextlib.aclosing(self._events(job_id=job_id)) as events:
+            async for kind, event in events:
+                if kind == "job.progress":
+                    told(round(_PERCENT * event["fraction"]), _PERCENT, event["doing"])
+                elif kind == "job.state" and event["state"] in _ENDED_JOB:
+                    return _made(job_id, event, told)
+        raise ServiceFailedError(f"The service ended its events before job {job_id} had ended; see its log.")
+
+    async def run_session(self, session_id: int, told: Told) -> None:
+        """Start a session, confirm it as a person would, and follow it; raises SessionHaltedError."""
+        await self._post(f"/sessions/{session_id}/start", None)
+        await self._post(f"/sessions/{session_id}/confirm", {"person": PERSON})
+        moved = False
+        async with contextlib.aclosing(self._events(session_id=session_id)) as events:
+            async for kind, event in events:
+                if kind == "session.progress":
+                    told(event["done"] + event["skipped"], event["planned"], event["doing"])
+                elif kind == "session.state":
+                    if event["state"] == "finished":
+                        return
+                    if moved and event["state"] in _STANDING_STILL:
+                        raise SessionHaltedError(
+                            f"Session {session_id} is {_words(event['state'])}: {event['reason']}"
+                        )
+                    moved = moved or event["state"] == "running"
+        raise ServiceFailedError(f"The service ended its events before session {session_id} had ended.")
+
+    async def _events(self, **interest: int) -> AsyncGenerator[tuple[str, dict[str, Any]], None]:
+        """Yield kind and document of every event of a session or a job, from its first on."""
+        kind = ""
+        async with self._http.stream("GET", f"{_API}/events", params=interest) as stream:
+            async for line in stream.aiter_lines():
+                field, _, value = line.partition(": ")
+                if field == "event":
+                    kind = value
+                elif field == "data":
+                    yield kind, json.loads(value)
+
+    async def _post(self, path: str, body: dict[str, Any] | None) -> Any:
+        return (await self._send("POST", path, body)).json()
+
+    async def _send(self, method: str, path: str, body: dict[str, Any] | None = None) -> httpx.Response:
+        answer = await self._http.request(method, f"{_API}{path}", json=body)
+        if answer.is_error:
+            raise RequestRefusedError(f"The service refused {method} {path}: {_reason(answer)}")
+        return answer
+
+
+def _reason(answer: httpx.Response) -> str:
+    try:
+        return str(answer.json()["detail"])
+    except (ValueError, KeyError, TypeError):
+        return f"status {answer.status_code}."
+
+
+def _made(job_id: int, event: dict[str, Any], told: Told) -> int:
+    if event["state"] != "succeeded" or event["result_id"] is None:
+        raise JobFailedError(f"Job {job_id} has {_words(event['state'])}: {event['message']}")
+    told(_PERCENT, _PERCENT, event["message"])
+    return int(event["result_id"])
+
+
+def _words(state: str) -> str:
+    return state.replace("_", " ")

@@ -1,0 +1,1 @@
+"""The night run: which cases it has, what they must reach, and the table of a night."""

@@ -1,1 +1,0 @@
-"""Runs on simulated cells that show what the program can do: demo, night run, accuracy report."""
