@@ -27,9 +27,9 @@ from tests.studies.wrong_pairs_session import (
     whole_session,
 )
 from truepose.exchange.cell_file import simulated_cell
+from truepose.judgement.connections.early import refuted_stops
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose.storage.records import SessionSetup
-from truepose.validation.connections_early import refuted_stops
 
 SCENARIOS = ("irb120-tilted", "lrmate-tilted", "irb120-everyday", "lrmate-everyday")
 POSES = (6, 8, 10, 24, 64)

@@ -10,10 +10,10 @@ from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_
 from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.analysis.precalibration import precalibrate
 from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
+from truepose.judgement.connections.accounts import begin
+from truepose.judgement.connections.early import judge_early
+from truepose.judgement.connections.judge import judge_leg, judge_pose
 from truepose.planning.ballbar.beforehand import known_beforehand
-from truepose.validation.connections import judge_leg, judge_pose
-from truepose.validation.connections_accounts import begin
-from truepose.validation.connections_early import judge_early
 
 _NOISE = {"reading_u_mm": KIT.reading_u_mm, "zero_u_mm": KIT.zero_u_mm}
 _FOLLOWS = 0.5  # having taken B for A, takes A for B

@@ -12,10 +12,10 @@ from truepose.analysis.ballbar_assembly import Counting, LegKept
 from truepose.domain.arrays import FloatArray
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import PlannedPose, PoseForecast
+from truepose.judgement.connections.accounts import Accounts, begin
+from truepose.judgement.connections.early import refuted_stops
 from truepose.planning.ballbar.aiming import Lengths
 from truepose.planning.ballbar.beforehand import Beforehand
-from truepose.validation.connections_accounts import Accounts, begin
-from truepose.validation.connections_early import refuted_stops
 
 
 class EarlyForeseen:

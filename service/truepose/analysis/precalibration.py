@@ -16,10 +16,10 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
 from truepose.domain.results import Identification, Status
 from truepose.identification import identify
+from truepose.judgement.connections.judge import judge_pose
 from truepose.planning.ballbar.beforehand import known_beforehand
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.storage.records import SessionSetup
-from truepose.validation.connections import judge_pose
 
 _FEWEST_LEGS: Final = 24  # from four poses on something is foreseen
 _TIMES_UNKNOWNS: Final = 2

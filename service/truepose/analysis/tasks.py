@@ -53,7 +53,7 @@ class ValidateTask:
     def perform(self, report: Report) -> Validation:
         """Return the validation; raises TrueposeError."""
         from truepose.exchange.campaign_zip import read_campaign_zip
-        from truepose.validation.held_out import validate
+        from truepose.judgement.held_out import validate
 
         report(0.0, "reading the campaign")
         readings = held_out(read_campaign_zip(self.archive))

@@ -123,7 +123,7 @@ def predict_command(
     from truepose.exchange.model_file import read_model
     from truepose.exchange.point_files import read_points_to_predict, write_predictions
     from truepose.identification import predict, unpredictable
-    from truepose.identification.rows import each_nest
+    from truepose.identification.model.stops import each_nest
 
     require_folders(out)
     identified = read_model(model)
@@ -174,7 +174,7 @@ def validate_command(
     from truepose.exchange.model_file import read_model
     from truepose.exchange.point_files import read_validation_file
     from truepose.exchange.result_documents import validation_document
-    from truepose.validation.held_out import validate
+    from truepose.judgement.held_out import validate
 
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
         raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")

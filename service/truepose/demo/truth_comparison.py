@@ -19,7 +19,7 @@ from truepose.domain.results import Identification, Model, Parameter, Statistics
 from truepose.domain.robot import Nest
 from truepose.exchange.model_document import file_factor, file_unit
 from truepose.identification import identify, predict
-from truepose.identification.statistics import statistics
+from truepose.identification.verdict.statistics import statistics
 from truepose.kinematics.frames import rigid_alignment
 from truepose.reports import TrueParameter
 

@@ -15,11 +15,11 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import position_block
-from truepose.identification.robust import RobustFit
-from truepose.identification.rows import sites
-from truepose.identification.trial import trial_derivatives, tried
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.stops import sites
+from truepose.identification.model.trial import trial_derivatives, tried
+from truepose.identification.problem.build import position_block
 from truepose.kinematics.chain import theta_gradient
 
 _STEPS_DEG = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)

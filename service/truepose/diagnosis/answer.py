@@ -45,13 +45,13 @@ from truepose.domain.results import Model
 from truepose.effects.causes import Candidate, Scene, Shown
 from truepose.effects.cells import cell_of
 from truepose.effects.tool_certificate import NAME as CERTIFICATE
-from truepose.identification.considered import considered
+from truepose.identification.fit.considered import considered
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.fit.robust import fit as refit
 from truepose.identification.identify import nominal_fit
 from truepose.identification.models import Fits, model_of
-from truepose.identification.reference import ReferenceBlock
-from truepose.identification.robust import RobustFit
-from truepose.identification.robust import fit as refit
-from truepose.identification.statistics import statistics
+from truepose.identification.observations.fixed_nests import ReferenceBlock
+from truepose.identification.verdict.statistics import statistics
 
 _BEYOND = 1.5  # typical validation error over what explains it: more than a common error of the parameters
 _FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does

@@ -31,7 +31,7 @@ from truepose.effects.cells import cell_of
 from truepose.effects.joint_harmonics import is_whole, order_of_wave
 from truepose.effects.ports import Rows, Term
 from truepose.effects.registry import effect_named
-from truepose.identification.evaluation import rows_of
+from truepose.identification.model.evaluation import rows_of
 
 _DRAWN = 200  # points of a line
 _PER_WAVE = 12  # points of each wave in it

@@ -10,9 +10,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.effects.causes import Candidate
 from truepose.effects.ports import ParameterSpec, Term
-from truepose.identification.evaluation import State
-from truepose.identification.robust import RobustFit
-from truepose.identification.trial import candidate_terms, trial_derivatives, tried
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.evaluation import State
+from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
 
 _LARGEST = 6_000_000  # numbers in one chunk of derivatives: what stays near the processor
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from truepose.domain.arrays import BoolArray
-from truepose.identification.observations import Block, BlockResult
-from truepose.identification.robust import RobustFit
-from truepose.identification.rows import sites
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.stops import sites
+from truepose.identification.observations.blocks import Block, BlockResult
 
 _COUNTS = 0.5  # weight of a reading from which on it does
 

@@ -17,7 +17,7 @@ from truepose.diagnosis.ways import Seen, of_body, of_joint, seen, state_of
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
-from truepose.identification.evaluation import rows_of
+from truepose.identification.model.evaluation import rows_of
 
 _SMOOTH = 5  # cosines of a smooth curve
 _DRAWN = 200

@@ -15,8 +15,8 @@ from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.last_moves import with_last_moves
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.registry import CAUSES
-from truepose.identification.reach import within_reach
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.verdict.reach import within_reach
 
 Progress = Callable[[float, str], None]
 

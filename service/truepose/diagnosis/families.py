@@ -12,7 +12,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.effects.causes import Scene, varied
 from truepose.effects.ports import Port, PortKind, Term, motion_port
-from truepose.identification.evaluation import State
+from truepose.identification.model.evaluation import State
 
 _FOURIER = 6  # waves per turn up to which a curve of an angle counts as smooth
 _COSINES = 8  # half periods over a campaign up to which a course of time does

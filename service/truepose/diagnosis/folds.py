@@ -24,9 +24,9 @@ from truepose.diagnosis.screening import screen
 from truepose.diagnosis.selection import Choice, chosen
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Candidate
-from truepose.identification.reference import ReferenceBlock
-from truepose.identification.robust import RobustFit
-from truepose.identification.rows import sites
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.stops import sites
+from truepose.identification.observations.fixed_nests import ReferenceBlock
 
 _CHANCE = 0.05  # of noise alone, for one candidate
 _FOLDS = 5  # four fifths of the configurations choose: nearly as well as all

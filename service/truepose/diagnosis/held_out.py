@@ -19,13 +19,13 @@ from truepose.domain.diagnosis import Gain, HeldOutErrors
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of, of_legs
 from truepose.identification.distributions import chi2_median
-from truepose.identification.leg_problem import leg_block
-from truepose.identification.observations import Block, BlockResult
-from truepose.identification.problem import position_block
-from truepose.identification.robust import RobustFit
-from truepose.identification.rows import sites
-from truepose.identification.statistics import expected_noise_mm
-from truepose.identification.structure import Structure
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.stops import sites
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.problem.build import position_block
+from truepose.identification.problem.legs import leg_block
+from truepose.identification.verdict.statistics import expected_noise_mm
 
 Groups = tuple[tuple[Candidate, ...], ...]
 

@@ -14,7 +14,7 @@ from truepose.diagnosis.selection import Propose, Selected, reselected
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import cell_of
 from truepose.effects.registry import CAUSES
-from truepose.identification.robust import RobustFit, fit
+from truepose.identification.fit.robust import RobustFit, fit
 
 
 def with_exact_moments(start: RobustFit, selected: Selected, propose: Propose, scene: Scene) -> Selected:

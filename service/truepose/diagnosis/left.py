@@ -22,9 +22,9 @@ from truepose.effects.joint_harmonics import NAME as HARMONICS
 from truepose.effects.names import joint_of_subject
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_log_density, chi2_median
-from truepose.identification.observations import PositionBlock
-from truepose.identification.pure_error import pure_error
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.observations.blocks import PositionBlock
+from truepose.identification.verdict.pure_error import pure_error
 
 _STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
 _NOISE_BEYOND = 3.5  # standard deviations by which the typical residual exceeds what is stated

@@ -22,7 +22,7 @@ from truepose.effects.causes import Candidate, Scene
 from truepose.effects.joint_harmonics import NAME as HARMONICS
 from truepose.effects.joint_harmonics import is_whole, orders, wave_specs
 from truepose.effects.names import joint_of_subject, joint_subject
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
 
 _CLEARLY = 8.0  # in BIC, as between two names
 _PERIODS = 1.0  # within what was measured, at least: less of a wave is a slow curve of no sure form

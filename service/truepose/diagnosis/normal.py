@@ -16,7 +16,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from truepose.diagnosis.counted import counted_rows, design_effect
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
 
 _ROUNDING = 1e-13  # added to the unit diagonal: a direction that only rounding supports
 

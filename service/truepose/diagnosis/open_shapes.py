@@ -19,10 +19,10 @@ from truepose.domain.arrays import FloatArray
 from truepose.effects.joint_harmonics import NAME as HARMONICS
 from truepose.effects.joint_harmonics import joint_of_wave, order_of_wave, wave_specs
 from truepose.effects.ports import ParameterSpec
-from truepose.identification.observations import linearise_blocks
-from truepose.identification.robust import RobustFit
-from truepose.identification.solver import Solution, posterior_covariance
-from truepose.identification.structure import Structure
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.fit.solver import Solution, posterior_covariance
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import linearise_blocks
 
 _ORDERS = range(1, 13)  # a gap of the angles that is narrower than these waves leaves nothing open
 

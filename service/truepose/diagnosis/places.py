@@ -8,8 +8,8 @@ from truepose.diagnosis.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
-from truepose.identification.evaluation import State, Targets, evaluate, rows_of
-from truepose.identification.rows import taken
+from truepose.identification.model.evaluation import State, Targets, evaluate, rows_of
+from truepose.identification.model.stops import taken
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.gravity import moment_regressor
 

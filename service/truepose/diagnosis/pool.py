@@ -15,7 +15,7 @@ from truepose.diagnosis.columns import candidate_columns
 from truepose.diagnosis.normal import Normal, Products, Sums, normal_of, products_of
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Candidate
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
 
 
 class Alike(NamedTuple):

@@ -18,9 +18,9 @@ from truepose.effects.cells import cell_of
 from truepose.effects.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_exceeded
-from truepose.identification.observations import PositionBlock
-from truepose.identification.problem import position_block
-from truepose.identification.robust import fit
+from truepose.identification.fit.robust import fit
+from truepose.identification.observations.blocks import PositionBlock
+from truepose.identification.problem.build import position_block
 
 _FAR_MM = 10.0  # further than a bad reading goes: another nest or another row was read
 

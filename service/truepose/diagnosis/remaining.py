@@ -14,7 +14,7 @@ from truepose.diagnosis.functions import chance, most_likely
 from truepose.diagnosis.normal import Products, Projection, products_of
 from truepose.domain.arrays import FloatArray
 from truepose.effects.causes import Scene
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
 
 Prepared = tuple[Family, Products]
 

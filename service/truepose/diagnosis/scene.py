@@ -5,10 +5,10 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.effects.causes import Scene
 from truepose.effects.names import joint_name
-from truepose.identification.evaluation import State, rows_of
-from truepose.identification.problem import Problem
-from truepose.identification.reference import ReferenceBlock
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.evaluation import State, rows_of
+from truepose.identification.observations.fixed_nests import ReferenceBlock
+from truepose.identification.problem.build import Problem
 
 
 def scene_of(problem: Problem, fit: RobustFit) -> Scene:

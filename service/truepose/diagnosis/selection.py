@@ -12,7 +12,7 @@ import numpy as np
 from truepose.diagnosis.pool import Pool, View, pooled
 from truepose.diagnosis.screening import Screened, screen
 from truepose.effects.causes import Candidate
-from truepose.identification.robust import RobustFit, settled
+from truepose.identification.fit.robust import RobustFit, settled
 
 LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
 _MOST_REFITS = 6  # each may add several picks; one or two are usual

@@ -29,9 +29,9 @@ from truepose.diagnosis.selection import Selected
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.diagnosis import Cause
 from truepose.effects.causes import Candidate
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.robust import RobustFit
-from truepose.identification.trial import candidate_terms, trial_derivatives, tried
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
 
 CONVINCING = 9.0  # expected chi-square: three standard deviations
 _ENOUGH = 25.0  # five: what is beyond buys nothing

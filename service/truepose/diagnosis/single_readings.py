@@ -17,9 +17,9 @@ from scipy.special import gammaln
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import PointReadings
 from truepose.identification.distributions import chi2_log_density
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.observations import PositionBlock
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.observations.blocks import PositionBlock
 
 _FITS = 0.2  # another nest must leave less than this share of the residual
 _CLEARLY = 5.0  # in log likelihood

@@ -14,9 +14,9 @@ from truepose.effects.causes import Scene
 from truepose.effects.reference import NAME as REFERENCE
 from truepose.effects.tool_certificate import NAME as CERTIFICATE
 from truepose.effects.tool_certificate import certificate_specs
-from truepose.identification import verdict
-from truepose.identification.problem import Problem, automatic_effects, build
-from truepose.identification.robust import RobustFit, counted_fit, robust_fit
+from truepose.identification.fit.robust import RobustFit, counted_fit, robust_fit
+from truepose.identification.problem.build import Problem, automatic_effects, build
+from truepose.identification.verdict import status as verdict
 
 NUISANCE = (REFERENCE, CERTIFICATE)  # effects that a diagnosis needs and no model keeps
 _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)

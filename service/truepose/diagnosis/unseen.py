@@ -11,7 +11,7 @@ from truepose.diagnosis.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.diagnosis import Curve, CurvePoints
 from truepose.effects.causes import Candidate, Scene
-from truepose.identification.observations import linearise_blocks
+from truepose.identification.observations.blocks import linearise_blocks
 
 
 @dataclass(frozen=True, slots=True)

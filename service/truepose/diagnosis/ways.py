@@ -17,8 +17,8 @@ from truepose.domain.diagnosis import Worth
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Term, motion_port
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import State
-from truepose.identification.trial import trial_derivatives, tried
+from truepose.identification.model.evaluation import State
+from truepose.identification.model.trial import trial_derivatives, tried
 
 _FELT = 0.02  # of what the typical reading feels
 _COUNTED = 0.5  # weight of a reading from which on it is shown

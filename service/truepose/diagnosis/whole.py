@@ -9,7 +9,7 @@ from truepose.diagnosis.ways import worth_of
 from truepose.domain.diagnosis import Described
 from truepose.effects.causes import Candidate
 from truepose.effects.cells import cell_of
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.robust import RobustFit
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,9 @@ a joint over time may be that. Such a finding is not certain, and the same of th
 from truepose.diagnosis.selection import Selected
 from truepose.domain.diagnosis import Cause
 from truepose.effects.cells import Cell, cell_of
-from truepose.identification.looks import contradiction
-from truepose.identification.reference import ReferenceBlock
-from truepose.identification.robust import RobustFit
+from truepose.identification.fit.looks import contradiction
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.observations.fixed_nests import ReferenceBlock
 
 CONTRADICTED = "The readings of the fixed nests contradict it: they moved as nothing that was found explains."
 LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting

@@ -1,7 +1,7 @@
 """Identification: nominal robot plus effects, fitted to observations; everything here is pure."""
 
 from truepose.identification.identify import identify
-from truepose.identification.prediction import (
+from truepose.identification.model.prediction import (
     predict,
     predict_lengths,
     predict_nominal,

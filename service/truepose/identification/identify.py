@@ -18,16 +18,15 @@ from truepose.domain.results import (
     Status,
 )
 from truepose.effects.registry import chosen_effects
-from truepose.identification import verdict
-from truepose.identification.considered import considered
-from truepose.identification.cross_validation import held_out_residuals
-from truepose.identification.gross import outliers
-from truepose.identification.identifiability import not_identifiable
-from truepose.identification.leg_problem import leg_block
+from truepose.identification.fit.considered import considered
+from truepose.identification.fit.cross_validation import held_out_residuals
+from truepose.identification.fit.robust import RobustFit, fit, robust_fit
+from truepose.identification.fit.solver import posterior_covariance
+from truepose.identification.model.prediction import predict, predict_lengths, predict_nominal
+from truepose.identification.model.stops import sites
 from truepose.identification.models import Fits, model_of
-from truepose.identification.observations import PositionBlock
-from truepose.identification.prediction import predict, predict_lengths, predict_nominal
-from truepose.identification.problem import (
+from truepose.identification.observations.blocks import PositionBlock
+from truepose.identification.problem.build import (
     NOMINAL_EFFECTS,
     NUISANCE,
     Problem,
@@ -35,13 +34,14 @@ from truepose.identification.problem import (
     build,
     position_block,
 )
-from truepose.identification.pure_error import pure_error
-from truepose.identification.reach import WithinReach, within_reach
-from truepose.identification.robust import RobustFit, fit, robust_fit
-from truepose.identification.rows import sites
-from truepose.identification.solver import posterior_covariance
-from truepose.identification.statistics import expected_noise_mm, statistics
-from truepose.identification.tied import judged_by_positions
+from truepose.identification.problem.legs import leg_block
+from truepose.identification.verdict import status as verdict
+from truepose.identification.verdict.identifiability import not_identifiable
+from truepose.identification.verdict.lengths_by_positions import judged_by_positions
+from truepose.identification.verdict.outliers import outliers
+from truepose.identification.verdict.pure_error import pure_error
+from truepose.identification.verdict.reach import WithinReach, within_reach
+from truepose.identification.verdict.statistics import expected_noise_mm, statistics
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
 

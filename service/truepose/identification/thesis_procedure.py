@@ -16,11 +16,11 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegReadings, PointReadings
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.domain.results import Anchor, Identification
-from truepose.identification.fixture_observations import TOOL_PLACEMENT
 from truepose.identification.identify import identify
-from truepose.identification.rows import taken
-from truepose.identification.setting import known_placement
-from truepose.identification.tied import judged_by_positions
+from truepose.identification.model.stops import taken
+from truepose.identification.observations.fixture import TOOL_PLACEMENT
+from truepose.identification.problem.setting import known_placement
+from truepose.identification.verdict.lengths_by_positions import judged_by_positions
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import rigid_alignment
 from truepose.kinematics.pose_device import Fixtures, Pose, base_triangle, fourth_cup, least_squares_pose

@@ -9,9 +9,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.session import PlannedStop, Role, SessionPlan
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.evaluation import evaluate
-from truepose.identification.problem import automatic_effects, build
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.build import automatic_effects, build
 from truepose.planning.candidates import Candidates, draw_candidates
 from truepose.planning.clear_ways import clear_order
 from truepose.planning.exchange import Selection, choose_by_exchange, rank_substitutes

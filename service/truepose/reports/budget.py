@@ -16,8 +16,8 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import Identification, Model, NominalAndIdentified, Statistics
-from truepose.identification.considered import world_registration
-from truepose.identification.rows import sites
+from truepose.identification.fit.considered import world_registration
+from truepose.identification.model.stops import sites
 from truepose.kinematics.frames import placement_translation
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.judged import Judged, judging_figures

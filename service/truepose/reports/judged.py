@@ -8,7 +8,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from truepose.domain.results import Identification, Model, NominalAndIdentified
 from truepose.identification import predict, predict_lengths, predict_nominal
-from truepose.identification.statistics import mean_norm, statistics
+from truepose.identification.verdict.statistics import mean_norm, statistics
 
 # Held-out readings are never dropped. Figures "without" are for the reader's eye: a reading farther out
 # than this many typical (median) errors tells of a blunder at the instrument, not of the model.

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import scene_of
 from tests.helpers.identification.synthetic import leg_campaign
-from truepose.identification.problem import build
+from truepose.identification.problem.build import build
 
 N = 60
 PER_PLACEMENT, PER_INITIALISATION = 30, 6

@@ -10,8 +10,8 @@ from tests.helpers.identification.synthetic import nominal_campaign
 from truepose.diagnosis.scene import scene_at
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest
-from truepose.identification.evaluation import evaluate
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.build import build
 
 TRACKER_MM = (2600.0, -700.0, 500.0)
 FIXED_MM = ((600.0, 500.0, 0.0), (600.0, -500.0, 0.0), (-350.0, 500.0, 0.0))

@@ -14,8 +14,8 @@ from truepose.diagnosis.selection import Selected, chosen, refitted, select
 from truepose.diagnosis.start import started
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import build
 
 # Geometry would make each fit three times as slow, and hardly a test here is about it.
 PRESENT = ("base", "joint_offset", "compliance")

@@ -10,8 +10,8 @@ import numpy as np
 from tests.helpers.domain.robots import IRB_120
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
 from truepose.domain.robot import FramePlacement, Nest
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import Problem, automatic_effects, build
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.kinematics.chain import forward, nominal_values
 
 NESTS = ((0.0, 0.0, 125.0), (75.0, 93.675, 215.0), (150.0, 0.0, 125.0))

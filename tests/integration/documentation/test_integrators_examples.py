@@ -18,9 +18,9 @@ from truepose.effects.registry import EFFECTS
 from truepose.exchange.cell_file import read_cell
 from truepose.exchange.shipped_robots import load_robot_with_tool, read_robot_file
 from truepose.identification import identify
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import build
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import build
 from truepose.kinematics.chain import nominal_chain
 from truepose_drivers.errors import (
     BeamBrokenError,

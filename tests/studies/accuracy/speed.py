@@ -10,9 +10,9 @@ import numpy as np
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.shipped_robots import load_robot_with_tool
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import automatic_effects, build, position_block
-from truepose.identification.robust import fit
+from truepose.identification.fit.robust import fit
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import automatic_effects, build, position_block
 from truepose.kinematics.chain import nominal_chain
 
 _SIZES: Final = (50, 1000, 10000)

@@ -11,8 +11,8 @@ from tests.studies.ballbar_report.coded_stops import READING_U_MM, ZERO_U_MM, Co
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import Leg, PoseForecast, Suspicion
 from truepose.exchange.cell_file import simulated_cell
+from truepose.judgement.connections.judge import judge_leg, judge_pose
 from truepose.kinematics.pose_device import base_triangle
-from truepose.validation.connections import judge_leg, judge_pose
 
 _NOMINAL_MM: Final = 300.0
 _RANGE_MM: Final = 1.0

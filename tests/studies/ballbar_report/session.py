@@ -13,7 +13,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, FixtureLengths, PointReadings
 from truepose.domain.robot import Nest
 from truepose.exchange.campaign_folder import DESCRIPTION, read_campaign
-from truepose.identification.fixture_observations import TOOL_PLACEMENT
+from truepose.identification.observations.fixture import TOOL_PLACEMENT
 
 _TRACKER = "tracker.json"  # describes the tracker campaign of the same folder
 _TRUTH = "truth.json"

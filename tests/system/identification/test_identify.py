@@ -21,8 +21,8 @@ from truepose.domain.errors import ConfigurationError, UnknownEffectError
 from truepose.domain.results import Status
 from truepose.domain.robot import FramePlacement, Nest, WorldRegistration
 from truepose.identification import identify, predict
-from truepose.identification.problem import automatic_effects, build
-from truepose.identification.rows import taken
+from truepose.identification.model.stops import taken
+from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
 
 

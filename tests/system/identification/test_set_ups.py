@@ -20,9 +20,9 @@ from truepose.domain.results import Status
 from truepose.domain.robot import FramePlacement, Nest, Robot
 from truepose.exchange.model_file import model_from_text, model_text
 from truepose.identification import identify, predict, predict_lengths
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import automatic_effects, build
-from truepose.identification.setting import setting_of
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import automatic_effects, build
+from truepose.identification.problem.setting import setting_of
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 

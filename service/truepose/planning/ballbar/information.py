@@ -22,10 +22,10 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.ballbar import Leg
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import Nest
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.problem import build
-from truepose.identification.structure import Structure
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.structure import Structure
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import cross_matrix
 from truepose.planning.ballbar.bodies import BallbarCell
 

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Model
-from truepose.identification.evaluation import Targets, evaluate
-from truepose.identification.prediction import structure_of, values_of
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.prediction import structure_of, values_of
 from truepose.kinematics.chain import theta_gradient
 from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, new_figure, page_style, to_svg
 from truepose.reports.judged import Judged

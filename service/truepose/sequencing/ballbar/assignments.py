@@ -7,15 +7,15 @@ from typing import Protocol
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
 from truepose.domain.errors import ConfigurationError
+from truepose.judgement.connections.judge import judge_leg, judge_pose
 from truepose.sequencing.ballbar import step_ids
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.misplaced import NO_PAIR, calibrator_doubt, contact_doubt
 from truepose.sequencing.ballbar.situation import Situation
-from truepose.validation.connections import judge_leg, judge_pose
 
 
 class JudgeLeg(Protocol):
-    """Looks at one length; see truepose.validation.connections."""
+    """Looks at one length; see truepose.judgement.connections.judge."""
 
     def __call__(
         self,
@@ -34,7 +34,7 @@ class JudgeLeg(Protocol):
 
 
 class JudgePose(Protocol):
-    """Looks at all lengths of a pose; see truepose.validation.connections."""
+    """Looks at all lengths of a pose; see truepose.judgement.connections.judge."""
 
     def __call__(
         self, lengths: Mapping[Leg, float], forecast: PoseForecast, *, reading_u_mm: float, zero_u_mm: float

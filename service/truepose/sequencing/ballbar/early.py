@@ -13,12 +13,12 @@ import numpy as np
 
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
+from truepose.judgement.connections.accounts import Accounts, begin
+from truepose.judgement.connections.early import alike, indistinct, judge_early
 from truepose.planning.ballbar.beforehand import Beforehand
 from truepose.sequencing.ballbar import step_ids
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.situation import Situation
-from truepose.validation.connections_accounts import Accounts, begin
-from truepose.validation.connections_early import alike, indistinct, judge_early
 
 _KEPT: Final = 8  # accounts: of the present stop; each takes some megabytes
 

@@ -14,7 +14,7 @@ from truepose.diagnosis.gains import gain_of
 from truepose.diagnosis.held_out import Judged
 from truepose.diagnosis.standing import _useless
 from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
-from truepose.identification.prediction import predict
+from truepose.identification.model.prediction import predict
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")

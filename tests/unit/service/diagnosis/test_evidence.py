@@ -12,7 +12,7 @@ from truepose.diagnosis.functions import most_likely
 from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.scene import scene_of
 from truepose.effects.cells import cell_of
-from truepose.identification.evaluation import Targets, evaluate
+from truepose.identification.model.evaluation import Targets, evaluate
 
 WAVES = {
     "joint_harmonics": {

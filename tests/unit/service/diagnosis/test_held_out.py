@@ -18,8 +18,8 @@ from truepose.diagnosis.pool import pooled
 from truepose.diagnosis.scene import scene_of
 from truepose.diagnosis.selection import chosen
 from truepose.diagnosis.start import started
-from truepose.identification.problem import position_block
-from truepose.identification.robust import fit
+from truepose.identification.fit.robust import fit
+from truepose.identification.problem.build import position_block
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 

@@ -17,7 +17,7 @@ from truepose.diagnosis.open_shapes import with_open_shapes
 from truepose.diagnosis.wording import first_line, remaining_sentence
 from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
 from truepose.domain.results import Statistics
-from truepose.identification.prediction import predict
+from truepose.identification.model.prediction import predict
 
 GAP_DEG = (-40.0, 30.0)  # of joint 1
 # Two waves of which one stands for another in a gap, and a third that no whole order has.

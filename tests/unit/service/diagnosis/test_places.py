@@ -17,7 +17,7 @@ from truepose.diagnosis.places import (
     one_period,
 )
 from truepose.domain.robot import JointRange
-from truepose.identification.rows import taken
+from truepose.identification.model.stops import taken
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.gravity import gravity_torques
 

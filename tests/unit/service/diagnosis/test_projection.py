@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.counted import design_effect
 from truepose.diagnosis.normal import normal_of, products_of
 from truepose.domain.campaign import Stops
-from truepose.identification.robust import fit
+from truepose.identification.fit.robust import fit
 
 GAIN = ("joint_gain", "joint 4")
 NAMES = ("first", "second", "third", "fourth", "fifth", "sixth")

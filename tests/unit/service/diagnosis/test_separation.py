@@ -8,8 +8,8 @@ from tests.helpers.diagnosis.selections import make_selected, make_start
 from truepose.diagnosis.places import drawn, measured_ranges
 from truepose.diagnosis.separation import reading_variance, separation
 from truepose.domain.diagnosis import Cause
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.trial import candidate_terms, trial_derivatives, tried
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
 
 GAIN = ("joint_gain", "joint 4")
 WAVE = ("joint_harmonics", "joint 4", "wave_4_1_sin")

@@ -11,8 +11,8 @@ from truepose.diagnosis.start import started
 from truepose.diagnosis.witnesses import accused, speak_against
 from truepose.domain.diagnosis import Cause
 from truepose.effects.cells import Cell
-from truepose.identification.problem import build
-from truepose.identification.robust import robust_fit
+from truepose.identification.fit.robust import robust_fit
+from truepose.identification.problem.build import build
 
 JUMPED = Cell("base", "time", "jump")
 DRIFTED = Cell("base", "time", "drift")

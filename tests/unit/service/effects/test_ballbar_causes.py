@@ -19,8 +19,8 @@ from tests.helpers.identification.synthetic import leg_campaign
 from truepose.effects.causes import Fitted
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 
 
 def rows(campaign=None):

@@ -14,8 +14,8 @@ from truepose.effects.link_bending import beams
 from truepose.effects.loads import mass_specs, stated_mass, wrong_mass
 from truepose.effects.ports import PortKind, Rows
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 from truepose.kinematics.chain import forward, nominal_chain, nominal_values
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.gravity import gravity_torques

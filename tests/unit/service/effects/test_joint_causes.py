@@ -10,8 +10,8 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.robot import JointRow
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
 
 JOINT_CAUSES = ("axis_parallelism", "backlash", "compliance", "compliance_nonlinear", "joint_coupling")

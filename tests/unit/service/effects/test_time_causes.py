@@ -12,8 +12,8 @@ from truepose.effects.jumps import gaps
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
 from truepose.effects.rigid_motion import Motion, Widths, motion_specs
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 
 DRIFTS = ("base_drift", "instrument_drift")
 FIRST_S = ORIGIN_S - 10.0  # the first look at a fixed nest

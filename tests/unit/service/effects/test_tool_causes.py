@@ -12,8 +12,8 @@ from truepose.effects.label_swap import pair_subject
 from truepose.effects.ports import PortKind
 from truepose.effects.random_effects import deviations
 from truepose.effects.registry import CAUSES
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 
 SHIFT_MM, TURN_RAD = 0.15, 1.5e-3  # widths of the seats' priors
 WIDTHS = np.repeat([SHIFT_MM, TURN_RAD], 3)

@@ -20,9 +20,9 @@ from truepose.effects.causes import Fitted
 from truepose.effects.registry import CAUSES, needs_of
 from truepose.effects.unnamed.kinds import key_of
 from truepose.effects.unnamed.table import KINDS
-from truepose.identification.derivatives import position_jacobian
-from truepose.identification.evaluation import evaluate, rows_of
-from truepose.identification.problem import build
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import evaluate, rows_of
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import cross
 
 UNNAMED = CAUSES["unnamed"]

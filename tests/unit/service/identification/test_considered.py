@@ -10,10 +10,10 @@ from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, nominal_campaign
 from truepose.domain.campaign import FixedNestReadings
 from truepose.domain.robot import FixedNest, Nest, WorldRegistration
-from truepose.identification.considered import considered, world_registration
-from truepose.identification.evaluation import evaluate
-from truepose.identification.problem import build
-from truepose.identification.robust import RobustFit, fit
+from truepose.identification.fit.considered import considered, world_registration
+from truepose.identification.fit.robust import RobustFit, fit
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_from_vector
 
 ARM = replace(IRB_120, masses=())

@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.identification.conventions import Evidence, change_that_fits, with_zero
-from truepose.identification.placement import Known
+from truepose.identification.problem.placement import Known
+from truepose.identification.verdict.conventions import Evidence, change_that_fits, with_zero
 from truepose.kinematics.chain import nominal_chain
 
 KNOWN = Known(None, np.array(NESTS), np.zeros(3, dtype=bool))

@@ -9,9 +9,9 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from tests.helpers.identification.synthetic import leg_campaign, nominal_campaign
 from truepose.domain.campaign import LegReadings
 from truepose.domain.robot import Nest
-from truepose.identification.evaluation import evaluate
-from truepose.identification.observations import OrientationBlock, linearise_blocks
-from truepose.identification.problem import automatic_effects, build
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.observations.blocks import OrientationBlock, linearise_blocks
+from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
 
 JOINTS_7 = np.random.default_rng(7).uniform(-1.5, 1.5, (12, 7))

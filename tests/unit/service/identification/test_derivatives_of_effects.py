@@ -19,9 +19,9 @@ from tests.helpers.diagnosis.point_scenes import (
 )
 from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.effects.registry import CAUSES, EFFECTS
-from truepose.identification.derivatives import position_jacobian, rotation_jacobian
-from truepose.identification.evaluation import evaluate
-from truepose.identification.problem import build
+from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import vector_from_rotation
 
 EXACT = 1e-6

@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.ballbar.campaigns import ballbar_campaign
 from truepose.domain.campaign import CupSetups, LegReadings, Stops
 from truepose.identification import identify
-from truepose.identification.fixture_observations import ClampBlock, SideBlock, anchor_places
-from truepose.identification.leg_observations import LegBlock
-from truepose.identification.observations import linearise_blocks
-from truepose.identification.problem import build
+from truepose.identification.observations.blocks import linearise_blocks
+from truepose.identification.observations.fixture import ClampBlock, SideBlock, anchor_places
+from truepose.identification.observations.legs import LegBlock
+from truepose.identification.problem.build import build
 
 EFFECTS = ("geometry", "compliance")
 BALANCED_MM = 1e-5  # torques are balanced to 1e-5: 2e-8 rad at half a metre

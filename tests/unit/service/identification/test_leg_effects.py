@@ -8,8 +8,8 @@ import pytest
 from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify, predict_lengths
-from truepose.identification.observations import linearise_blocks, targets_subset
-from truepose.identification.problem import build
+from truepose.identification.observations.blocks import linearise_blocks, targets_subset
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_xyz
 
 ON_LENGTHS = ("ballbar_zero", "fixture_shift", "base_drift", "base_shift")

@@ -7,10 +7,10 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import FIXED_MM, telling_campaign
 from truepose.domain.campaign import FixedNestReadings
-from truepose.identification.looks import contradiction, gross_looks, own_discrepancy_mm
-from truepose.identification.problem import build
-from truepose.identification.reference import reference_block
-from truepose.identification.robust import robust_fit
+from truepose.identification.fit.looks import contradiction, gross_looks, own_discrepancy_mm
+from truepose.identification.fit.robust import robust_fit
+from truepose.identification.observations.fixed_nests import reference_block
+from truepose.identification.problem.build import build
 
 U_MM = 0.015
 LOOKS = 20

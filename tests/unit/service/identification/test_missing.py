@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.leg_scenes import telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.results import Parameter
 from truepose.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
-from truepose.identification.missing import Span, span_of
+from truepose.identification.model.missing import Span, span_of
 
 ARM = ("base", "geometry")
 COLUMNS = {

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.identification.placement import Known, place
+from truepose.identification.problem.placement import Known, place
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import rotation_xyz
 

@@ -9,8 +9,8 @@ from tests.helpers.identification.synthetic import leg_campaign, measured, nomin
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.results import Status
 from truepose.identification import identify
-from truepose.identification.reach import within_reach
-from truepose.identification.whitening import whitener
+from truepose.identification.observations.whitening import whitener
+from truepose.identification.verdict.reach import within_reach
 
 ROW = 7
 IMPOSSIBLE = [1e4, -1e4, 1e6, 1e9, -1e12, 1e29, 1e300, np.inf, np.nan]

@@ -16,11 +16,11 @@ from tests.helpers.diagnosis.point_scenes import (
 from truepose.domain.robot import FixedNest
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify
-from truepose.identification.considered import considered
-from truepose.identification.observations import linearise_blocks
-from truepose.identification.problem import build
-from truepose.identification.reference import ReferenceBlock, reference_block
-from truepose.identification.robust import robust_fit
+from truepose.identification.fit.considered import considered
+from truepose.identification.fit.robust import robust_fit
+from truepose.identification.observations.blocks import linearise_blocks
+from truepose.identification.observations.fixed_nests import ReferenceBlock, reference_block
+from truepose.identification.problem.build import build
 
 ARM = ("base", "geometry")
 FRAME = [f"frame_{component}" for component in ("x", "y", "z", "rx", "ry", "rz")]

@@ -11,9 +11,9 @@ from scipy.stats import chi2
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
 from truepose.effects.geometry import GEOMETRY_EFFECTS
-from truepose.identification.evaluation import evaluate
-from truepose.identification.problem import build
-from truepose.identification.robust import robust_fit
+from truepose.identification.fit.robust import robust_fit
+from truepose.identification.model.evaluation import evaluate
+from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_from_vector
 
 EFFECTS = ("base", "geometry")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from truepose.identification.solver import posterior_covariance, solve
+from truepose.identification.fit.solver import posterior_covariance, solve
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.registry import CAUSES
-from truepose.identification.problem import build
+from truepose.identification.problem.build import build
 
 SEARCHED = ("base_shift", "fixture_shift", "label_swap", "outliers", "unnamed")
 

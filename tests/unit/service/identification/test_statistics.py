@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.identification.statistics import mean_norm, statistics
+from truepose.identification.verdict.statistics import mean_norm, statistics
 
 DRAWS = np.random.default_rng(0).standard_normal((200_000, 3))
 

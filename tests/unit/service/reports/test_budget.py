@@ -5,8 +5,8 @@ import pytest
 
 from tests.helpers.domain.builders import make_pair
 from truepose.domain.results import NominalAndIdentified
-from truepose.identification.rows import taken
-from truepose.identification.statistics import statistics
+from truepose.identification.model.stops import taken
+from truepose.identification.verdict.statistics import statistics
 from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.judged import judged

@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.domain.builders import make_identification, make_statistics
 from truepose.domain.results import NominalAndIdentified, Status
 from truepose.identification import identify
-from truepose.identification.rows import taken
+from truepose.identification.model.stops import taken
 from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.headline import headline

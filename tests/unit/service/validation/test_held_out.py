@@ -12,9 +12,9 @@ from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
+from truepose.judgement import held_out
+from truepose.judgement.held_out import validate
 from truepose.kinematics.chain import nominal_chain
-from truepose.validation import held_out
-from truepose.validation.held_out import validate
 
 ANCHOR = (400.0, -300.0, -50.0)
 

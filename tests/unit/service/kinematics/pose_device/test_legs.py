@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, lengths
+from truepose.judgement.connections.judge import judge_pose
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Fixtures, Pose, assemblies, foreseen, linear_legs, measurable
-from truepose.validation.connections import judge_pose
 
 MEASURABLE = measurable(assemblies(CUPS, NESTS), CUPS, NESTS)
 UNCERTAINTIES = {"reading_u_mm": 0.00051, "zero_u_mm": 0.0015}

@@ -1,0 +1,1 @@
+"""Least squares: the solver, gross readings, what the model lacks, cross-validation, certificates."""

@@ -1,0 +1,307 @@
+r"""Robust fit: gross readings get no weight, and what the model lacks is added to the stated noise.
+
+Rounds of solving alternate with three decisions.
+
+*Prior.* The stated widths hold what the data do not see. Where the data clearly ask for larger
+errors of the geometry than stated, its widths are scaled up together, never down.
+
+*Discrepancy.* Where the residuals of the readings kept are larger than their stated uncertainty
+(chi-square test at 0.1 %), a standard deviation per component is added to every reading such that
+the weighted sum of squares equals its degrees of freedom (REML with one variance component), or
+their median its expectation where that is less: heavy tails are no reason to doubt all readings.
+
+*Gross readings.* A reading whose squared normalised residual exceeds the chi-square quantile that
+noise would exceed in one campaign of a hundred (Bonferroni over all readings) gets no weight. The
+first rounds weigh softly (Cauchy), so that a start spoilt by gross readings does not decide.
+
+Readings of fixed nests are judged by one another (`looks`): a model that they contradict does not judge them.
+
+References
+----------
+D. J. C. MacKay, Neural Computation 4(3), 1992, 415-447 (evidence for the width of a prior).
+D. A. Harville, J. American Statistical Association 72, 1977, 320-338 (REML).
+P. J. Rousseeuw, A. M. Leroy, Robust Regression and Outlier Detection, 1987.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.identification.distributions import chi2_limit, chi2_median
+from truepose.identification.fit.looks import gross_looks, own_discrepancy_mm
+from truepose.identification.fit.solver import Solution, solve
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
+from truepose.identification.observations.fixed_nests import ReferenceBlock
+
+_SOFT_ROUNDS = 40
+_SETTLED = 1e-3  # relative change of the typical residual
+_WIDEST = 10.0  # a geometry that asks for more is not this robot's
+_HARD_ROUNDS = 12
+_FALSE_ALARM = 0.01  # chance that noise alone flags any reading of a campaign
+_EXCESS_LEVEL = 1e-3  # level at which stated uncertainties are found too small
+_MOSTLY_LACKING = 0.5  # share of the variance that the model lacks
+_TAPER = 1.5  # full weight up to a third of the limit, in squared residuals
+_LOST = 4.0 / 3.0  # growth of the typical residual at which hard weights have failed
+_CAUCHY = 2.4  # 95 % efficiency on normal noise
+
+
+@dataclass(frozen=True, slots=True)
+class RobustFit:
+    """The fit with the weights it settled on."""
+
+    structure: Structure
+    blocks: tuple[Block, ...]  # with final weights and discrepancies
+    solution: Solution[Joint]
+    gross: tuple[BoolArray, ...]  # per block, (n,)
+    chi2_per_dof: float  # of the readings kept, against the stated uncertainties alone
+
+    @property
+    def values(self) -> FloatArray:
+        """Parameter values, shape (P,)."""
+        return self.solution.values
+
+    @property
+    def results(self) -> tuple[BlockResult, ...]:
+        """Each block at the solution."""
+        return self.solution.final.results
+
+
+def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> Solution[Joint]:
+    """Fit with the weights as they are."""
+    return solve(
+        lambda values, previous: linearise_blocks(structure, blocks, values, previous),
+        start,
+        structure.prior_means,
+        structure.prior_widths,
+    )
+
+
+def _refit(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> Solution[Joint]:
+    """Fit again from a solution of the same readings, which weigh otherwise now."""
+    return solve(
+        lambda values, previous: linearise_blocks(structure, blocks, values, previous),
+        solution.values,
+        structure.prior_means,
+        structure.prior_widths,
+        first=reweighed(blocks, solution.final),
+    )
+
+
+def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+    """Fit, decide about gross readings and discrepancy, and fit again until nothing changes.
+
+    Parameters
+    ----------
+    structure : Structure
+    blocks : tuple of Block
+        With unit weights and the stated uncertainties.
+    start : ndarray, shape (P,)
+
+    Returns
+    -------
+    RobustFit
+    """
+    structure, soft, values = _soft_rounds(structure, blocks, start)
+    gentle = fit(structure, soft, values)
+    blocks, gross, solution = _hard_rounds(structure, soft, gentle)
+    if _typical(solution.final.results[0]) > _LOST * _typical(gentle.final.results[0]):
+        # A sizeable minority drags the fit away from what the majority agrees on: weigh softly after all.
+        judged = tuple(
+            _judged(block, result) for block, result in zip(soft, gentle.final.results, strict=True)
+        )
+        gross = tuple(flags for flags, _ in judged)
+        blocks = tuple(
+            block.weighted(np.where(flags, 0.0, block.weights), block.discrepancy)
+            for block, flags in zip(soft, gross, strict=True)
+        )
+        solution = fit(structure, blocks, gentle.values)
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+
+
+def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> RobustFit:
+    """Fit with every reading counting in full: what moves many at once makes none of them gross.
+
+    Parameters and start as of `robust_fit`.
+    """
+    solution = fit(structure, blocks, start)
+    blocks = _with_discrepancy(structure, blocks, solution)
+    solution = _refit(structure, blocks, solution)
+    gross = tuple(np.zeros(len(block.weights), dtype=bool) for block in blocks)
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+
+
+def settled(
+    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, rounds: int = _HARD_ROUNDS
+) -> RobustFit:
+    """Fit from a start that is close: decisions of an earlier fit stand in `blocks` and are made again."""
+    blocks, gross, solution = _hard_rounds(structure, blocks, fit(structure, blocks, start), rounds)
+    return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
+
+
+def _hard_rounds(
+    structure: Structure,
+    blocks: tuple[Block, ...],
+    solution: Solution[Joint],
+    rounds: int = _HARD_ROUNDS,
+) -> tuple[tuple[Block, ...], tuple[BoolArray, ...], Solution[Joint]]:
+    gross: tuple[BoolArray, ...] = ()
+    seen: set[bytes] = set()
+    for _ in range(rounds):
+        judged = tuple(
+            _judged(block, result) for block, result in zip(blocks, solution.final.results, strict=True)
+        )
+        gross = tuple(flags for flags, _ in judged)
+        blocks = tuple(
+            block.weighted(weights, block.discrepancy)
+            for block, (_, weights) in zip(blocks, judged, strict=True)
+        )
+        blocks = _with_discrepancy(structure, blocks, solution)
+        solution = _refit(structure, blocks, solution)
+        key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
+        if key in seen:
+            break
+        seen.add(key)
+    return blocks, gross, solution
+
+
+def _soft_rounds(
+    structure: Structure, blocks: tuple[Block, ...], start: FloatArray
+) -> tuple[Structure, tuple[Block, ...], FloatArray]:
+    values, typical = start, np.inf
+    stated = structure
+    for _ in range(_SOFT_ROUNDS):
+        results = linearise_blocks(structure, blocks, values, None).results
+        before, typical = typical, _typical(results[0])
+        if abs(before - typical) < _SETTLED * typical:
+            break
+        blocks = tuple(_softly(block, result) for block, result in zip(blocks, results, strict=True))
+        solution = fit(structure, blocks, values)
+        values = solution.values
+        structure = _widened(stated, values, solution.covariance)
+    return structure, blocks, values
+
+
+def _typical(result: BlockResult) -> float:
+    return float(np.median(np.linalg.norm(result.residual, axis=1)))
+
+
+def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> Structure:
+    """Widen the priors of the geometry together where the data ask for more than they state.
+
+    The factor is the evidence's: squared deviations per parameter that the data determine.
+    """
+    chosen = np.array([owner in GEOMETRY_EFFECTS for owner in stated.owners])
+    widths = stated.prior_widths[chosen]
+    if not chosen.any():
+        return stated
+    asked = float((((values - stated.prior_means)[chosen] / widths) ** 2).sum())
+    determined = float(np.clip(1.0 - np.diag(covariance)[chosen] / widths**2, 0.0, 1.0).sum())
+    factor = float(np.clip(np.sqrt(asked / max(determined, 1.0)), 1.0, _WIDEST))
+    specs = tuple(
+        spec._replace(prior_width=spec.prior_width * factor) if geometric else spec
+        for spec, geometric in zip(stated.specs, chosen, strict=True)
+    )
+    return replace(stated, specs=specs)
+
+
+def _softly(block: Block, result: BlockResult) -> Block:
+    length = np.linalg.norm(result.residual, axis=1)
+    typical = float(np.median(length) / np.sqrt(chi2_median(result.residual.shape[1])))
+    stated = block.stated_sigma()
+    excess = np.sqrt(max(typical**2 - stated**2, 0.0))
+    weights = 1.0 / (1.0 + (length / (_CAUCHY * max(typical, stated))) ** 2)
+    return block.weighted(weights, excess)
+
+
+def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
+    """Flag gross readings and weigh the others, against a scale that they cannot move: the median.
+
+    Where the stated noise explains the data, a reading counts in full or not at all. Where the model
+    lacks something, the shape of what it lacks is unknown, unlike noise: only a clear gap makes a
+    reading gross, and those on the last part of the way there count less.
+    """
+    n, d = result.residual.shape
+    spread = block.component_variance() + block.scatter_mm**2
+    squared = block.squared(result)
+    scale = max(1.0, float(np.median(squared) / chi2_median(d)))
+    lacking = block.discrepancy**2 / float(np.mean(spread))
+    limit = (1.0 + lacking) * scale * chi2_limit(_FALSE_ALARM / n, d)
+    gross = squared > limit
+    if isinstance(block, ReferenceBlock):
+        gross = gross_looks(block, gross)
+        return gross, np.where(gross, 0.0, 1.0)
+    if lacking < _MOSTLY_LACKING:
+        return gross, np.where(gross, 0.0, 1.0)
+    return gross, np.clip(_TAPER * (1.0 - squared / limit), 0.0, 1.0)
+
+
+def _with_discrepancy(
+    structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]
+) -> tuple[Block, ...]:
+    return tuple(
+        block.weighted(block.weights, _discrepancy(structure, block, result, solution))
+        for block, result in zip(blocks, solution.final.results, strict=True)
+    )
+
+
+def _discrepancy(structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
+    if isinstance(block, ReferenceBlock):
+        return own_discrepancy_mm(block)
+    dof = _degrees_of_freedom(block, result, solution.covariance)
+
+    def excess(extra: float) -> float:
+        white = block.weighted(block.weights, extra).whitened(result)
+        return float(white @ white) - dof
+
+    smallest = 0.0 if block.stated_sigma() > 0.0 else 1e-6
+    if smallest == 0.0 and excess(0.0) + dof <= chi2_limit(_EXCESS_LEVEL, dof):
+        return 0.0
+    largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
+    if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
+        return smallest
+    mean = float(brentq(excess, smallest, largest, rtol=1e-4))
+    return min(mean, _by_median(block, result, dof, (smallest, largest)))
+
+
+def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[float, float]) -> float:
+    """Discrepancy that brings the median squared residual of a stop to its place: blind to heavy tails.
+
+    Of whitened residuals: what the readings of one stop share is no reason to doubt each of them.
+    """
+    n, d = result.residual.shape
+    kept = block.weights > 0.0
+    _, stop = np.unique(block.targets.stops.config[kept], return_inverse=True)
+    if stop.size == 0:
+        return bounds[0]
+    usual = chi2_median(d * np.bincount(stop)) * dof / (float(block.weights.sum()) * d)
+
+    def excess(extra: float) -> float:
+        white = block.weighted(block.weights, extra).whitened(result).reshape(n, d)[kept]
+        return float(np.median(np.bincount(stop, (white**2).sum(axis=1)) / usual)) - 1.0
+
+    if excess(bounds[0]) <= 0.0:
+        return bounds[0]
+    return bounds[1] if excess(bounds[1]) >= 0.0 else float(brentq(excess, *bounds, rtol=1e-4))
+
+
+def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
+    """Return the readings kept, less what the parameters absorb of them: the trace of the leverage."""
+    kept = float(block.weights.sum()) * result.residual.shape[1]
+    white = result.white_jacobian
+    absorbed = float(np.einsum("pm,pq,qm->", white, covariance, white, optimize=True))
+    return float(max(kept - absorbed, 1.0))
+
+
+def _stated_chi2(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> float:
+    total, degrees = 0.0, 0.0
+    for block, result in zip(blocks, solution.final.results, strict=True):
+        if block.stated_sigma() == 0.0:
+            continue
+        white = block.weighted(block.weights, 0.0).whitened(result)
+        total += float(white @ white)
+        degrees += _degrees_of_freedom(block, result, solution.covariance)
+    return total / max(degrees, 1.0)

@@ -1,0 +1,1 @@
+"""The model of an arm: its structure, its predictions and their derivatives."""

@@ -1,0 +1,294 @@
+"""Predictions: effects move ports, the chain turns ports into positions; `derivatives` differentiates them.
+
+The torques that load the gearboxes are those at the deflected arm, found by repeating the forward
+kinematics until they balance.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.effects.ports import Port, PortKind, Rows, Term
+from truepose.effects.registry import effect_named, needs_of
+from truepose.identification.model.structure import Structure, base_axes
+from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
+from truepose.kinematics.frames import turned_axes
+from truepose.kinematics.gravity import gravity_torques
+
+_MOST_PASSES = 4  # each brings the torques closer by a factor of about a thousand
+_BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right to 2e-8 rad
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """Where a prediction is asked for: n stops and the nest at each, of legs what else they depend on."""
+
+    stops: Stops
+    nest: IntArray  # (n,)
+    placement: IntArray | None = None  # (n,) of the base fixture
+    initialisation: IntArray | None = None  # (n,) of the ballbar
+    length_mm: FloatArray | None = None  # (n,) as read
+    fixed_mm: FloatArray | None = None  # (n, 3) world: what stands there, where it is not the tool
+
+    def __len__(self) -> int:
+        return len(self.stops)
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The evaluated model at n targets, ready to be differentiated."""
+
+    structure: Structure
+    targets: Targets
+    values: FloatArray  # (P,)
+    terms: tuple[Term, ...]  # parameter indices are those of the structure
+    chain: Chain
+    base_origin_mm: FloatArray  # (3,)
+    base_axes: FloatArray  # (3, 3) in rows
+    tool_rotation: FloatArray  # (3, 3)
+    tool_axes: FloatArray  # (3, 3) in rows, last frame
+    scale: float  # relative error of the instrument's lengths
+    unscaled_mm: FloatArray  # (n, 3) where the nest is
+    position_mm: FloatArray  # (n, 3) where the instrument sees it
+    motions: dict[int, FloatArray]  # of bodies that move, (n, 6) each
+    instrument_motion: FloatArray | None  # (n, 6); None where no parameter moves it
+    moved: dict[Port, FloatArray | float]  # every port that a parameter moves
+    torque_n_mm: FloatArray | None  # (n, J)
+
+    @property
+    def orientation(self) -> FloatArray:
+        """Orientation of the tool in the world, shape (n, 3, 3)."""
+        turned: FloatArray = self.chain.end_rotation @ self.tool_rotation
+        return turned
+
+    def seen(self, points_mm: FloatArray) -> FloatArray:
+        """Return where the instrument sees points (n, 3) of the world, at the times of the targets."""
+        instrument = instrument_place(self.structure)
+        return _seen(points_mm, self.scale, instrument, self.instrument_motion)
+
+
+def evaluate(
+    structure: Structure, values: FloatArray, targets: Targets, previous: State | None = None
+) -> State:
+    """Predict the nest positions at n targets.
+
+    Parameters
+    ----------
+    structure : Structure
+    values : ndarray, shape (P,)
+        Parameter values in internal units.
+    targets : Targets
+    previous : State, optional
+        The same targets at nearby values: its torques are the first guess.
+
+    Returns
+    -------
+    State
+    """
+    measured = targets.stops.torque_n_mm if structure.torques_measured else None
+    if measured is not None or not _is_loaded(structure):
+        return _evaluate_loaded(structure, values, targets, measured, None)
+    state = previous or _evaluate_loaded(structure, values, targets, None, None)
+    torque = previous.torque_n_mm if previous else _gravity(structure, state.chain)
+    for _ in range(_MOST_PASSES):
+        state = _evaluate_loaded(structure, values, targets, torque, state.chain)
+        balanced = _gravity(structure, state.chain)
+        if balanced is None or torque is None or _close(balanced, torque):
+            break
+        torque = balanced
+    return state
+
+
+def _is_loaded(structure: Structure) -> bool:
+    return any("torque" in needs_of(name, structure.names_of(name)) for name in structure.effects)
+
+
+def _close(torque: FloatArray, before: FloatArray) -> bool:
+    largest = float(np.abs(torque).max(initial=0.0))
+    return float(np.abs(torque - before).max(initial=0.0)) <= _BALANCED * largest
+
+
+def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
+    if not structure.robot.masses:
+        return None
+    return gravity_torques(chain, structure.robot.masses, structure.gravity_m_s2)
+
+
+def _evaluate_loaded(
+    structure: Structure,
+    values: FloatArray,
+    targets: Targets,
+    torque: FloatArray | None,
+    previous: Chain | None,
+) -> State:
+    nominal = nominal_values(structure.robot, targets.stops.joints_rad)
+    if previous is None:
+        previous = forward(nominal, structure.base_rotation, structure.base_origin_mm)
+    terms, moved = _loaded_terms(structure, values, _rows(structure, targets, torque, previous))
+    rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))
+    origin = structure.base_origin_mm + _triple(moved, PortKind.BASE, 0)
+    tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
+    motions = _motions(moved, len(targets))
+    chain = forward(_displaced(nominal, moved), rotation, origin, motions)
+    unscaled = chain.points(nest_centres(structure, moved)[targets.nest - 1])
+    scale = float(moved.get(Port(PortKind.SCALE, 0), 0.0))
+    instrument_motion = six_components(moved, PortKind.INSTRUMENT, 0, len(targets))
+    return State(
+        structure=structure,
+        targets=targets,
+        values=values,
+        terms=terms,
+        chain=chain,
+        base_origin_mm=origin,
+        base_axes=axes,
+        tool_rotation=tool_rotation,
+        tool_axes=tool_axes,
+        scale=scale,
+        unscaled_mm=unscaled,
+        position_mm=_seen(unscaled, scale, instrument_place(structure), instrument_motion),
+        motions=motions,
+        instrument_motion=instrument_motion,
+        moved=moved,
+        torque_n_mm=torque,
+    )
+
+
+def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, chain: Chain) -> Rows:
+    return Rows(
+        stops=targets.stops,
+        nest=targets.nest,
+        torque_n_mm=torque,
+        turn_rad=targets.stops.joints_rad * np.array([row.sign for row in structure.robot.joints]),
+        chain=chain,
+        gravity_m_s2=structure.gravity_m_s2,
+        robot=structure.robot,
+        origin_s=structure.origin_s,
+        last_s=structure.last_s,
+        initialisation=targets.initialisation,
+        placement=targets.placement,
+        length_mm=targets.length_mm,
+        sighted_mm=_sighted(structure, targets, chain),
+        instrument_mm=structure.instrument_mm,
+    )
+
+
+def _sighted(structure: Structure, targets: Targets, chain: Chain) -> FloatArray:
+    """Return where the instrument looks, as near as the direction of its beam asks for, shape (n, 3)."""
+    if targets.fixed_mm is not None:
+        return targets.fixed_mm
+    return chain.points(structure.nests_mm[targets.nest - 1])
+
+
+def rows_of(state: State) -> Rows:
+    """Return the rows that effects see at a state, with the loads in force.
+
+    Gravity's are there also where the model has no spring that they could wind up: one may be tried.
+    """
+    torque = _gravity(state.structure, state.chain) if state.torque_n_mm is None else state.torque_n_mm
+    rows = _rows(state.structure, state.targets, torque, state.chain)
+    return rows if torque is None else rows._replace(torque_n_mm=_with_added_loads(torque, state.moved))
+
+
+def _loaded_terms(
+    structure: Structure, values: FloatArray, rows: Rows
+) -> tuple[tuple[Term, ...], dict[Port, FloatArray | float]]:
+    """Terms and moved ports, gearboxes loaded by what effects add to the torque too."""
+    terms = collect_terms(structure, rows)
+    moved = _moved_ports(terms, values)
+    loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
+    if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
+        return terms, moved
+    terms = collect_terms(structure, rows._replace(torque_n_mm=_with_added_loads(rows.torque_n_mm, moved)))
+    return terms, _moved_ports(terms, values)
+
+
+def _with_added_loads(torque: FloatArray, moved: dict[Port, FloatArray | float]) -> FloatArray:
+    loaded = torque.copy()
+    for port, load in moved.items():
+        if port.kind is PortKind.TORQUE:
+            loaded[:, port.number] += load
+    return loaded
+
+
+def _motions(moved: dict[Port, FloatArray | float], n: int) -> dict[int, FloatArray]:
+    bodies = sorted({port.number // 6 for port in moved if port.kind is PortKind.MOTION})
+    found = {body: six_components(moved, PortKind.MOTION, 6 * body, n) for body in bodies}
+    return {body: motion for body, motion in found.items() if motion is not None}
+
+
+def six_components(
+    moved: dict[Port, FloatArray | float], kind: PortKind, first: int, n: int
+) -> FloatArray | None:
+    """Return what six ports in a row are moved by, shape (n, 6); None where none of them is moved."""
+    ports = [Port(kind, first + k) for k in range(6)]
+    if not any(port in moved for port in ports):
+        return None
+    return np.stack([np.broadcast_to(moved.get(port, 0.0), n) for port in ports], axis=1)
+
+
+def _seen(points: FloatArray, scale: float, instrument: FloatArray, motion: FloatArray | None) -> FloatArray:
+    scaled: FloatArray = points + scale * (points - instrument)
+    if motion is None:
+        return scaled
+    turn, _ = turned_axes(motion[:, 3:])
+    seen: FloatArray = np.einsum("nij,nj->ni", turn, scaled) + motion[:, :3]
+    return seen
+
+
+def collect_terms(structure: Structure, rows: Rows) -> tuple[Term, ...]:
+    """Ask every effect how its parameters act; parameter indices are those of the structure."""
+    terms: list[Term] = []
+    for effect in structure.effects:
+        indices = [k for k, owner in enumerate(structure.owners) if owner == effect]
+        names = structure.names_of(effect)
+        terms += [
+            term._replace(parameter=indices[term.parameter])
+            for term in effect_named(effect).terms(names, rows)
+        ]
+    return tuple(terms)
+
+
+def _moved_ports(terms: tuple[Term, ...], values: FloatArray) -> dict[Port, FloatArray | float]:
+    moved: defaultdict[Port, FloatArray | float] = defaultdict(float)
+    for term in terms:
+        moved[term.port] = moved[term.port] + term.weight * float(values[term.parameter])
+    return dict(moved)
+
+
+def _triple(moved: dict[Port, FloatArray | float], kind: PortKind, first: int) -> FloatArray:
+    return np.array([moved.get(Port(kind, first + k), 0.0) for k in range(3)], dtype=float)
+
+
+def nest_centres(structure: Structure, moved: dict[Port, FloatArray | float]) -> FloatArray:
+    """Return the tool nests with what moves them, last frame, shape (K, 3) [mm]."""
+    shifts = np.array([moved.get(Port(PortKind.NEST, k), 0.0) for k in range(structure.nests_mm.size)])
+    centres: FloatArray = structure.nests_mm + shifts.reshape(-1, 3)
+    return centres
+
+
+def instrument_place(structure: Structure) -> FloatArray:
+    """Return where the instrument stands, the world's origin where that is unknown, shape (3,) [mm]."""
+    return np.zeros(3) if structure.instrument_mm is None else structure.instrument_mm
+
+
+def _displaced(nominal: LinkValues, moved: dict[Port, FloatArray | float]) -> LinkValues:
+    n, joints = nominal.theta_rad.shape
+
+    def shifted(kind: PortKind, start: FloatArray) -> FloatArray:
+        shifts = [moved.get(Port(kind, j), 0.0) for j in range(joints)]
+        if all(np.ndim(shift) == 0 for shift in shifts):
+            change = np.array(shifts, dtype=float)
+        else:
+            change = np.stack([np.broadcast_to(shift, n) for shift in shifts], axis=1)
+        return np.asarray(start + change)
+
+    return LinkValues(
+        alpha_rad=shifted(PortKind.ALPHA, nominal.alpha_rad),
+        a_mm=shifted(PortKind.A, nominal.a_mm),
+        beta_rad=shifted(PortKind.BETA, nominal.beta_rad),
+        theta_rad=shifted(PortKind.THETA, nominal.theta_rad),
+        d_mm=shifted(PortKind.D, nominal.d_mm),
+    )

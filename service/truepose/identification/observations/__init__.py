@@ -1,0 +1,1 @@
+"""What was observed, one module a kind: residuals, derivatives and weights of its readings."""

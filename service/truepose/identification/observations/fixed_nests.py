@@ -1,0 +1,127 @@
+"""Readings of fixed nests as observations: they stand still, so that what moves them is the instrument.
+
+A certified place c, off by its own error e, is registered in the world with the error f of a small rigid
+motion about the world's origin, and then seen as the instrument sees everything:
+
+    prediction = seen(c + e + shift(f) + turn(f) x (c + e))
+
+The registration is that of the start; of the readings of the arm the base takes it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign, Stops
+from truepose.effects.reference import NAME, place_name, reference_specs
+from truepose.effects.rigid_motion import COMPONENTS
+from truepose.identification.model.derivatives import seen_jacobian
+from truepose.identification.model.evaluation import State, Targets, evaluate
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import BlockResult, IndependentReadings, targets_subset
+from truepose.kinematics.frames import cross, turned_axes
+
+_FRAME = tuple(f"frame_{component}" for component in COMPONENTS)
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceBlock(IndependentReadings):
+    """Readings of fixed nests, each a stop of its own that it shares with no configuration of the arm."""
+
+    targets: Targets
+    fixed_nest: IntArray  # (n,) 1-based
+    certified_mm: FloatArray  # (n, 3) place of the nest of each reading
+    measured_mm: FloatArray  # (n, 3)
+    uncertainty: FloatArray  # (n,) per axis [mm]
+    weights: FloatArray  # (n,)
+    discrepancy: float = 0.0  # mm per axis
+    scatter_mm: float = 0.0  # the arm takes no part
+
+    def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
+        """Return residuals [mm] and derivatives."""
+        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        residual = self.measured_mm - state.seen(self._registered(state)[0])
+        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the motions of the predictions, shape (P, n, 3)."""
+        names = state.structure.names
+        points, turn, axes, arms = self._registered(state)
+        jacobian = np.zeros((len(names), len(points), 3))
+        for component, name in enumerate(_FRAME):
+            if name in names:
+                own = np.eye(3)[component] if component < 3 else cross(axes[component - 3], arms)
+                jacobian[names.index(name)] = own
+        for nest in np.unique(self.fixed_nest).tolist():
+            here = self.fixed_nest == nest
+            for component in range(3):
+                name = place_name(nest, component)
+                if name in names:
+                    jacobian[names.index(name), here] = turn[:, component]
+        return seen_jacobian(state, points, jacobian)
+
+    def _registered(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return the places in the world (n, 3), the registration's turn (3, 3), its axes, and its arms."""
+        value = dict(zip(state.structure.names, state.values.tolist(), strict=True))
+        frame = np.array([value.get(name, 0.0) for name in _FRAME])
+        turn, axes = turned_axes(frame[None, 3:])
+        errors = {
+            nest: [value.get(place_name(nest, component), 0.0) for component in range(3)]
+            for nest in np.unique(self.fixed_nest).tolist()
+        }
+        places = self.certified_mm + np.array([errors[nest] for nest in self.fixed_nest.tolist()])
+        arms = places @ turn[0].T
+        return arms + frame[:3], turn[0], axes[:, 0], arms
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> "ReferenceBlock":
+        """Return the block with other weights and another discrepancy [mm]."""
+        return replace(self, weights=weights, discrepancy=discrepancy)
+
+    def subset(self, rows: IntArray) -> "ReferenceBlock":
+        """Return the block with some of its readings."""
+        return replace(
+            self,
+            targets=targets_subset(self.targets, rows),
+            fixed_nest=self.fixed_nest[rows],
+            certified_mm=self.certified_mm[rows],
+            measured_mm=self.measured_mm[rows],
+            uncertainty=self.uncertainty[rows],
+            weights=self.weights[rows],
+        )
+
+
+def reference_block(campaign: Campaign) -> ReferenceBlock | None:
+    """Return the readings of certified fixed nests; None where the campaign has none."""
+    readings = campaign.reference
+    if readings is None:
+        return None
+    certified = np.flatnonzero(
+        (readings.fixed_nest >= 1) & (readings.fixed_nest <= len(campaign.fixed_nests))
+    )
+    if certified.size == 0:
+        return None
+    nest = readings.fixed_nest[certified]
+    places = np.array([fixed.centre_mm for fixed in campaign.fixed_nests])
+    stops = Stops(
+        config=-1 - certified,
+        joints_rad=np.zeros((len(certified), campaign.robot.n_joints)),
+        time_s=readings.time_s[certified],
+    )
+    return ReferenceBlock(
+        targets=Targets(stops, np.ones(len(certified), dtype=np.int64), fixed_mm=places[nest - 1]),
+        fixed_nest=nest,
+        certified_mm=places[nest - 1],
+        measured_mm=readings.position_mm[certified],
+        uncertainty=readings.standard_uncertainty_mm[certified],
+        weights=np.ones(len(certified)),
+    )
+
+
+def with_reference_parameters(
+    structure: Structure, start: FloatArray, block: ReferenceBlock, campaign: Campaign
+) -> tuple[Structure, FloatArray]:
+    """Return structure and start values with the parameters that the readings of fixed nests need."""
+    read = np.unique(block.fixed_nest).tolist()
+    specs = reference_specs({k: campaign.fixed_nests[k - 1].standard_uncertainty_mm for k in read})
+    return structure.extended(NAME, specs), np.concatenate([start, np.zeros(len(specs))])

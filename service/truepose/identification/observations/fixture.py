@@ -1,0 +1,183 @@
+"""What ties the base cups of a ballbar together: sides of triangles, and cups clamped on the robot's ball.
+
+The sides are lengths between two cups, or between two tool nests, measured with the ballbar that measures
+the legs. A cup was clamped on the ball in tool nest 1 while the robot held it: its place, of the fixture as
+it then stood, is where the robot was. Together they fix the frame that lengths alone leave open.
+
+Source of the procedure: A. Nubiola, thesis, 2014, sections 3.5 and 4.1.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import CupSetups, FixtureLengths, Stops
+from truepose.domain.robot import Robot
+from truepose.effects.ports import PortKind
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
+from truepose.identification.model.lengths import excess_mm
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import BlockResult, IndependentReadings, targets_subset
+from truepose.identification.observations.legs import anchor_places, first_anchor
+
+TOOL_PLACEMENT = 0  # number of the placement that stands for the tool
+BALL_NEST = 1  # tool nest that holds the setting ball
+Anchors = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SideBlock(IndependentReadings):
+    """Measured sides; a point is an anchor of the structure, or a tool nest counted on after the anchors."""
+
+    targets: Targets  # no stop of the arm took part: joints 0, configurations of their own
+    ends: IntArray  # (n, 2) points that each side joins
+    length_mm: FloatArray  # (n,)
+    uncertainty: FloatArray  # (n,) [mm]
+    weights: FloatArray  # (n,)
+    discrepancy: float = 0.0  # mm
+    scatter_mm: float = 0.0  # the arm takes no part
+
+    def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
+        """Return residuals [mm] and derivatives."""
+        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        distance = np.linalg.norm(self._joined(state), axis=1)
+        residual = (self.length_mm - distance - excess_mm(state))[:, None]
+        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the changes of the predicted sides, shape (P, n, 1)."""
+        joined = self._joined(state)
+        direction = joined / np.linalg.norm(joined, axis=1)[:, None]
+        first, n_anchors = first_anchor(state.structure), len(state.structure.anchors)
+        rows = np.arange(len(direction))
+        jacobian = np.zeros((len(state.structure.names), len(direction)))
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            base = self.ends[:, end] < n_anchors
+            for component in range(3):
+                parameter = first + 3 * self.ends[base, end] + component
+                jacobian[parameter, rows[base]] += sign * direction[base, component]
+        for term in state.terms:
+            if term.port.kind is PortKind.NEST:
+                nest, component = divmod(term.port.number, 3)
+                moves = (self.ends == n_anchors + nest).astype(float) @ np.array([-1.0, 1.0])
+                jacobian[term.parameter] += term.weight * moves * direction[:, component]
+            elif term.port.kind is PortKind.LENGTH:
+                jacobian[term.parameter] += term.weight
+        return jacobian[:, :, None]
+
+    def _joined(self, state: State) -> FloatArray:
+        """Return the vector from the first to the second end of each side, shape (n, 3)."""
+        anchors = anchor_places(state.structure, state.values)
+        points = np.concatenate([anchors, nest_centres(state.structure, state.moved)])
+        return np.asarray(points[self.ends[:, 1]] - points[self.ends[:, 0]])
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> "SideBlock":
+        """Return the block with other weights; no model of an arm is in it that could lack something."""
+        return replace(self, weights=weights)
+
+    def subset(self, rows: IntArray) -> "SideBlock":
+        """Return the block with some of its readings."""
+        return replace(
+            self,
+            targets=targets_subset(self.targets, rows),
+            ends=self.ends[rows],
+            length_mm=self.length_mm[rows],
+            uncertainty=self.uncertainty[rows],
+            weights=self.weights[rows],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ClampBlock(IndependentReadings):
+    """Cups that were clamped on the ball which the robot held: three coordinates each."""
+
+    targets: Targets  # where the robot stood, configurations of their own
+    anchor: IntArray  # (n,) index in the structure's anchors
+    uncertainty: FloatArray  # (n,) per axis, of cup against ball and of the arm's stop [mm]
+    weights: FloatArray  # (n,)
+    discrepancy: float = 0.0  # mm per axis
+    scatter_mm: float = 0.0  # part of the uncertainty: each cup is clamped at a stop of its own
+
+    def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
+        """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
+        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        residual = anchor_places(structure, values)[self.anchor] - state.position_mm
+        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the motions of the ball away from the cups, shape (P, n, 3)."""
+        jacobian = position_jacobian(state)
+        first, rows = first_anchor(state.structure), np.arange(len(self.anchor))
+        for component in range(3):
+            jacobian[first + 3 * self.anchor + component, rows, component] -= 1.0
+        return jacobian
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> "ClampBlock":
+        """Return the block with other weights and another discrepancy [mm]."""
+        return replace(self, weights=weights, discrepancy=discrepancy)
+
+    def subset(self, rows: IntArray) -> "ClampBlock":
+        """Return the block with some of its cups."""
+        return replace(
+            self,
+            targets=targets_subset(self.targets, rows),
+            anchor=self.anchor[rows],
+            uncertainty=self.uncertainty[rows],
+            weights=self.weights[rows],
+        )
+
+
+def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Robot) -> SideBlock | None:
+    """Return the sides between points that legs were measured from or to; None where there is none.
+
+    Parameters
+    ----------
+    fixture : FixtureLengths
+    anchors : tuple of (placement, base point)
+        Of the structure.
+    nests : int
+        Number of tool nests.
+    robot : Robot
+    """
+    every = range(len(fixture.placement))
+    ends = np.array([[_point(fixture, row, end, anchors, nests) for end in "ab"] for row in every])
+    ends = ends.reshape(-1, 2)
+    rows = np.flatnonzero((ends >= 0).all(axis=1))
+    if rows.size == 0:
+        return None
+    length = fixture.length_mm[rows]
+    stops = Stops(-1 - np.arange(len(rows)), np.zeros((len(rows), robot.n_joints)))
+    targets = Targets(stops, np.ones(len(rows), dtype=np.int64), length_mm=length)
+    return SideBlock(targets, ends[rows], length, fixture.standard_uncertainty_mm[rows], np.ones(len(rows)))
+
+
+def _point(fixture: FixtureLengths, row: int, end: str, anchors: Anchors, nests: int) -> int:
+    """Return the number of a point as `SideBlock` counts them, -1 for one that has no legs."""
+    placement = int(fixture.placement[row])
+    number = int((fixture.point_a if end == "a" else fixture.point_b)[row])
+    if placement == TOOL_PLACEMENT:
+        return len(anchors) + number - 1 if number <= nests else -1
+    return anchors.index((placement, number)) if (placement, number) in anchors else -1
+
+
+def clamp_block(setup: CupSetups, anchors: Anchors, uncertainty_mm: float) -> ClampBlock | None:
+    """Return the clamped cups that legs were measured from; None where there is none.
+
+    Parameters
+    ----------
+    setup : CupSetups
+    anchors : tuple of (placement, base point)
+        Of the structure.
+    uncertainty_mm : float
+        Of a cup against the place that the robot was sent to, per axis.
+    """
+    pairs = list(zip(setup.placement.tolist(), setup.base_point.tolist(), strict=True))
+    rows = [row for row, pair in enumerate(pairs) if pair in anchors]
+    if not rows:
+        return None
+    numbers = -1 - 10_000 - np.arange(len(rows))  # apart from those of the sides
+    targets = Targets(Stops(numbers, setup.joints_rad[rows]), np.full(len(rows), BALL_NEST))
+    index = np.array([anchors.index(pairs[row]) for row in rows])
+    return ClampBlock(targets, index, np.full(len(rows), uncertainty_mm), np.ones(len(rows)))

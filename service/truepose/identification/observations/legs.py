@@ -1,0 +1,131 @@
+"""Legs as observations: measured lengths from base nests, which are parameters themselves, to tool nests."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.identification.model.evaluation import State, Targets, evaluate
+from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import BlockResult, targets_subset
+from truepose.identification.observations.whitening import Whitener, whitener
+from truepose.kinematics.chain import theta_gradient
+
+LEG_OFFSET = "length_offset"
+# What a model of an arm lacks is angles of joints first of all: gears, backlash, couplings. The legs of a
+# stop see such an angle together, each at its own lever; a discrepancy of d mm is one of d / 400 mm in every
+# joint, and besides a part of d in each leg by itself, for what is no angle of a joint.
+_ARM_MM = 400.0
+_OWN_SHARE = 0.6
+
+
+def anchor_name(anchor: tuple[int, int], component: int) -> str:
+    """Return e.g. `anchor_1_3_x` for placement 1, base point 3, component 0."""
+    return f"anchor_{anchor[0]}_{anchor[1]}_{'xyz'[component]}"
+
+
+def first_anchor(structure: Structure) -> int:
+    """Return the index of the first coordinate of the base cups, which follow one another."""
+    return structure.index_of(anchor_name(structure.anchors[0], 0))
+
+
+def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
+    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
+    first = first_anchor(structure)
+    return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class LegBlock:
+    """Measured lengths from base nests, which are parameters themselves, to tool nests."""
+
+    targets: Targets
+    anchor: IntArray  # (n,) index in the structure's anchors
+    length_mm: FloatArray  # (n,)
+    uncertainty_mm: FloatArray  # (n,)
+    scatter_mm: float
+    weights: FloatArray  # (n,)
+    discrepancy: float = 0.0  # mm, at an arm's length from the joints
+
+    def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
+        """Return residuals [mm] and derivatives."""
+        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        arm = state.position_mm - moved_feet(state, self._feet(state))
+        distance = np.linalg.norm(arm, axis=1)
+        direction = arm / distance[:, None]
+        offset = values[structure.index_of(LEG_OFFSET)] if LEG_OFFSET in structure.names else 0.0
+        residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
+        lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)
+        whitening = self._whitening(direction, lever)
+        return BlockResult(residual, self.derivatives(state), state, whitening, direction, lever)
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""
+        structure, feet = state.structure, self._feet(state)
+        arm = state.position_mm - moved_feet(state, feet)
+        direction = arm / np.linalg.norm(arm, axis=1)[:, None]
+        jacobian = length_jacobian(state, feet)
+        rows = np.arange(len(self.anchor))
+        first = first_anchor(structure)
+        for component in range(3):
+            own = np.einsum("ni,ni->n", foot_gradient(state, component), direction)
+            jacobian[first + 3 * self.anchor + component, rows] = -own
+        if LEG_OFFSET in structure.names:
+            jacobian[structure.index_of(LEG_OFFSET)] = 1.0
+        return np.asarray(jacobian[:, :, None])
+
+    def _feet(self, state: State) -> FloatArray:
+        """Return the anchor of each leg, shape (n, 3)."""
+        return np.asarray(anchor_places(state.structure, state.values)[self.anchor])
+
+    def component_variance(self) -> FloatArray:
+        """Variance of each length [mm2], shape (n,)."""
+        return np.asarray(self.uncertainty_mm**2 + self.discrepancy**2)
+
+    def stated_sigma(self) -> float:
+        """Root mean variance of a length with the arm's scatter [mm]."""
+        return float(np.sqrt(np.mean(self.uncertainty_mm**2) + self.scatter_mm**2))
+
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return a result with this block's weights."""
+        n, joints = self.targets.stops.joints_rad.shape
+        direction = np.zeros((n, 3)) if result.direction is None else result.direction
+        lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
+        return replace(result, whitening=self._whitening(direction, lever))
+
+    def whitened(self, result: BlockResult) -> FloatArray:
+        """Return residuals with this block's weights, shape (n,)."""
+        return self.rewhitened(result).white_residual
+
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each length's squared residual over its variance, scatter included, shape (n,)."""
+        return np.asarray(result.residual[:, 0] ** 2 / (self.component_variance() + self.scatter_mm**2))
+
+    def _whitening(self, direction: FloatArray, lever_mm: FloatArray) -> Whitener:
+        together = self._together()
+        part = np.where(together, _OWN_SHARE, 1.0) * self.discrepancy
+        own = (self.uncertainty_mm**2 + part**2)[:, None, None]
+        joints = together[:, None] * self.discrepancy / _ARM_MM * lever_mm
+        shared = np.hstack([self.scatter_mm * direction, joints])
+        return whitener(own, self.weights, self.targets.stops.config, shared[:, None, :])
+
+    def _together(self) -> BoolArray:
+        """Return which legs were read at a stop with others, shape (n,)."""
+        _, stop, legs = np.unique(self.targets.stops.config, return_inverse=True, return_counts=True)
+        return np.asarray(legs[stop] > 1)
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> "LegBlock":
+        """Return the block with other weights and another discrepancy [mm]."""
+        return replace(self, weights=weights, discrepancy=discrepancy)
+
+    def subset(self, rows: IntArray) -> "LegBlock":
+        """Return the block with some of its readings."""
+        return replace(
+            self,
+            targets=targets_subset(self.targets, rows),
+            anchor=self.anchor[rows],
+            length_mm=self.length_mm[rows],
+            uncertainty_mm=self.uncertainty_mm[rows],
+            weights=self.weights[rows],
+        )

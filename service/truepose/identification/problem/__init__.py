@@ -1,0 +1,1 @@
+"""From a campaign to a least-squares problem: what it knows, where the arm stands, where to start."""

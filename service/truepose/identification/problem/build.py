@@ -1,0 +1,206 @@
+"""From a campaign to a least-squares problem: structure, blocks of observations, start values."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.effects.ports import Setting
+from truepose.effects.reference import NAME as REFERENCE
+from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.identification.model.evaluation import Targets
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block, OrientationBlock, PositionBlock
+from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
+from truepose.identification.observations.legs import LegBlock
+from truepose.identification.problem.legs import leg_structure
+from truepose.identification.problem.placement import Placement, place
+from truepose.identification.problem.setting import (
+    has_orientations,
+    known_placement,
+    setting_of,
+    torque_source,
+    unknown_nests,
+)
+from truepose.identification.problem.start import started_structure
+from truepose.kinematics.chain import Chain, nominal_chain
+from truepose.kinematics.frames import (
+    rotation_from_quaternion,
+    rotation_from_vector,
+    vector_from_rotation,
+)
+
+_UNSTATED_RAD = 1e-3  # first guess of an orientation's uncertainty; the residuals replace it
+NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
+NUISANCE = (
+    REFERENCE,
+    TOOL_CERTIFICATE,
+)  # what certificates leave open: nobody asks for it
+# Effects that move the readings of fixed nests too, and the one that stands for these readings.
+_SEEN_ON_FIXED_NESTS = frozenset({"instrument_drift", "instrument_scale", "reference"})
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What the solver needs."""
+
+    structure: Structure
+    blocks: tuple[Block, ...]
+    start: FloatArray  # (P,)
+    nominal_residual_mm: FloatArray  # (n, d) of the placed nominal robot
+    setting: Setting  # from which the effects chose their parameters
+
+    @property
+    def quantity(self) -> Literal["position", "length"]:
+        """What the first block observes."""
+        return "length" if isinstance(self.blocks[0], LegBlock) else "position"
+
+
+def automatic_effects(campaign: Campaign) -> tuple[str, ...]:
+    """Return what `auto` stands for: base, unknown tool, geometry, compliance where torques are known."""
+    names: list[str] = ["base"] if campaign.calibration is not None else []
+    if unknown_nests(campaign) or has_orientations(campaign):
+        names.append("tool")
+    names.append("geometry")
+    if torque_source(campaign) != "unknown":
+        names.append("compliance")
+    return tuple(names)
+
+
+def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool = False) -> Problem:
+    """Build the problem of a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : tuple of str
+    with_reference : bool
+        Take readings of fixed nests as observations; they are in any case where an effect moves them.
+
+    Raises
+    ------
+    UnknownEffectError
+        An effect is not registered.
+    ConfigurationError
+        The campaign has nothing to identify from, or the effects leave open what it does not know.
+    """
+    readings = campaign.calibration or campaign.legs
+    if readings is None:
+        raise ConfigurationError(
+            "The campaign has neither calibration points nor legs: give one of them under `files`."
+        )
+    _check(campaign, readings.stops, effects)
+    problem = (
+        _point_problem(campaign, readings, effects)
+        if isinstance(readings, PointReadings)
+        else _leg_problem(campaign, readings, effects)
+    )
+    if not problem.structure.specs:
+        raise ConfigurationError(
+            f"Nothing is unknown that {', '.join(effects)} could say: add effects, e.g. base,geometry."
+        )
+    if with_reference or _SEEN_ON_FIXED_NESTS & set(effects):
+        problem = _with_reference(campaign, problem)
+    return replace(problem, structure=replace(problem.structure, origin_s=_first_s(campaign, readings.stops)))
+
+
+def _with_reference(campaign: Campaign, problem: Problem) -> Problem:
+    """Add the readings of fixed nests to the readings of positions."""
+    block = None if problem.quantity == "length" else reference_block(campaign)
+    if block is None:
+        return problem
+    structure, start = with_reference_parameters(problem.structure, problem.start, block, campaign)
+    return replace(problem, structure=structure, blocks=(*problem.blocks, block), start=start)
+
+
+def _first_s(campaign: Campaign, stops: Stops) -> float:
+    """Return the time of the first reading, fixed nests included, 0 where no times are known."""
+    fixed = campaign.reference if campaign.calibration is not None else None
+    columns = (stops.time_s, None if fixed is None else fixed.time_s)
+    known = [column[np.isfinite(column)] for column in columns if column is not None]
+    return min((float(column.min()) for column in known if column.size), default=0.0)
+
+
+def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
+    if campaign.calibration is not None and campaign.base_nominal is None and "base" not in effects:
+        raise ConfigurationError("The campaign does not know the base: add `base` to the effects.")
+    unknown = unknown_nests(campaign)
+    if unknown and "tool" not in effects:
+        raise ConfigurationError(f"The campaign does not know nest {unknown[0]}: add `tool` to the effects.")
+    if "compliance" in effects and torque_source(campaign) == "measured" and stops.torque_n_mm is not None:
+        gaps = ~np.isfinite(stops.torque_n_mm).all(axis=1)
+        if gaps.any():
+            raise ConfigurationError(
+                f"Configuration {int(stops.config[gaps][0])} lacks a measured joint torque: give all of "
+                "tau1_Nm.., remove these columns, or leave `compliance` out of the effects."
+            )
+
+
+def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str, ...]) -> Problem:
+    chain = nominal_chain(campaign.robot, points.stops.joints_rad)
+    known = known_placement(campaign)
+    search = replace(known, base=None) if "base" in effects else known
+    placement = place(chain, points.nest, points.position_mm, search)
+    found = placement.rotation if campaign.base_nominal is None else None
+    setting = setting_of(campaign, points.stops, found)
+    tool = _tool_rotation(chain, placement, points)
+    structure, start = started_structure(campaign, effects, placement, tool, setting)
+    blocks: list[Block] = [position_block(points, campaign)]
+    # Without the tool's orientation as a parameter, measured orientations say nothing.
+    if points.quaternion is not None and "tool" in effects:
+        blocks.append(_orientation_block(points, points.quaternion))
+    return Problem(structure, tuple(blocks), start, placement.residual_mm, setting)
+
+
+def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) -> FloatArray:
+    if points.quaternion is None:
+        return np.eye(3)
+    seen = rotation_from_quaternion(points.quaternion)
+    in_last = np.swapaxes(placement.rotation @ chain.rotation[-1], 1, 2) @ seen
+    middle = in_last[0]
+    for _ in range(3):  # the mean rotation, by means of rotation vectors about the last one
+        middle = middle @ _mean_turn(np.swapaxes(middle[None], 1, 2) @ in_last)
+    return np.asarray(middle)
+
+
+def _mean_turn(turns: FloatArray) -> FloatArray:
+    return rotation_from_vector(np.median(vector_from_rotation(turns), axis=0))
+
+
+def position_block(points: PointReadings, campaign: Campaign) -> PositionBlock:
+    """Return the block of position readings, weighted as the campaign states."""
+    covariance = points.covariance_mm2
+    if covariance is None:
+        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
+    scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
+    targets = Targets(points.stops, points.nest)
+    block = PositionBlock(targets, points.position_mm, covariance, scatter, np.ones(len(points)))
+    return block.prepared()
+
+
+def _orientation_block(points: PointReadings, quaternion: FloatArray) -> OrientationBlock:
+    stated = points.rotation_uncertainty_rad
+    known = np.zeros(0) if stated is None else stated[np.isfinite(stated)]
+    if stated is None or known.size == 0:
+        uncertainty, extra = np.zeros(len(points)), _UNSTATED_RAD
+    else:  # one instrument measured them all: where it says nothing, it is as good as elsewhere
+        uncertainty, extra = np.where(np.isfinite(stated), stated, np.median(known)), 0.0
+    return OrientationBlock(
+        targets=Targets(points.stops, points.nest),
+        measured=rotation_from_quaternion(quaternion),
+        uncertainty=uncertainty,
+        weights=np.ones(len(points)),
+        discrepancy=extra,
+    )
+
+
+def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]) -> Problem:
+    setting = setting_of(campaign, legs.stops)
+    structure, blocks, start = leg_structure(campaign, legs, effects, setting)
+    nominal = structure.without(tuple(name for name in effects if name not in NOMINAL_EFFECTS))
+    keep = [structure.index_of(name) for name in nominal.names]
+    residual = blocks[0].result(nominal, start[keep], None).residual
+    return Problem(structure, blocks, start, residual, setting)

@@ -1,0 +1,200 @@
+"""Identification from legs: lengths between tool nests and base nests whose places are parameters too."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign, FixtureLengths, LegReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import FramePlacement
+from truepose.effects.ports import ParameterSpec, Setting
+from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.tool_certificate import certificate_specs
+from truepose.identification.distributions import chi2_limit
+from truepose.identification.model.evaluation import Targets
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.fixture import BALL_NEST, TOOL_PLACEMENT, clamp_block, side_block
+from truepose.identification.observations.legs import LEG_OFFSET, LegBlock, anchor_name
+from truepose.identification.problem.leg_placement import LegPlacement, place_legs
+from truepose.identification.problem.placement import Known, Placement
+from truepose.identification.problem.setting import known_placement, unknown_nests
+from truepose.identification.problem.start import started_structure
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import placement_rotation, placement_translation
+
+_ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
+_LEG_OWNER = "legs"
+_NOMINAL_OFF_MM = (
+    3.0  # no further is a nominal robot off: a cup that fits within that is where it was clamped
+)
+_CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradict the nests' certificates
+
+
+def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
+    """Return the distinct (placement, base point) pairs and the index of each reading among them."""
+    pairs = list(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))
+    distinct = sorted(set(pairs))
+    return tuple(distinct), np.array([distinct.index(pair) for pair in pairs])
+
+
+def leg_targets(legs: LegReadings) -> Targets:
+    """Return where lengths were read, with what effects of ballbar and fixture depend on."""
+    return Targets(legs.stops, legs.nest, legs.placement, legs.initialisation, legs.length_mm)
+
+
+def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
+    """Return the block of leg readings for a structure with these anchors."""
+    scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
+    pairs = zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
+    index = np.array([anchors.index(pair) for pair in pairs])
+    return LegBlock(
+        leg_targets(legs), index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs))
+    )
+
+
+def leg_structure(
+    campaign: Campaign, legs: LegReadings, effects: tuple[str, ...], setting: Setting
+) -> tuple[Structure, tuple[Block, ...], FloatArray]:
+    """Place anchors and unknown nests, and return structure, observations and start values, shape (P,).
+
+    The legs come first; sides of triangles and clamped cups follow as far as the campaign has them.
+
+    Raises
+    ------
+    ConfigurationError
+        The base is to be identified, which legs between unknown base points do not see.
+    """
+    if "base" in effects:
+        raise ConfigurationError(
+            "Legs between unknown base points do not see where the base stands: "
+            "leave `base` out of the effects."
+        )
+    anchors, index = leg_anchors(legs)
+    known = known_placement(campaign)
+    with_offset = campaign.ballbar_nominal_mm is None
+    found = place_legs(
+        nominal_chain(campaign.robot, legs.stops.joints_rad),
+        legs.nest,
+        index,
+        legs.length_mm,
+        known.nests_mm,
+        known.nest_unknown,
+        _clamped(campaign, anchors, known),
+        with_offset=with_offset,
+    )
+    placement = _at_base(campaign.base_nominal or FramePlacement(), found)
+    structure, start = started_structure(_with_base(campaign), effects, placement, np.eye(3), setting)
+    structure, start = _with_certified_nests(structure, start, campaign, legs)
+    anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
+    offset_mm = found.offset_mm if with_offset else None
+    structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
+    return structure, (leg_block(legs, campaign, anchors), *_fixture_blocks(campaign, anchors)), start
+
+
+def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Known) -> FloatArray:
+    """Return where the nominal arm, base at the identity, held each anchor's ball; NaN where none."""
+    places = np.full((len(anchors), 3), np.nan)
+    setup, nest = campaign.setup, BALL_NEST - 1
+    if setup is None or known.nest_unknown[nest]:
+        return places
+    held = nominal_chain(campaign.robot, setup.joints_rad).points(known.nests_mm[nest])
+    clamped = zip(setup.placement.tolist(), setup.base_point.tolist(), strict=True)
+    for row, pair in enumerate(clamped):
+        if pair in anchors:
+            places[anchors.index(pair)] = held[row]
+    return places
+
+
+def _fixture_blocks(campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> list[Block]:
+    """Return what ties the anchors to each other and to the robot, as far as the campaign has it."""
+    fixture, setup, clamped_mm = campaign.fixture, campaign.setup, campaign.setup_uncertainty_mm
+    blocks: list[Block | None] = []
+    if fixture is not None:
+        blocks.append(side_block(fixture, anchors, len(campaign.nests), campaign.robot))
+    if setup is not None and clamped_mm is not None:
+        off_mm = float(np.hypot(clamped_mm, campaign.robot.repeatability_mm))
+        blocks.append(clamp_block(setup, anchors, off_mm))
+    return [block for block in blocks if block is not None]
+
+
+def _with_certified_nests(
+    structure: Structure, start: FloatArray, campaign: Campaign, legs: LegReadings
+) -> tuple[Structure, FloatArray]:
+    """Let certified nests move within their certificates: legs are finer than these."""
+    known = sorted(set(np.unique(legs.nest).tolist()) - set(unknown_nests(campaign)))
+    stated = {k: campaign.nests[k - 1].standard_uncertainty_mm for k in known}
+    wider = _certificates_contradicted(campaign)
+    specs = certificate_specs({k: wider * u for k, u in stated.items() if u})
+    if not specs:
+        return structure, start
+    return structure.extended(TOOL_CERTIFICATE, specs), np.concatenate([start, np.zeros(len(specs))])
+
+
+def _certificates_contradicted(campaign: Campaign) -> float:
+    """Return how much wider than certified nests scatter, by the measured triangle of the tool; 1 or more."""
+    fixture = campaign.fixture
+    if fixture is None:
+        return 1.0
+    tool = np.flatnonzero(fixture.placement == TOOL_PLACEMENT).tolist()
+    squares = [square for row in tool if (square := _against_certificate(campaign, fixture, row)) is not None]
+    total = float(np.sum(squares))
+    if not squares or total <= chi2_limit(_CONTRADICTION_LEVEL, len(squares)):
+        return 1.0
+    return float(np.sqrt(total / len(squares)))
+
+
+def _against_certificate(campaign: Campaign, fixture: FixtureLengths, row: int) -> float | None:
+    """Return the square of a side's deviation from its certificate over its variance, None without one."""
+    ends = (int(fixture.point_a[row]), int(fixture.point_b[row]))
+    if max(ends) > len(campaign.nests):
+        return None
+    first, second = (campaign.nests[end - 1] for end in ends)
+    if first.centre_mm is None or second.centre_mm is None:
+        return None
+    off_mm = float(fixture.length_mm[row] - np.linalg.norm(np.subtract(first.centre_mm, second.centre_mm)))
+    stated = (first.standard_uncertainty_mm or 0.0, second.standard_uncertainty_mm or 0.0)
+    return off_mm**2 / (float(fixture.standard_uncertainty_mm[row]) ** 2 + stated[0] ** 2 + stated[1] ** 2)
+
+
+def _at_base(base: FramePlacement, found: LegPlacement) -> Placement:
+    """Return the nominal base, held, with the nests found."""
+    return Placement(
+        rotation=placement_rotation(base),
+        origin_mm=placement_translation(base),
+        nests_mm=found.nests_mm,
+        residual_mm=np.zeros((0, 3)),
+        weights=np.zeros(0),
+    )
+
+
+def _with_base(campaign: Campaign) -> Campaign:
+    """Return the campaign with the world at the nominal base: legs alone cannot tell them apart."""
+    if campaign.base_nominal is not None:
+        return campaign
+    return replace(campaign, base_nominal=FramePlacement())
+
+
+def _with_anchors(
+    structure: Structure,
+    start: FloatArray,
+    anchors: tuple[tuple[int, int], ...],
+    places_mm: FloatArray,
+    offset_mm: float | None,
+) -> tuple[Structure, FloatArray]:
+    names = [anchor_name(anchor, component) for anchor in anchors for component in range(3)]
+    values = places_mm.ravel().tolist()
+    if offset_mm is not None:
+        names.append(LEG_OFFSET)
+        values.append(offset_mm)
+    extra = tuple(
+        ParameterSpec(name, "mm", value, _ANCHOR_WIDTH_MM) for name, value in zip(names, values, strict=True)
+    )
+    widened = replace(
+        structure,
+        specs=structure.specs + extra,
+        owners=structure.owners + (_LEG_OWNER,) * len(extra),
+        anchors=anchors,
+    )
+    return widened, np.concatenate([start, values])

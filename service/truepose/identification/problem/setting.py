@@ -1,0 +1,89 @@
+"""What a campaign knows before any fit: nests, base, torques. Effects choose their parameters from it."""
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign, Stops
+from truepose.effects.ports import Setting
+from truepose.identification.problem.placement import Known
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.kinematics.gravity import gravity_torques
+
+
+def torque_source(campaign: Campaign) -> str:
+    """Where joint torques come from: `measured`, `masses` or `unknown`."""
+    readings = campaign.calibration or campaign.legs
+    torque = None if readings is None else readings.stops.torque_n_mm
+    if torque is not None and np.isfinite(torque).any():
+        return "measured"
+    return "masses" if campaign.robot.masses else "unknown"
+
+
+def unknown_nests(campaign: Campaign) -> tuple[int, ...]:
+    """Return the numbers of the nests that must be found from the data."""
+    return tuple(k + 1 for k, nest in enumerate(campaign.nests) if nest.centre_mm is None)
+
+
+def has_orientations(campaign: Campaign) -> bool:
+    """Whether the orientation of the tool was measured."""
+    return campaign.calibration is not None and campaign.calibration.quaternion is not None
+
+
+def known_placement(campaign: Campaign) -> Known:
+    """Return what the campaign says of base and nests."""
+    unknown = np.array([nest.centre_mm is None for nest in campaign.nests])
+    centres = np.array([nest.centre_mm or (0.0, 0.0, 0.0) for nest in campaign.nests])
+    base = campaign.base_nominal
+    if base is None:
+        return Known(None, centres, unknown)
+    return Known((placement_rotation(base), placement_translation(base)), centres, unknown)
+
+
+def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | None = None) -> Setting:
+    """Return what effects choose their parameters from.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    stops : Stops
+    base_rotation : ndarray, shape (3, 3), optional
+        Of the base as found from the data, which says where gravity points; without it the campaign's,
+        and the world's where the campaign has none.
+    """
+    source = torque_source(campaign)
+    largest = np.zeros(campaign.robot.n_joints)
+    if source == "measured" and stops.torque_n_mm is not None:
+        largest = np.nanmax(np.abs(stops.torque_n_mm), axis=0)
+    elif source == "masses":
+        base = known_placement(campaign).base
+        rotation = base_rotation
+        if rotation is None:
+            rotation = np.eye(3) if base is None else base[0]
+        gravity = rotation.T @ np.array(campaign.gravity_m_s2)
+        chain = nominal_chain(campaign.robot, stops.joints_rad)
+        largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
+    legs = campaign.legs if campaign.calibration is None else None
+    return Setting(
+        robot=campaign.robot,
+        unknown_nests=unknown_nests(campaign),
+        has_orientations=has_orientations(campaign),
+        torque_source=source,
+        largest_torque_n_mm=largest,
+        certified_nests=_certified_nests(campaign),
+        attachments=_numbers(stops.attachment),
+        initialisations=_numbers(None if legs is None else legs.initialisation),
+        lengths=legs is not None,
+    )
+
+
+def _certified_nests(campaign: Campaign) -> tuple[int, ...]:
+    readings = campaign.calibration or campaign.legs
+    unknown = unknown_nests(campaign)
+    measured = () if readings is None else _numbers(readings.nest)
+    return tuple(nest for nest in measured if nest not in unknown)
+
+
+def _numbers(column: IntArray | None) -> tuple[int, ...]:
+    """Return the distinct known numbers of a column; those below 0 stand for unknown ones."""
+    return () if column is None else tuple(np.unique(column[column >= 0]).tolist())

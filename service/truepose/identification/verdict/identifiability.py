@@ -1,0 +1,195 @@
+"""Which parameters, or combinations of them, the data do not determine, and why.
+
+A direction is undetermined when its standard uncertainty exceeds half its stated prior width: the
+eigenvectors of the posterior covariance, scaled by the widths, with eigenvalues above one quarter.
+They span a space; a sparse basis of it (one pivot parameter each, found by column-pivoted QR) says
+which parameters are seen only together.
+"""
+
+import numpy as np
+from scipy.linalg import qr
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.results import NotIdentifiable
+from truepose.effects.compliance import compliance_prior
+from truepose.effects.geometry import is_parallel_to_previous
+from truepose.effects.ports import Setting
+from truepose.effects.reference import NAME as REFERENCE
+from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.identification.model.structure import Structure
+
+_UNDETERMINED = 0.25  # square of half a width
+_TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
+
+
+def not_identifiable(
+    structure: Structure,
+    covariance: FloatArray,
+    jacobian: FloatArray,
+    setting: Setting,
+    moved: BoolArray,
+) -> tuple[NotIdentifiable, ...]:
+    """Name what the data leave open.
+
+    Parameters
+    ----------
+    structure : Structure
+        With the stated prior widths.
+    covariance : ndarray, shape (P, P)
+        Posterior with exactly these widths.
+    jacobian : ndarray, shape (P, m)
+        Whitened derivatives.
+    setting : Setting
+    moved : ndarray, shape (J,)
+        Whether each joint moved.
+
+    Returns
+    -------
+    tuple of NotIdentifiable
+        By construction first, then what these configurations leave open.
+    """
+    built_in = _by_construction(structure, setting)
+    # What the readings leave open of a place within its certificate is nobody's question.
+    certificates = (REFERENCE, TOOL_CERTIFICATE)
+    own = np.array([owner not in certificates for owner in structure.owners], dtype=bool)
+    found = _by_data(structure.without(certificates), covariance[np.ix_(own, own)], jacobian[own], moved)
+    return (*built_in, *found)
+
+
+def _by_construction(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
+    robot, names = structure.robot, structure.names
+    entries = []
+    if "base_z" in names and any(name.startswith(("d_", "theta_", "alpha_")) for name in names):
+        entries.append(
+            NotIdentifiable(
+                ("d_1", "theta_1", "base_z", "base_rz"),
+                "row 1 of the table acts as the base does: only the base is a parameter",
+            )
+        )
+    if structure.anchors:
+        entries.append(
+            NotIdentifiable(
+                ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz"),
+                "lengths to cups of unknown place do not see where the arm stands: positions are in the "
+                "world of base_in_world_nominal, and the cups are found there",
+            )
+        )
+    if "d_2" in names or "alpha_2" in names:
+        entries += [
+            NotIdentifiable(
+                (f"d_{joint}", f"d_{joint + 1}"),
+                f"axes {joint} and {joint + 1} are parallel: only the sum of their d is seen, "
+                f"so d_{joint + 1} is no parameter",
+            )
+            for joint in range(1, robot.n_joints)
+            if is_parallel_to_previous(robot, joint)
+        ]
+    if "compliance" in structure.effects:
+        entries += _springs(structure, setting)
+    return entries
+
+
+def _springs(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
+    if setting.torque_source == "unknown":
+        springs = tuple(f"c_{joint + 1}" for joint in range(1, structure.robot.n_joints))
+        reason = (
+            "the masses are unknown: only the products of compliance and mass moment are seen, "
+            "never a compliance itself"
+        )
+        return [NotIdentifiable(springs, reason)]
+    _, widths = compliance_prior(setting)
+    entries = []
+    for joint in range(structure.robot.n_joints):
+        name = f"c_{joint + 1}"
+        if name in structure.names:
+            continue
+        why = "axis 1 is parallel to gravity" if joint == 0 else "it hardly carries torque"
+        deflection = float(setting.largest_torque_n_mm[joint] * widths[joint])
+        reason = (
+            f"the spring of joint {joint + 1} is never loaded, {why}: "
+            f"it would turn by {deflection:.1g} rad at most"
+        )
+        entries.append(NotIdentifiable((name,), reason))
+    return entries
+
+
+def _by_data(
+    structure: Structure, covariance: FloatArray, jacobian: FloatArray, moved: BoolArray
+) -> list[NotIdentifiable]:
+    widths = structure.prior_widths
+    scaled = covariance / np.outer(widths, widths)
+    eigenvalues, vectors = np.linalg.eigh(scaled)
+    open_space = vectors[:, eigenvalues > _UNDETERMINED]
+    if open_space.shape[1] == 0:
+        return []
+    entries = []
+    for direction in _sparse_basis(open_space):
+        members = _members(direction * widths, jacobian, structure)
+        entry = NotIdentifiable(members, _reason(members, structure, moved))
+        if entry not in entries:
+            entries.append(entry)
+    return entries
+
+
+def _sparse_basis(space: FloatArray) -> FloatArray:
+    """Directions in rows, shape (k, P), each alone in moving its pivot parameter."""
+    k = space.shape[1]
+    _, _, order = qr(space.T, pivoting=True, mode="economic")
+    pivots = order[:k]
+    return np.asarray((space @ np.linalg.inv(space[pivots])).T)
+
+
+def _members(direction: FloatArray, jacobian: FloatArray, structure: Structure) -> tuple[str, ...]:
+    """Parameters that take part: each alone would move the predictions, together they hardly do."""
+    motion = np.linalg.norm(jacobian, axis=1) * np.abs(direction)
+    by_width = np.abs(direction) / structure.prior_widths
+    # A parameter that moves nothing at all is open by itself; its weight in the direction says so.
+    taking_part = (motion > _TOGETHER * motion.max()) | ((motion < 1e-9) & (by_width > 0.5))
+    if motion.max() < 1e-9:
+        taking_part = by_width > 0.5
+    return tuple(name for name, part in zip(structure.names, taking_part, strict=True) if part)
+
+
+def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) -> str:
+    still = [k + 1 for k in range(structure.robot.n_joints) if not moved[k]]
+    joints_named = {int(name.split("*")[0].rsplit("_", 1)[1]) for name in members if _of_joint(name)}
+    nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
+    last = structure.robot.n_joints
+    if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
+        return (
+            "lengths from an unknown anchor: its place, the offset of the length "
+            "and these quantities of the arm are seen only together"
+        )
+    if "scale" in members:
+        return (
+            "no certified length is among the observations: "
+            "the instrument's scale and the lengths of the arm are seen only together"
+        )
+    if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:
+        count = "one unknown nest" if len(nests) == 1 else "unknown nests"
+        what = "zero" if f"theta_{last}" in members else "length"
+        return f"{count}: the place of the tool and the {what} of joint {last} are seen only together"
+    if any("*" in name for name in members):
+        return (
+            "the masses are unknown and these products load the same joints "
+            "in the same way at these configurations"
+        )
+    standing = sorted({joint for joint in still if joint in joints_named or joint + 1 in joints_named})
+    if standing:
+        which = ", ".join(str(joint) for joint in standing)
+        moved_text = "never moved" if len(standing) == 1 else "never moved in these data"
+        noun = "joints" if len(standing) > 1 else "joint"
+        return f"{noun} {which} {moved_text}: what lies before and behind is seen only together"
+    if any(name.startswith("c_") for name in members) and len(members) > 1:
+        return (
+            "these springs are loaded alike at these configurations: "
+            "compliance and geometry are seen only together"
+        )
+    if len(members) == 1:
+        return "these configurations hardly depend on it: its prior holds it"
+    return "these configurations see only a combination of them: their priors hold the rest"
+
+
+def _of_joint(name: str) -> bool:
+    quantity = name.split("*")[0].rsplit("_", 1)[0]
+    return quantity in ("alpha", "a", "beta", "theta", "d", "c", "gain")

@@ -1,0 +1,134 @@
+"""Readings that no place of the arm can have given, set aside before anything is squared.
+
+Wherever the base stands: two tool nests are never further from each other than twice the arm's reach with its
+tool, and two lengths from one cup never differ by more. A reading beyond twice that is none of this arm.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+from truepose.domain.results import Outlier
+from truepose.identification.model.stops import taken
+from truepose.identification.verdict.conventions import reach_mm
+
+_FAR: Final = 4.0  # reaches; two are possible
+_TOOL_MM: Final = 2000.0  # no unknown nest is further from the last frame
+_ACCIDENTS: Final = 0.2  # share of the readings beyond which they are none: the table is of another robot
+
+
+@dataclass(frozen=True, slots=True)
+class WithinReach:
+    """A campaign without the readings that were set aside."""
+
+    campaign: Campaign
+    outliers: tuple[Outlier, ...]
+    rows: IntArray  # (m,) where the readings that are left stand in their table
+
+    @property
+    def sentence(self) -> str:
+        """What was set aside; empty where nothing was."""
+        n = len(self.outliers)
+        if n == 0:
+            return ""
+        configs = ", ".join(str(outlier.config) for outlier in self.outliers[:5])
+        more = ", ..." if n > 5 else ""
+        return (
+            f"{n} reading{'s' if n > 1 else ''} that this arm cannot reach {'were' if n > 1 else 'was'} set "
+            f"aside beforehand (configuration{'s' if n > 1 else ''} {configs}{more})."
+        )
+
+    def with_rows_of_table(self, outliers: tuple[Outlier, ...]) -> tuple[Outlier, ...]:
+        """Return outliers of the readings that are left, and those set aside, by their rows in the table."""
+        placed = (replace(outlier, row=int(self.rows[outlier.row])) for outlier in outliers)
+        return tuple(sorted((*self.outliers, *placed), key=lambda outlier: outlier.row))
+
+
+def within_reach(campaign: Campaign) -> WithinReach:
+    """Set aside the readings that identify and that the arm cannot have reached, where they are few."""
+    readings = campaign.calibration or campaign.legs
+    if readings is None:
+        return WithinReach(campaign, (), np.zeros(0, dtype=np.int64))
+    reach = _with_tool_mm(campaign)
+    away_mm = _away_mm(readings)
+    beyond = ~(away_mm <= _FAR * reach)  # also what is no number
+    if beyond.mean() > _ACCIDENTS:
+        beyond = np.zeros(len(readings), dtype=bool)
+    rows = np.flatnonzero(~beyond)
+    if not beyond.any():
+        return WithinReach(campaign, (), rows)
+    found = tuple(_outlier(readings, int(row), float(away_mm[row]), reach) for row in np.flatnonzero(beyond))
+    return WithinReach(_with_rows(campaign, rows), found, rows)
+
+
+def _with_tool_mm(campaign: Campaign) -> float:
+    nests = [np.zeros(3) if nest.centre_mm is None else np.array(nest.centre_mm) for nest in campaign.nests]
+    unknown = any(nest.centre_mm is None for nest in campaign.nests)
+    longest = max((float(np.abs(nest).sum()) for nest in nests), default=0.0)
+    return reach_mm(campaign.robot) + max(longest, _TOOL_MM if unknown else 0.0)
+
+
+def _away_mm(readings: PointReadings | LegReadings) -> FloatArray:
+    """Return how far each reading is from the middle one of all it can be compared with [mm], shape (n,)."""
+    if isinstance(readings, PointReadings):
+        middle = np.nanmedian(readings.position_mm, axis=0)
+        return np.asarray(np.abs(readings.position_mm - middle).max(axis=1))
+    away = np.empty(len(readings))
+    cup = np.column_stack([readings.placement, readings.base_point])
+    _, which = np.unique(cup, axis=0, return_inverse=True)
+    for number in np.unique(which):
+        here = which.reshape(-1) == number
+        away[here] = np.abs(readings.length_mm[here] - np.nanmedian(readings.length_mm[here]))
+    return away
+
+
+def _outlier(readings: PointReadings | LegReadings, row: int, away_mm: float, reach: float) -> Outlier:
+    of_points = isinstance(readings, PointReadings)
+    what = "from the middle of all readings" if of_points else "off the other lengths from its cup"
+    return Outlier(
+        row=row,
+        config=int(readings.stops.config[row]),
+        nest=int(readings.nest[row]),
+        residual_mm=away_mm,
+        reason=f"{away_mm:.3g} mm {what}, where this arm with its tool reaches {reach:.0f} mm: "
+        "no place of the arm gives that, it was set aside before the fit",
+    )
+
+
+def _with_rows(campaign: Campaign, rows: IntArray) -> Campaign:
+    """Return the campaign with some of the readings that identify."""
+    points, legs = campaign.calibration, campaign.legs
+    if points is not None:
+        return replace(campaign, calibration=_points(points, rows))
+    return campaign if legs is None else replace(campaign, legs=_legs(legs, rows))
+
+
+def _points(points: PointReadings, rows: IntArray) -> PointReadings:
+    return PointReadings(
+        stops=taken(points.stops, rows),
+        nest=points.nest[rows],
+        position_mm=points.position_mm[rows],
+        standard_uncertainty_mm=points.standard_uncertainty_mm[rows],
+        covariance_mm2=_some(points.covariance_mm2, rows),
+        quaternion=_some(points.quaternion, rows),
+        rotation_uncertainty_rad=_some(points.rotation_uncertainty_rad, rows),
+    )
+
+
+def _legs(legs: LegReadings, rows: IntArray) -> LegReadings:
+    return LegReadings(
+        stops=taken(legs.stops, rows),
+        placement=legs.placement[rows],
+        base_point=legs.base_point[rows],
+        nest=legs.nest[rows],
+        length_mm=legs.length_mm[rows],
+        standard_uncertainty_mm=legs.standard_uncertainty_mm[rows],
+        initialisation=None if legs.initialisation is None else legs.initialisation[rows],
+    )
+
+
+def _some(column: FloatArray | None, rows: IntArray) -> FloatArray | None:
+    return None if column is None else column[rows]

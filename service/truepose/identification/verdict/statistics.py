@@ -1,0 +1,60 @@
+"""Statistics of errors: norms over observations, and the mean norm that noise alone would give."""
+
+import numpy as np
+from scipy.special import elliprg
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import PointReadings
+from truepose.domain.results import Statistics
+from truepose.identification.observations.blocks import Block, PositionBlock
+from truepose.identification.observations.legs import LegBlock
+
+
+def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
+    """Statistics of the norms of residuals.
+
+    Parameters
+    ----------
+    residual_mm : ndarray, shape (n, d)
+    noise_mm : float
+        Mean norm expected from the stated uncertainties alone.
+    """
+    norms = np.linalg.norm(residual_mm, axis=1)
+    return Statistics(
+        n=len(norms),
+        mean_mm=float(norms.mean()),
+        rms_mm=float(np.sqrt((norms**2).mean())),
+        sd_mm=float(norms.std(ddof=1)) if len(norms) > 1 else 0.0,
+        max_mm=float(norms.max()),
+        noise_mm=noise_mm,
+    )
+
+
+def expected_noise_mm(block: Block) -> float:
+    """Mean norm of the residuals that readings and the arm's scatter alone would give [mm]."""
+    scatter = block.scatter_mm**2
+    if isinstance(block, PositionBlock):
+        return mean_norm(block.covariance_mm2 + scatter * np.eye(3))
+    if isinstance(block, LegBlock):
+        sigma = np.sqrt(block.uncertainty_mm**2 + scatter)
+        return float(np.sqrt(2.0 / np.pi) * sigma.mean())
+    return 0.0
+
+
+def covariance_with_scatter_mm2(points: PointReadings, scatter_mm: float) -> FloatArray:
+    """Return the covariance of each reading and of the arm's scatter per axis, shape (n, 3, 3)."""
+    covariance = points.covariance_mm2
+    if covariance is None:
+        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
+    return np.asarray(covariance + scatter_mm**2 * np.eye(3))
+
+
+def mean_norm(covariance: FloatArray) -> float:
+    r"""Mean length of normal vectors, averaged over n covariances (n, 3, 3).
+
+    E|x| = sqrt(8 / pi) R_G(l1, l2, l3) with the eigenvalues l of the covariance and Carlson's
+    completely symmetric integral of the second kind (NIST DLMF 19.16.3: R_G is the mean of
+    sqrt(u^T L u) over the unit sphere).
+    """
+    eigenvalues = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
+    return float(np.sqrt(8.0 / np.pi) * elliprg(*eigenvalues.T).mean())

@@ -1,0 +1,266 @@
+"""What an identification may claim: enough data, the right table, few enough gross readings, an end."""
+
+import numpy as np
+
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.results import Status
+from truepose.effects.base import WIDTH_MM as BASE_WIDTH_MM
+from truepose.effects.base import WIDTH_RAD as BASE_WIDTH_RAD
+from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.effects.registry import effect_named
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.observations.fixed_nests import ReferenceBlock
+from truepose.identification.problem.build import NOMINAL_EFFECTS, NUISANCE, Problem
+from truepose.identification.problem.setting import known_placement, setting_of
+from truepose.identification.verdict.conventions import Evidence, change_that_fits, plausible_mm, reach_mm
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import placement_rotation, placement_translation
+
+_SAME_RAD = 1e-6
+_SAME_MM = 1e-3
+_PART = 0.15  # share of the readings from which on it is no accident
+_TOO_MANY_GROSS = 0.2
+_IMPLAUSIBLE_WIDTHS = 10.0
+_IDENTIFIED_SHARE = 0.0015  # of the reach: no identified model of the right robot leaves so much
+_SUSPICIOUS_CHI2 = 2.0
+_CERTAINLY_NEGATIVE = 5.0  # standard uncertainties; at 3 a spring that is hardly loaded would be accused
+_ONE_PARAMETER = 1.0  # what is learnt of all, each from 0 for its prior to 1 for the data alone
+_FAR_WIDTHS = 3.0  # of the base's prior
+
+
+def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
+    """Return the sentence that says what is missing, None where there is enough to fit."""
+    readings = campaign.calibration or campaign.legs
+    if readings is None:
+        return None
+    parameters = sum(len(effect_named(name).specs(setting_of(campaign, readings.stops))) for name in effects)
+    configurations = len(np.unique(np.round(readings.stops.joints_rad / _SAME_RAD), axis=0))
+    per_reading = 3 if isinstance(readings, PointReadings) else 1
+    ends = [readings.nest] if isinstance(readings, PointReadings) else [readings.nest, readings.base_point]
+    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), *ends])
+    observations = per_reading * len(np.unique(pairs, axis=0))
+    if configurations == 1:
+        return (
+            f"All {len(readings)} readings were taken in one configuration: "
+            "move every joint between readings."
+        )
+    if isinstance(readings, PointReadings) and np.ptp(readings.position_mm, axis=0).max() < _SAME_MM:
+        return (
+            f"All {len(readings)} readings show the same position although the joints moved: "
+            "the instrument did not follow the robot."
+        )
+    if observations < parameters:
+        return (
+            f"{configurations} different configurations give {observations} observations for {parameters} "
+            f"parameters: measure at least {int(np.ceil(1.5 * parameters / per_reading))} configurations, "
+            "or ask for fewer effects."
+        )
+    return None
+
+
+def before_fitting(campaign: Campaign, problem: Problem) -> str | None:
+    """Return the sentence of a wrong convention where the nominal robot cannot be placed at all."""
+    points = campaign.calibration
+    if points is None:
+        return None
+    typical = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
+    evidence = _evidence(points)
+    if typical < plausible_mm(campaign.robot) and not _collapsed(campaign, evidence):
+        return None
+    change = change_that_fits(campaign.robot, evidence, known_placement(campaign))
+    if change:
+        return _would_fit(typical, change)
+    return None
+
+
+def _would_fit(typical_mm: float, change: str) -> str:
+    return (
+        f"The nominal robot misses the readings by typically {typical_mm:.3g} mm. "
+        f"One change would make it fit: {change}."
+    )
+
+
+def _collapsed(campaign: Campaign, evidence: Evidence) -> bool:
+    flange = nominal_chain(campaign.robot, evidence.joints_rad).origin[-1]
+    return bool(np.ptp(evidence.position_mm, axis=0).max() < 0.02 * np.ptp(flange, axis=0).max())
+
+
+def _evidence(points: PointReadings) -> Evidence:
+    return Evidence(points.stops.joints_rad, points.nest, points.position_mm)
+
+
+def judge(
+    campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit
+) -> tuple[Status, str]:
+    """Return status and message of a fit."""
+    share = float(np.mean(identified.gross[0]))
+    typical = _typical(identified)
+    gross = int(identified.gross[0].sum())
+    n = len(identified.gross[0])
+    if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
+        how_many = (
+            f"{gross} of {n} readings do" if share > _TOO_MANY_GROSS else "About half of the readings do"
+        )
+        return Status.OUTLIERS_DOMINATE, (
+            f"{how_many} not fit the others: no model can be trusted; "
+            "check reflectors, nest labels and the order of the rows first."
+        )
+    nothing = _nothing_learnt(campaign, problem, identified)
+    if nothing:
+        return Status.TOO_FEW_DATA, nothing
+    wrong = _wrong_model(campaign, problem, identified, typical)
+    if wrong:
+        return Status.WRONG_NOMINAL_MODEL, wrong
+    if not identified.solution.converged:
+        return Status.NOT_CONVERGED, (
+            f"The identification did not settle in {identified.solution.iterations} steps: "
+            "ask for fewer effects, or measure configurations that differ more."
+        )
+    return Status.CONVERGED, _converged_message(problem, identified, gross)
+
+
+def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> str | None:
+    """Return the sentence for readings that by their own word say less than one parameter's worth."""
+    if identified.blocks[0].discrepancy > 0.0:
+        return None  # it is the model that says little of them
+    structure = problem.structure
+    asked = [name for name in structure.effects if name not in (*NOMINAL_EFFECTS, *NUISANCE)]
+    wanted = np.isin(structure.owners, asked or list(NOMINAL_EFFECTS))
+    left = np.diag(identified.solution.covariance) / identified.structure.prior_widths**2
+    learnt = float(np.clip(1.0 - left[wanted], 0.0, 1.0).sum())
+    if learnt >= min(_ONE_PARAMETER, 0.5 * wanted.sum()):
+        return None
+    readings = campaign.calibration or campaign.legs
+    u_mm = float("nan") if readings is None else float(np.median(readings.standard_uncertainty_mm))
+    return (
+        f"The readings say nothing of {', '.join(asked or NOMINAL_EFFECTS)} that was not known before: with "
+        f"a standard uncertainty of {u_mm:.3g} mm each (u_mm) they are too coarse or too few; check u_mm, "
+        "or measure more configurations."
+    )
+
+
+def _typical(fit: RobustFit) -> float:
+    return float(np.median(np.linalg.norm(fit.results[0].residual, axis=1)))
+
+
+def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
+    """Return whether a sizeable part agrees with the nominal robot on its base, yet the whole does not."""
+    base, points = campaign.base_nominal, campaign.calibration
+    if base is None or points is None or typical_mm < plausible_mm(campaign.robot):
+        return False
+    known = known_placement(campaign)
+    if known.nest_unknown.any():
+        return False
+    chain = nominal_chain(campaign.robot, points.stops.joints_rad)
+    here = chain.points(known.nests_mm[points.nest - 1])
+    seen = (points.position_mm - placement_translation(base)) @ placement_rotation(base)
+    off_mm = np.linalg.norm(seen - here, axis=1)
+    usual_mm = plausible_mm(campaign.robot)  # 0 of a table without lengths
+    return bool((off_mm < usual_mm).mean() > _PART and (off_mm > 4.0 * usual_mm).mean() > _PART)
+
+
+def _wrong_model(
+    campaign: Campaign, problem: Problem, identified: RobustFit, typical_mm: float
+) -> str | None:
+    points = campaign.calibration
+    nominal_mm = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
+    # A wrong table leaves tens of millimetres; where the nominal robot fits, a large error of the geometry
+    # stands for something else that the model lacks, and is said so in the message.
+    strange = nominal_mm > plausible_mm(campaign.robot) and implausible_parameter(problem, identified)
+    unfit = typical_mm > _IDENTIFIED_SHARE * reach_mm(campaign.robot)
+    if points is not None and (strange or unfit or identified.chi2_per_dof > _SUSPICIOUS_CHI2):
+        change = change_that_fits(
+            campaign.robot, _evidence(points), known_placement(campaign), search_zeros=bool(strange or unfit)
+        )
+        if change:
+            return _would_fit(nominal_mm, change)
+    if unfit:
+        return (
+            f"The identified model still misses the readings by typically {typical_mm:.3g} mm and no single "
+            "change of convention makes the nominal robot fit: check that the table is that of the measured "
+            "robot."
+        )
+    if strange:
+        return (
+            f"The data ask for {strange}, far beyond what a robot of this make can be off by: "
+            "check that the table is that of the measured robot."
+        )
+    return None
+
+
+def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None:
+    """Name a geometric error that is certainly larger than any robot's."""
+    uncertainty = np.sqrt(np.diag(identified.solution.covariance))
+    for spec, owner, value, u in zip(
+        problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
+    ):
+        certain = abs(value) - 3.0 * u > _IMPLAUSIBLE_WIDTHS * spec.prior_width
+        if owner in GEOMETRY_EFFECTS and certain:
+            shown = f"{np.rad2deg(value):.2f} deg" if spec.unit == "rad" else f"{value:.1f} mm"
+            return f"{spec.name} = {shown}"
+    return None
+
+
+def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> str:
+    parts = [f"Converged with {len(problem.structure.specs)} parameters"]
+    if gross:
+        parts.append(f"{gross} reading{'s' if gross > 1 else ''} without weight")
+    fixed = _bad_looks(identified)
+    if fixed:
+        parts.append(f"{fixed} reading{'s' if fixed > 1 else ''} of fixed nests without weight")
+    elsewhere = _base_elsewhere(problem, identified)
+    if elsewhere:
+        parts.append(elsewhere)
+    strange = implausible_parameter(problem, identified)
+    if strange:
+        parts.append(f"{strange} is larger than any robot's error: it stands for something the model lacks")
+    backwards = _springs_that_push(problem, identified)
+    if backwards:
+        parts.append(
+            f"{', '.join(backwards)} came out negative, which no spring is: "
+            "check the direction of gravity and the signs of masses and torques"
+        )
+    lacking = identified.blocks[0].discrepancy
+    if lacking > 0.0:
+        parts.append(
+            f"the model lacks about {lacking:.2g} mm per axis beyond the stated noise, "
+            "which the uncertainties include"
+        )
+    return "; ".join(parts) + "."
+
+
+def _bad_looks(identified: RobustFit) -> int:
+    """Count the readings of fixed nests that fit nothing; they stand in no table of the arm."""
+    return sum(
+        int(flags.sum())
+        for block, flags in zip(identified.blocks, identified.gross, strict=True)
+        if isinstance(block, ReferenceBlock)
+    )
+
+
+def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
+    """Name the springs that yield against their load; a product with an unknown moment may have any sign."""
+    uncertainty = np.sqrt(np.diag(identified.solution.covariance))
+    return [
+        spec.name
+        for spec, owner, value, u in zip(
+            problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
+        )
+        if owner == "compliance" and "*" not in spec.name and value < -_CERTAINLY_NEGATIVE * u
+    ]
+
+
+def _base_elsewhere(problem: Problem, identified: RobustFit) -> str | None:
+    """Say so where the base stands far from the place that the campaign gives it."""
+    value = dict(zip(problem.structure.names, identified.values, strict=True))
+    width = {spec.name: spec for spec in problem.structure.specs}
+    if "base_x" not in value or width["base_x"].prior_mean != 0.0:  # found from the data: no place was given
+        return None
+    shift_mm = float(np.linalg.norm([value["base_x"], value["base_y"], value["base_z"]]))
+    turn_rad = float(np.linalg.norm([value["base_rx"], value["base_ry"], value["base_rz"]]))
+    if shift_mm < _FAR_WIDTHS * BASE_WIDTH_MM and turn_rad < _FAR_WIDTHS * BASE_WIDTH_RAD:
+        return None
+    return (
+        f"the base stands {shift_mm:.0f} mm and {np.rad2deg(turn_rad):.1f} deg "
+        "from base_in_world_nominal: correct it there if that is not meant"
+    )
