@@ -1,3 +1,5 @@
 """The truepose service: measures, identifies and validates industrial robots."""
 
-__version__ = "0.1.0"
+from truepose.version import __version__
+
+__all__ = ["__version__"]

@@ -18,6 +18,7 @@ import pytest
 from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.cli import main
 from truepose.exchange.campaign_folder import write_campaign
+from truepose.version import __version__ as truepose_version
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
 COMMANDS = ("demo", "serve", "simulate", "identify", "diagnose", "predict", "validate", "nightly")
@@ -232,6 +233,26 @@ def test_predict_without_nests_gives_every_nest_of_every_row(good, tmp_path):
     truepose("predict", good / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv")
 
     assert [row["nest"] for row in rows_of(tmp_path / "out.csv")] == ["1", "2", "3"]
+
+
+def test_the_program_says_its_version():
+    done = truepose("--version")
+
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"truepose {truepose_version}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"), [("truepose di", "diagnose"), ("truepose identify --mo", "--model-out")]
+)
+def test_a_shell_is_told_how_a_word_may_end(typed, offered):
+    words = len(typed.split()) - 1
+    asked = {"_TRUEPOSE_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(words)}
+
+    done = subprocess.run(
+        [str(TRUEPOSE)], env={**os.environ, **asked}, capture_output=True, text=True, timeout=60, check=False
+    )
+
+    assert done.stdout.split() == [offered]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

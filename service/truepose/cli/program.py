@@ -7,6 +7,7 @@ service failed, 130 interrupted.
 import functools
 import sys
 from collections.abc import Callable
+from typing import Annotated
 
 import typer
 
@@ -16,6 +17,7 @@ from truepose.cli.diagnoses import diagnose_command
 from truepose.cli.inspection import inspect_command
 from truepose.cli.records import verify_command
 from truepose.domain.errors import TrueposeError
+from truepose.version import __version__
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
@@ -40,8 +42,8 @@ def main() -> int:
         name="truepose",
         help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
         no_args_is_help=True,
-        add_completion=False,
         pretty_exceptions_enable=False,
+        callback=_asked_of_the_program,
     )
     for name, command in _COMMANDS.items():
         app.command(name)(_exiting(command))
@@ -50,6 +52,20 @@ def main() -> int:
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     return 0
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        sys.stdout.write(f"truepose {__version__}\n")
+        raise typer.Exit
+
+
+def _asked_of_the_program(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_say_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Take the options that stand before a command; each answers by itself."""
 
 
 def _exiting(command: Callable[..., int]) -> Callable[..., None]:

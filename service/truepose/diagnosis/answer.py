@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose import __version__
 from truepose.diagnosis.curves import finding_curve, remaining_curve
 from truepose.diagnosis.doubts import better_families
 from truepose.diagnosis.evidence import described
@@ -52,6 +51,7 @@ from truepose.identification.identify import nominal_fit
 from truepose.identification.models import Fits, model_of
 from truepose.identification.observations.fixed_nests import ReferenceBlock
 from truepose.identification.verdict.statistics import statistics
+from truepose.version import __version__
 
 _BEYOND = 1.5  # typical validation error over what explains it: more than a common error of the parameters
 _FAR_WORSE = 1.5  # times the largest error before: more than another draw of the noise does

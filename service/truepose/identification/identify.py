@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose import __version__
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings
 from truepose.domain.results import (
@@ -42,6 +41,7 @@ from truepose.identification.verdict.outliers import outliers
 from truepose.identification.verdict.pure_error import pure_error
 from truepose.identification.verdict.reach import WithinReach, within_reach
 from truepose.identification.verdict.statistics import expected_noise_mm, statistics
+from truepose.version import __version__
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
 

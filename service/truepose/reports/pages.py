@@ -5,10 +5,10 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from truepose import __version__
 from truepose.reports.errors import UnwritableReportError
 from truepose.reports.rounding import millimetres, p_value, uncertainty
 from truepose.reports.ruled_out import ruled_out_rows
+from truepose.version import __version__
 
 
 def write_page(path: Path, template: str, **context: object) -> None:

@@ -10,12 +10,12 @@ from xml.etree import ElementTree
 from rich.console import Console
 from rich.table import Table
 
-from truepose import __version__
 from truepose.demo.night.cases import Check, NightCase
 from truepose.demo.report import REPORT
 from truepose.demo.result import RESULT
 from truepose.exchange.json_text import Json, render_json
 from truepose.reports import Row, Section, Verdict, write_table_report
+from truepose.version import __version__
 
 JUNIT: Final = "junit.xml"
 
