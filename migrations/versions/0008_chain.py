@@ -3,7 +3,7 @@
 import sqlalchemy as sa
 from alembic import op
 
-from truepose.storage.chain import link_all
+from truepose.storage.integrity.chain import link_all
 from truepose.storage.migrations.append_only import drop_protected, protect
 from truepose.storage.migrations.columns import number
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
+from truepose.storage.connection.library import VERSION
 from truepose.storage.database import Database
-from truepose.storage.library import VERSION
-from truepose.storage.readings import ReadingRepository
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 
 WRITERS = 16
 

@@ -16,10 +16,10 @@ from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_se
 from tests.integration.web.bench import CELL, session_request
 from tests.studies.interruptions.killed_service import KilledService
 from tests.studies.running import from_command_line
-from truepose.storage.chain import linked_hash
 from truepose.storage.database import Database
 from truepose.storage.documents import to_document
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.integrity.chain import linked_hash
+from truepose.storage.measurement.sessions import SessionRepository
 
 _AT_A_TIME = 20_000
 _ADDRESS = 'host = "127.0.0.1"\nport = 9'

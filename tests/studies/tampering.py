@@ -18,14 +18,14 @@ from pathlib import Path
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 from tests.studies.running import from_command_line
-from truepose.storage.arrival import verify_left
-from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageError
-from truepose.storage.guard import Guard
-from truepose.storage.library import LIBRARY
-from truepose.storage.readings import ReadingRepository
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.integrity.guard import Guard
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.tables import metadata
 
 _ENOUGH = 100_000  # rows: pages that point at each other have no end

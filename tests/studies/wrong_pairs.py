@@ -26,7 +26,7 @@ from tests.studies.wrong_pairs_session import (
     Site,
     whole_session,
 )
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.judgement.connections.early import refuted_stops
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose.storage.records import SessionSetup

@@ -7,8 +7,8 @@ import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
 from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_range
-from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
-from truepose.analysis.precalibration import precalibrate
+from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
+from truepose.analysis.ballbar.precalibration import precalibrate
 from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
 from truepose.judgement.connections.accounts import begin
 from truepose.judgement.connections.early import judge_early

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 from tests.unit.service.sequencing.fakes import ListJournal
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_space import WorkSpace
 from truepose.sequencing.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as ROBOT

@@ -8,7 +8,7 @@ import pytest
 from tests.integration.web.ballbar_bench import PLACEMENT
 from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
-from truepose.exchange.campaign_zip import read_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ import pytest
 
 from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.cli import main
-from truepose.exchange.campaign_folder import write_campaign
+from truepose.exchange.campaigns.folder import write_campaign
 from truepose.version import __version__ as truepose_version
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")

@@ -15,11 +15,11 @@ import pytest
 
 from tests.system.processes_left import descendants, named, running_after
 from truepose.demo.demo import DemoSize, run_demo
-from truepose.exchange.campaign_folder import read_campaign
-from truepose.exchange.model_file import read_model
-from truepose.exchange.result_documents import identification_document
+from truepose.exchange.campaigns.folder import read_campaign
+from truepose.exchange.models.file import read_model
+from truepose.exchange.results.documents import identification_document
 from truepose.identification import identify, predict
-from truepose.storage.lock import ServiceLock
+from truepose.storage.connection.lock import ServiceLock
 
 SCENARIO = "irb120-tilted"
 SMALL = DemoSize(calibration=25, validation=40)

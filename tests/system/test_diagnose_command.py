@@ -10,7 +10,7 @@ import pytest
 
 from tests.helpers.identification.synthetic import measured, nominal_campaign
 from truepose.domain.campaign import Campaign
-from truepose.exchange.campaign_folder import write_campaign
+from truepose.exchange.campaigns.folder import write_campaign
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
 KEYS = {

@@ -27,7 +27,7 @@ from tests.helpers.identification.models import (
 )
 from truepose.domain.results import Unit
 from truepose.effects.registry import EFFECTS
-from truepose.exchange.model_file import write_model
+from truepose.exchange.models.file import write_model
 from truepose.identification import predict
 from truepose_simulators.model_file import load_model
 from truepose_simulators.physics.effects.registry import REALISED

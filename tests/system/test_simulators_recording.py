@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.recording import Wishes, record, write_campaign
 from truepose_simulators.recording.__main__ import main
 from truepose_simulators.scenario_file import load_scenario

@@ -13,8 +13,8 @@ import pytest
 from tests.system.session_bench import bench
 from tests.unit.service.sequencing.operators import PatientOperator
 from truepose.domain.campaign import Stops
-from truepose.exchange.model_file import read_model
-from truepose.exchange.point_files import read_points_to_predict
+from truepose.exchange.models.file import read_model
+from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
 from truepose.planning.session_plans import plan_validation
 from truepose.sequencing.runner import SessionRunner

@@ -1,7 +1,7 @@
 """The study of giant uploads runs, and its giants are what it says."""
 
 from tests.studies.giant_upload import giant_zip, study
-from truepose.exchange.campaign_zip import read_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 
 def test_a_giant_is_a_campaign_of_so_many_rows():

@@ -9,14 +9,14 @@ from typing import TypeAlias
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from truepose.analysis.campaign_summary import summary_of
 from truepose.analysis.errors import RoleError
-from truepose.analysis.uploads import Uploads
+from truepose.analysis.workers.uploads import Uploads
 from truepose.domain.campaign import Campaign
 from truepose.domain.session import SessionRole
-from truepose.exchange.campaign_zip import write_campaign_zip
-from truepose.storage.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.readings import ReadingRepository
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
+from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import RequestKey
-from truepose.storage.sessions import SessionRepository
 
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number
 

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from datetime import date
 from typing import Any, Final, Protocol
 
-from truepose.analysis.tasks import Answer, DiagnoseTask, IdentifyTask, PlanTask, Task, ValidateTask
-from truepose.analysis.worker_process import Told, perform_in_worker
+from truepose.analysis.workers.process import Told, perform_in_worker
+from truepose.analysis.workers.tasks import Answer, DiagnoseTask, IdentifyTask, PlanTask, Task, ValidateTask
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Identification, Validation
 from truepose.domain.session import SessionPlan
-from truepose.storage.campaigns import CampaignRepository
-from truepose.storage.diagnoses import DiagnosisRepository
-from truepose.storage.jobs import JobRepository
+from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.records import JobKind, JobState, RequestKey
-from truepose.storage.results import ResultRepository
 
 _LOG: Final = logging.getLogger(__name__)
 

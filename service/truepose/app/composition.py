@@ -10,12 +10,12 @@ from typing import Final, Protocol, runtime_checkable
 
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk, Perform
-from truepose.analysis.uploads import Uploads
-from truepose.analysis.worker_process import perform_in_worker
+from truepose.analysis.workers.process import perform_in_worker
+from truepose.analysis.workers.uploads import Uploads
 from truepose.app.errors import StartError
 from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell import Cell, DeviceEntry
-from truepose.exchange.cell_file import read_cell, simulated_cell
+from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.operation.ballbar_sessions import BallbarDesk
 from truepose.operation.ballbar_work import BallbarWork
 from truepose.operation.devices import MountedDevice, Rack
@@ -24,17 +24,17 @@ from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.settings import Settings
-from truepose.storage.added_stops import AddedStopsRepository
-from truepose.storage.ballbar_ledger import BallbarLedger
-from truepose.storage.campaigns import CampaignRepository
+from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
-from truepose.storage.diagnoses import DiagnosisRepository
 from truepose.storage.events import EventRepository
-from truepose.storage.guard import Guard
-from truepose.storage.jobs import JobRepository
-from truepose.storage.readings import ReadingRepository
-from truepose.storage.results import ResultRepository
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.integrity.guard import Guard
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.web.application import Application, create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.hosts import AllowedHosts

@@ -36,7 +36,7 @@ def identify_command(
 
     Example: truepose identify my-campaign --model-out robot.json --json
     """
-    from truepose.exchange.result_documents import identification_document
+    from truepose.exchange.results.documents import identification_document
     from truepose.identification import identify
 
     require_folders(model_out, report)
@@ -60,7 +60,7 @@ def identify_command(
 
 def _as_thesis(campaign: "Campaign") -> "dict[str, JsonValue]":
     """Return the document of the thesis' procedure; where it cannot be followed, why."""
-    from truepose.exchange.result_documents import identification_document
+    from truepose.exchange.results.documents import identification_document
     from truepose.identification.thesis_procedure import identify_as_thesis
 
     try:
@@ -88,7 +88,7 @@ def _converged(answer: "Identification") -> bool:
 
 
 def _write_model(path: Path, answer: "Identification") -> None:
-    from truepose.exchange.model_file import write_model
+    from truepose.exchange.models.file import write_model
 
     if answer.model is not None and _converged(answer):
         with writing(path):
@@ -120,8 +120,8 @@ def predict_command(
     """
     import numpy as np
 
-    from truepose.exchange.model_file import read_model
-    from truepose.exchange.point_files import read_points_to_predict, write_predictions
+    from truepose.exchange.models.file import read_model
+    from truepose.exchange.tables.files import read_points_to_predict, write_predictions
     from truepose.identification import predict, unpredictable
     from truepose.identification.model.stops import each_nest
 
@@ -171,9 +171,9 @@ def validate_command(
 
     Example: truepose validate robot.json validation.csv --limit-mm 0.2 --json
     """
-    from truepose.exchange.model_file import read_model
-    from truepose.exchange.point_files import read_validation_file
-    from truepose.exchange.result_documents import validation_document
+    from truepose.exchange.models.file import read_model
+    from truepose.exchange.results.documents import validation_document
+    from truepose.exchange.tables.files import read_validation_file
     from truepose.judgement.held_out import validate
 
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:

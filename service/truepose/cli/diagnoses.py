@@ -62,7 +62,7 @@ def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagno
 
 
 def _write_model(path: Path, answer: "Diagnosis") -> None:
-    from truepose.exchange.model_file import write_model
+    from truepose.exchange.models.file import write_model
 
     if answer.model is None:
         remark([f"No model was written to {path}: {answer.message}"])
@@ -82,7 +82,7 @@ def _write_report(path: Path, campaign: Path, measured: "Campaign", answer: "Dia
 
 def _print(answer: "Diagnosis", *, as_json: bool) -> None:
     if as_json:
-        from truepose.exchange.diagnosis_document import diagnosis_document
+        from truepose.exchange.results.diagnosis import diagnosis_document
 
         print_json(diagnosis_document(answer))
         return

@@ -55,8 +55,8 @@ def read_measured(path: Path) -> "Campaign":
     Heavy imports wait until then.
     """
     from truepose.effects.registry import unusable_causes
-    from truepose.exchange.campaign_folder import read_campaign
-    from truepose.exchange.campaign_zip import read_campaign_zip
+    from truepose.exchange.campaigns.folder import read_campaign
+    from truepose.exchange.campaigns.zip_file import read_campaign_zip
     from truepose.exchange.input_file import read_bytes
 
     remark(unusable_causes())

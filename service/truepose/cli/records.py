@@ -20,8 +20,8 @@ def verify_command(
     Example: truepose verify truepose.sqlite3 --json
     """
     from truepose.settings import default_database_url
-    from truepose.storage.address import database_file
-    from truepose.storage.arrival import verify_left
+    from truepose.storage.connection.address import database_file
+    from truepose.storage.integrity.arrival import verify_left
 
     database = database_file(default_database_url()) if file is None else file
     with shown_progress() as told:

@@ -14,11 +14,11 @@ from typing import Any
 from truepose.demo.cell.run import DATABASE, CellRun
 from truepose.demo.report import DIAGNOSIS_REPORT, report_conditions
 from truepose.domain.diagnosis import Diagnosis
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.reports import DiagnosisInput, write_diagnosis_report
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
-from truepose.storage.diagnoses import DiagnosisRepository
-from truepose.storage.results import ResultRepository
 
 
 def write_diagnosis(run: CellRun, folder: Path) -> None:

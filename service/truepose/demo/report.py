@@ -9,7 +9,7 @@ from truepose.demo.cell.client import PERSON
 from truepose.demo.cell.run import SessionRecords
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.domain.cell import Cell
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.reports import (
     DiagnosisLink,
     Instrument,

@@ -17,7 +17,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Identification, Model, Parameter, Statistics
 from truepose.domain.robot import Nest
-from truepose.exchange.model_document import file_factor, file_unit
+from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification import identify, predict
 from truepose.identification.verdict.statistics import statistics
 from truepose.kinematics.frames import rigid_alignment

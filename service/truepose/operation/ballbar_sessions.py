@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
-from truepose.analysis.ballbar_assembly import assemble_ballbar_campaign
+from truepose.analysis.ballbar.assembly import assemble_ballbar_campaign
 from truepose.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
 from truepose.domain.campaign import Campaign
 from truepose.domain.errors import TrueposeError
@@ -37,10 +37,10 @@ from truepose.sequencing.ballbar.situation import Situation, situation
 from truepose.sequencing.errors import NotNowError
 from truepose.sequencing.states import has_ended, words
 from truepose.sequencing.watchful_robot import WatchfulRobot
-from truepose.storage.ballbar_ledger import BallbarLedger
 from truepose.storage.errors import NotFoundError
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
-from truepose.storage.sessions import SessionRepository
 
 _LOG: Final = logging.getLogger(__name__)
 _UNDER_WAY: Final = tuple(

@@ -3,8 +3,8 @@
 from typing import Final, cast
 
 from truepose.analysis.jobs import Perform
-from truepose.analysis.tasks import BallbarPlanTask, PrecalibrateTask
-from truepose.analysis.turns import Turns
+from truepose.analysis.workers.tasks import BallbarPlanTask, PrecalibrateTask
+from truepose.analysis.workers.turns import Turns
 from truepose.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
 from truepose.operation.ballbar_plans import BallbarWish, kit_of
 from truepose.operation.counting import counting

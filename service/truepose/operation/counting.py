@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
+from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, EntryKind, LedgerEntry, StepKind
 from truepose.sequencing.ballbar import step_ids

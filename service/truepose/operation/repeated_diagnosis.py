@@ -3,11 +3,11 @@
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.errors import TrueposeError
-from truepose.storage.added_stops import AddedStopsRepository
-from truepose.storage.campaigns import CampaignRepository
-from truepose.storage.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import DiagnosisRecord
-from truepose.storage.sessions import SessionRepository
 
 
 class RepeatedDiagnosis:

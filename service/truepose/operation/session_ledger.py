@@ -3,7 +3,7 @@
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar import control
-from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
 
 
 class SessionLedger:

@@ -31,11 +31,11 @@ from truepose.sequencing.plans import extended_plan
 from truepose.sequencing.runner import SessionRunner
 from truepose.sequencing.states import after_restart, has_ended, words
 from truepose.sequencing.watchful_robot import WatchfulRobot
-from truepose.storage.added_stops import AddedStopsRepository
-from truepose.storage.journal import StoredJournal
-from truepose.storage.readings import ReadingRepository
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.journal import StoredJournal
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
-from truepose.storage.sessions import SessionRepository
 
 _LOG: Final = logging.getLogger(__name__)
 _MOVABLE: Final = tuple(

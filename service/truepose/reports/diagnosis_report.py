@@ -10,7 +10,7 @@ from markupsafe import Markup
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
 from truepose.domain.results import Model
-from truepose.exchange.model_document import file_factor, file_unit
+from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.cause_map import MapCell, cause_map
 from truepose.reports.causes import causes_listed, printed_unit, verdict_words
 from truepose.reports.conditions import ReportConditions, condition_rows

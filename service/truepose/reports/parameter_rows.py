@@ -8,7 +8,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import Identification, Model, Parameter
-from truepose.exchange.model_document import file_factor, file_unit
+from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification.model.structure import base_axes
 from truepose.kinematics.frames import (
     angles_xyz,

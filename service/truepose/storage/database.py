@@ -19,18 +19,18 @@ from typing import Any, Final, TypeAlias, TypeVar
 from sqlalchemy import Connection
 from sqlalchemy.exc import DatabaseError
 
-from truepose.storage.address import database_file
-from truepose.storage.arrival import note_how_it_was_left
-from truepose.storage.condition import Condition
-from truepose.storage.engine import reading_engine, writing_engine
+from truepose.storage.connection.address import database_file
+from truepose.storage.connection.engine import reading_engine, writing_engine
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.lock import ServiceLock
+from truepose.storage.connection.place import Place
+from truepose.storage.connection.refusals import REFUSED, damaged, translated
+from truepose.storage.connection.schema import bring_up_to_date
 from truepose.storage.errors import DamagedDatabaseError, StorageError, StorageUnavailableError
-from truepose.storage.library import LIBRARY
-from truepose.storage.lock import ServiceLock
-from truepose.storage.place import Place
-from truepose.storage.refusals import REFUSED, damaged, translated
-from truepose.storage.schema import bring_up_to_date
-from truepose.storage.seal import Seal
-from truepose.storage.verification import stream_findings
+from truepose.storage.integrity.arrival import note_how_it_was_left
+from truepose.storage.integrity.condition import Condition
+from truepose.storage.integrity.seal import Seal
+from truepose.storage.integrity.verification import stream_findings
 
 T = TypeVar("T")
 _End: TypeAlias = tuple[Any, Exception | None]  # what a write gave, or why it failed

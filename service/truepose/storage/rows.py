@@ -5,7 +5,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Table, insert
 
-from truepose.storage.chain import link
+from truepose.storage.integrity.chain import link
 
 
 def add_row(connection: Connection, table: Table, **values: Any) -> int:

@@ -9,31 +9,22 @@ from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
 from starlette.types import ASGIApp
 
-from truepose.web import (
-    ballbar_live,
-    ballbar_sessions,
-    campaigns,
-    cells,
-    devices,
-    diagnoses,
-    events,
-    health,
-    identifications,
-    jobs,
-    models,
-    pages,
-    problems,
-    readings,
-    robots,
-    sessions,
-    simulated_hands,
-    validations,
-)
+from truepose.web import events, health, jobs, pages, problems
+from truepose.web.calibration import campaigns, diagnoses, identifications, models, robots, validations
 from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
 from truepose.web.lanes import Lanes
 from truepose.web.limits import RequestLimits
+from truepose.web.measurement import (
+    ballbar_live,
+    ballbar_sessions,
+    cells,
+    devices,
+    readings,
+    sessions,
+    simulated_hands,
+)
 from truepose.web.tablet import routes as tablet
 
 Application: TypeAlias = FastAPI

@@ -14,14 +14,14 @@ from truepose.operation.ballbar_sessions import BallbarDesk
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk
-from truepose.storage.campaigns import CampaignRepository
+from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
-from truepose.storage.diagnoses import DiagnosisRepository
 from truepose.storage.events import EventRepository
-from truepose.storage.jobs import JobRepository
-from truepose.storage.readings import ReadingRepository
-from truepose.storage.results import ResultRepository
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 from fastapi import APIRouter
 
-from truepose.storage.library import FAULTY as SQLITE_FAULTY
-from truepose.storage.library import VERSION as SQLITE_VERSION
+from truepose.storage.connection.library import FAULTY as SQLITE_FAULTY
+from truepose.storage.connection.library import VERSION as SQLITE_VERSION
 from truepose.web.context import Here
 from truepose.web.schemas.cells import Health, IntegrityReply
 

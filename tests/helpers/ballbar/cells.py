@@ -4,7 +4,7 @@ import numpy as np
 
 from truepose.domain.cell import Cell
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.shipped_robots import load_robot_with_tool
+from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.planning.ballbar.bodies import BallbarCell
 from truepose.planning.ballbar.fixture import base_fixture
 

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from tests.helpers.ballbar.sessions import make_length
-from truepose.analysis.ballbar_assembly import Counting, LegKept, SetupKept, SideKept, Standing
+from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
 from truepose.kinematics.chain import forward, nominal_values
 

@@ -1,6 +1,6 @@
 """Campaigns of a simulated cell with something hidden in it that nothing planted by name can be."""
 
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.cell import Cell
 from truepose_simulators.clock import CellClock
 from truepose_simulators.recording.campaign import record_in

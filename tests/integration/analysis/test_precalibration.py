@@ -7,8 +7,8 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_before_the_arm
 from tests.helpers.ballbar.true_session import TrueArm, measured_session
+from truepose.analysis.ballbar.precalibration import precalibrate
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.analysis.precalibration import precalibrate
 from truepose.domain.artefacts import BallbarKit
 from truepose.planning.ballbar.plan import plan_at
 from truepose.storage.records import SessionSetup

@@ -9,16 +9,16 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import BusyError
-from truepose.analysis.tasks import CampaignRead
-from truepose.analysis.uploads import Uploads
-from truepose.analysis.worker_process import TaskRefusedError, perform_in_worker
-from truepose.exchange.campaign_zip import write_campaign_zip
+from truepose.analysis.workers.process import TaskRefusedError, perform_in_worker
+from truepose.analysis.workers.tasks import CampaignRead
+from truepose.analysis.workers.uploads import Uploads
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 MB = 2**20
 READ_ONE = """
 import sys
 from pathlib import Path
-from truepose.analysis.tasks import ReadCampaignTask
+from truepose.analysis.workers.tasks import ReadCampaignTask
 
 ReadCampaignTask(Path(sys.argv[1]).read_bytes(), "elbow.zip").perform(None)
 print(*{"sqlalchemy", "scipy"} & sys.modules.keys())

@@ -12,7 +12,7 @@ from tests.integration.deployment.deployment_files import (
     dockerfiles,
     sent_to_the_engine,
 )
-from truepose.exchange.cell_file import read_cell
+from truepose.exchange.cells.file import read_cell
 
 _SERVICES = compose_file()["services"]
 

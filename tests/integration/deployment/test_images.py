@@ -21,7 +21,7 @@ from tests.integration.deployment.images import (
     replaced,
     running,
 )
-from truepose.exchange.cell_file import read_cell
+from truepose.exchange.cells.file import read_cell
 
 _SERVICES = compose_file()["services"]
 _ANYWHERE, _HERE = "0.0.0.0", "127.0.0.1"

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from truepose.exchange.campaign_description import KEYS, ROLES
-from truepose.exchange.leg_table import leg_columns
-from truepose.exchange.point_table import point_columns
+from truepose.exchange.campaigns.description import KEYS, ROLES
+from truepose.exchange.tables.legs import leg_columns
+from truepose.exchange.tables.points import point_columns
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "campaign-keys.md").read_text(encoding="utf-8")
 _ALWAYS = {"format", "robot", "dhm_nominal", "gravity_m_s2_world", "robot_repeatability_mm", "files"}

@@ -15,8 +15,8 @@ from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import EFFECTS
-from truepose.exchange.cell_file import read_cell
-from truepose.exchange.shipped_robots import load_robot_with_tool, read_robot_file
+from truepose.exchange.cells.file import read_cell
+from truepose.exchange.robots.shipped import load_robot_with_tool, read_robot_file
 from truepose.identification import identify
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate

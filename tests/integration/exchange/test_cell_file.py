@@ -8,7 +8,7 @@ import pytest
 
 from truepose.domain.artefacts import Artefact, BallbarKit, Bars
 from truepose.domain.cell import CertifiedLength, PlantedEffect, SimulatedCell
-from truepose.exchange.cell_file import read_cell, simulated_cell
+from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.exchange.errors import (
     BadValueError,
     InputFileError,

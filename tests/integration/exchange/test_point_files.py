@@ -7,13 +7,9 @@ import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign
 from truepose.domain.campaign import LegReadings, PointReadings
-from truepose.exchange.campaign_folder import campaign_files
+from truepose.exchange.campaigns.folder import campaign_files
 from truepose.exchange.errors import BadValueError, MissingEntryError, MissingFileError, WrongUnitError
-from truepose.exchange.point_files import (
-    read_points_to_predict,
-    read_validation_file,
-    write_predictions,
-)
+from truepose.exchange.tables.files import read_points_to_predict, read_validation_file, write_predictions
 
 TABLES = campaign_files(make_ballbar_campaign())
 

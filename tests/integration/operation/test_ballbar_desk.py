@@ -20,10 +20,10 @@ from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from truepose.sequencing.ballbar.situation import situation
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
-from truepose.storage.ballbar_ledger import BallbarLedger
 from truepose.storage.errors import KeyReusedError
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import RequestKey, SessionSetup
-from truepose.storage.sessions import SessionRepository
 
 
 class FakeRunner:

@@ -15,12 +15,12 @@ from truepose.domain.ballbar import (
     Suspicion,
 )
 from truepose.domain.session import SessionState
-from truepose.storage.ballbar_ledger import BallbarLedger
+from truepose.storage.connection.library import LIBRARY
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.events import EventRepository
-from truepose.storage.library import LIBRARY
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, Page, RequestKey
-from truepose.storage.sessions import SessionRepository
 
 
 @pytest.fixture

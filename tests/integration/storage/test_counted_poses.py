@@ -7,8 +7,8 @@ from tests.helpers.domain.tracker_sessions import make_setup
 from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
 from truepose.domain.ballbar import EntryKind
 from truepose.sequencing.ballbar import step_ids
-from truepose.storage.ballbar_ledger import BallbarLedger
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.sessions import SessionRepository
 
 PLAN = make_plan((1, 2, 3, 12), precalibrate_after=2)
 

@@ -10,6 +10,8 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import create_engine, inspect, text
 
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.schema import migration_config, newest_revision
 from truepose.storage.database import Database
 from truepose.storage.errors import (
     DatabaseAddressError,
@@ -18,15 +20,13 @@ from truepose.storage.errors import (
     NewerSchemaError,
     StorageUnavailableError,
 )
-from truepose.storage.library import LIBRARY
-from truepose.storage.schema import migration_config, newest_revision
 from truepose.storage.tables import metadata
 
 WRITES_UNTIL_KILLED = textwrap.dedent("""
     import asyncio, sys
     from truepose.storage.database import Database
-    from truepose.storage.readings import ReadingRepository
-    from truepose.storage.sessions import SessionRepository
+    from truepose.storage.measurement.readings import ReadingRepository
+    from truepose.storage.measurement.sessions import SessionRepository
     from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
 
     async def main():

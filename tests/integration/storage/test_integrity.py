@@ -8,13 +8,13 @@ import sys
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
-from truepose.storage.arrival import verify_left
+from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
-from truepose.storage.guard import Guard
-from truepose.storage.library import LIBRARY
-from truepose.storage.readings import ReadingRepository
-from truepose.storage.sessions import SessionRepository
+from truepose.storage.integrity.arrival import verify_left
+from truepose.storage.integrity.guard import Guard
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
 PROTECTED = """

@@ -4,9 +4,9 @@ import pytest
 from alembic import command
 from sqlalchemy import create_engine, event
 
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.connection.schema import migration_config
 from truepose.storage.database import Database
-from truepose.storage.library import LIBRARY
-from truepose.storage.schema import migration_config
 
 AT = "2026-03-03T10:00:00.000+00:00"
 ROWS = {

@@ -10,15 +10,15 @@ from tests.helpers.domain.builders import make_identification, make_model
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.domain.cell import SimulatedCell
-from truepose.storage.ballbar_ledger import BallbarLedger
-from truepose.storage.campaigns import CampaignRepository, NewCampaign
-from truepose.storage.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.calibration.diagnoses import DiagnosisRepository
+from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.documents import to_document
-from truepose.storage.jobs import JobRepository
+from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import CampaignSummary, JobKind, Page
-from truepose.storage.results import ResultRepository
 from truepose.storage.rows import add_row
-from truepose.storage.sessions import SessionRepository
 from truepose.storage.tables import diagnoses
 
 REAL = make_setup()

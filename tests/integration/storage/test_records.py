@@ -7,14 +7,14 @@ from sqlalchemy import text
 
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_plan, make_point, make_setup
 from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
-from truepose.storage.added_stops import AddedStopsRepository
+from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
 from truepose.storage.events import EventRepository
-from truepose.storage.jobs import JobRepository
-from truepose.storage.journal import StoredJournal
-from truepose.storage.readings import ReadingRepository
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.journal import StoredJournal
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
-from truepose.storage.sessions import SessionRepository
 
 
 @pytest.fixture

@@ -10,11 +10,11 @@ import textwrap
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
+from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import ConflictError, StorageUnavailableError
-from truepose.storage.library import LIBRARY
+from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import Page
-from truepose.storage.sessions import SessionRepository
 
 
 async def add(database, name="first"):
@@ -202,7 +202,7 @@ FILLS = textwrap.dedent("""
     import asyncio, resource, sys
     from truepose.storage.database import Database
     from truepose.storage.errors import StorageUnavailableError
-    from truepose.storage.sessions import SessionRepository
+    from truepose.storage.measurement.sessions import SessionRepository
     from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 
     async def main():

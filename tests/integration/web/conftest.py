@@ -6,7 +6,7 @@ import httpx
 import pytest
 
 from tests.integration.web.bench import CELL, Bench
-from truepose.analysis.worker_process import perform_in_worker
+from truepose.analysis.workers.process import perform_in_worker
 from truepose.app import create_app
 from truepose.settings import Settings
 

@@ -8,7 +8,7 @@ import httpx
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.conftest import asking
 from truepose.app import create_app
-from truepose.exchange.campaign_zip import read_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 
 class Diagnostician:

@@ -6,7 +6,7 @@ from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.exchange.campaign_zip import read_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 SESSIONS = "/api/v1/sessions"
 MORE = {

@@ -12,7 +12,7 @@ from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Table
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
 from truepose.app import create_app
-from truepose.web import ballbar_live
+from truepose.web.measurement import ballbar_live
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
-from truepose.analysis.uploads import Uploads
-from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.analysis.workers.uploads import Uploads
+from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 CAMPAIGNS = "/api/v1/campaigns"
 ZIP = {"Content-Type": "application/zip"}

@@ -6,8 +6,8 @@ from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_u
 from tests.helpers.domain.builders import make_campaign, make_robot
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
-from truepose.exchange.diagnosis_document import diagnosis_document
+from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
+from truepose.exchange.results.diagnosis import diagnosis_document
 
 DIAGNOSES = "/api/v1/diagnoses"
 ZIP = {"Content-Type": "application/zip"}

@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
 from truepose.domain.cell import SimulatedCell
-from truepose.exchange.campaign_zip import write_campaign_zip
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.web.diagnosis_pages import measured_words
 
 HOSTILE = "<script>alert('x')</script>"

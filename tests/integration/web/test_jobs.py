@@ -9,8 +9,8 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import WorkerDiedError
-from truepose.analysis.tasks import IdentifyTask, PlanTask
-from truepose.analysis.worker_process import TaskRefusedError
+from truepose.analysis.workers.process import TaskRefusedError
+from truepose.analysis.workers.tasks import IdentifyTask, PlanTask
 from truepose.app import create_app
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import (
@@ -25,7 +25,7 @@ from truepose.domain.results import (
 )
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import PlannedStop
-from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
 PAIR = NominalAndIdentified(STATISTICS, STATISTICS)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.integration.web.bench import Bench, session_request, stops
 from truepose.app import create_app
-from truepose.web import sessions as sessions_web
+from truepose.web.measurement import sessions as sessions_web
 
 SESSIONS = "/api/v1/sessions"
 

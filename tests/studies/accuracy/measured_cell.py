@@ -30,7 +30,7 @@ from truepose.domain.session import (
     SessionState,
     StopSkipped,
 )
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.cell_space import space_of_cell
 from truepose.planning.session_plans import plan_calibration, plan_validation
 from truepose.planning.work_space import WorkSpace

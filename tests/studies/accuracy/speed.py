@@ -9,7 +9,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.shipped_robots import load_robot_with_tool
+from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.identification.fit.robust import fit
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build, position_block

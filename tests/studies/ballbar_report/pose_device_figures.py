@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.kinematics.pose_device import (
     DESIGNS,
     assemblies,

@@ -12,7 +12,7 @@ from truepose.demo.errors import TruthUnknownError
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, FixtureLengths, PointReadings
 from truepose.domain.robot import Nest
-from truepose.exchange.campaign_folder import DESCRIPTION, read_campaign
+from truepose.exchange.campaigns.folder import DESCRIPTION, read_campaign
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 
 _TRACKER = "tracker.json"  # describes the tracker campaign of the same folder

@@ -19,7 +19,7 @@ from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis, Finding
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict
 
 _SCENARIO: Final = "irb120-curves"

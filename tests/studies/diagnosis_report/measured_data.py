@@ -8,7 +8,7 @@ from typing import Final
 
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Cause, Confidence, Diagnosis, Finding
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict
 
 _WITHOUT_SPRINGS: Final = ("base", "tool", "geometry")

@@ -16,7 +16,7 @@ from typing import Final
 
 from tests.studies.diagnosis_report.recorder import running_recorder
 from truepose.diagnosis.diagnose import diagnose
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.reports.table_report import Row, Section, Verdict
 
 _LIMITS_S: Final = MappingProxyType({100: 1.0, 1_000: 3.0, 10_000: 15.0})

@@ -16,7 +16,7 @@ from tests.studies.diagnosis_report.planting import Planted, scenario_text
 from tests.studies.diagnosis_report.recorder import Recorder, running_recorder
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.kinematics.chain import forward, nominal_values
 
 _MOST_CELLS: Final = 50  # of 50 readings one in five holds no bad reading of 3 %

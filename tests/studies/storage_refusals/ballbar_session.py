@@ -26,7 +26,7 @@ from tests.studies.taken_up.cell_text import cell_text
 from tests.studies.taken_up.ledger_on_disk import lines
 from tests.studies.taken_up.onlooked_cell import OnlookedCell, standing
 from truepose.demo.errors import DemoError
-from truepose.storage.arrival import verify_left
+from truepose.storage.integrity.arrival import verify_left
 
 _ANSWER_S = 60.0
 _PATIENCE_S = 900.0  # for a session, on a busy machine

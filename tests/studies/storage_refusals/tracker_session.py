@@ -20,8 +20,8 @@ from tests.studies.storage_refusals.outcome import TOO_LATE, Outcome
 from tests.studies.storage_refusals.trouble import FAULTS, lasts_s
 from truepose.app import create_app
 from truepose.settings import Settings
-from truepose.storage.arrival import verify_left
 from truepose.storage.database import Database
+from truepose.storage.integrity.arrival import verify_left
 
 TRACKER_FAULTS = ("full", *FAULTS)
 _STOPS = 12

@@ -8,7 +8,7 @@ import pytest
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.witnesses import CONTRADICTED
 from truepose.domain.diagnosis import Confidence
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes

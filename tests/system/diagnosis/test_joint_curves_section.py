@@ -6,7 +6,7 @@ import pytest
 
 from tests.studies.diagnosis_report.joint_curves import judged
 from truepose.diagnosis.diagnose import diagnose
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 
 
 @pytest.fixture(scope="module")

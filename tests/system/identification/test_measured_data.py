@@ -3,7 +3,7 @@
 import pytest
 
 from truepose.domain.results import Status
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.identification import identify
 
 # README of each folder: RMS on the same split, level 2 or 3. Within 3 per cent: another prior and another

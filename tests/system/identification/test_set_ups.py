@@ -18,7 +18,7 @@ from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Status
 from truepose.domain.robot import FramePlacement, Nest, Robot
-from truepose.exchange.model_file import model_from_text, model_text
+from truepose.exchange.models.file import model_from_text, model_text
 from truepose.identification import identify, predict, predict_lengths
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build

@@ -16,9 +16,9 @@ from truepose.demo.errors import TruthUnknownError
 from truepose.demo.progress import RunProgress
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import Model
-from truepose.exchange.campaign_folder import write_campaign
-from truepose.exchange.campaign_zip import read_campaign_zip
-from truepose.exchange.model_file import model_from_text
+from truepose.exchange.campaigns.folder import write_campaign
+from truepose.exchange.campaigns.zip_file import read_campaign_zip
+from truepose.exchange.models.file import model_from_text
 
 DATABASE: Final = "sessions.sqlite3"
 SERVICE_LOG: Final = "service.log"

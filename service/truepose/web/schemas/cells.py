@@ -7,7 +7,7 @@ from pydantic import Field
 from truepose.domain.cell import Cell
 from truepose.domain.robot import JointRange, Robot
 from truepose.operation.devices import DeviceStatus
-from truepose.storage.condition import Integrity
+from truepose.storage.integrity.condition import Integrity
 from truepose.web.context import Endpoint
 from truepose.web.schemas.base import Point, Reply, degrees
 from truepose_drivers.api import DeviceKind

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from truepose.domain.diagnosis import Confidence, Finding, Verdict
-from truepose.exchange.diagnosis_document import diagnosis_document
+from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import (
     Day,

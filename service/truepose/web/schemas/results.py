@@ -6,8 +6,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from truepose.domain.results import Status
 from truepose.effects.registry import EFFECTS
-from truepose.exchange.model_document import model_document
-from truepose.exchange.result_documents import identification_document, validation_document
+from truepose.exchange.models.document import model_document
+from truepose.exchange.results.documents import identification_document, validation_document
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
 from truepose.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 

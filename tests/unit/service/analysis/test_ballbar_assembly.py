@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.sessions import make_length
 from tests.helpers.domain.tracker_sessions import make_setup
-from truepose.analysis.ballbar_assembly import (
+from truepose.analysis.ballbar.assembly import (
     Counting,
     LegKept,
     SetupKept,
@@ -19,7 +19,7 @@ from truepose.domain.artefacts import Artefact, BallbarKit
 from truepose.domain.ballbar import ArrivalTaken
 from truepose.domain.cell import SimulatedCell
 from truepose.domain.robot import Nest
-from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
 ARRIVAL = ArrivalTaken((0.1, 0.2), (0.1001, 0.2001), (1, -1), 50.0)
 LEGS = (

@@ -7,9 +7,9 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
 from truepose.analysis.errors import NothingMeasuredError
-from truepose.analysis.tasks import PlanTask, held_out
+from truepose.analysis.workers.tasks import PlanTask, held_out
 from truepose.domain.errors import ConfigurationError
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.storage.records import SessionSetup
 
 

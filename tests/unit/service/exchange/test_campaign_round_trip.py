@@ -18,7 +18,7 @@ from tests.helpers.domain.builders import (
     make_stops,
 )
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, WorldRegistration
-from truepose.exchange.campaign_folder import campaign_files, campaign_from
+from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 
 # Half of the last digit that is written, in the domain's units, plus the rounding of degrees to radians.
 HALF_DIGIT = {

@@ -6,8 +6,8 @@ import zipfile
 import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
-from truepose.exchange.campaign_folder import campaign_files
-from truepose.exchange.campaign_zip import read_campaign_zip, write_campaign_zip
+from truepose.exchange.campaigns.folder import campaign_files
+from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
 
 

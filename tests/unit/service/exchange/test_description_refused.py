@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.helpers.domain.builders import make_ballbar_campaign, make_campaign
-from truepose.exchange.campaign_folder import campaign_files, campaign_from
+from truepose.exchange.campaigns.folder import campaign_files, campaign_from
 from truepose.exchange.errors import (
     BadValueError,
     MissingEntryError,

@@ -19,7 +19,7 @@ from tests.helpers.diagnosis.answers import (
     make_wave,
 )
 from truepose.domain.diagnosis import Diagnosis, Finding, Gain, Remaining, RuledOut, Worth
-from truepose.exchange.diagnosis_document import diagnosis_document
+from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.storage.documents import from_document, to_document
 
 WAVY = make_diagnosis(

@@ -1,6 +1,6 @@
 """What the format leaves open in a table of legs is read as it means."""
 
-from truepose.exchange.leg_table import read_leg_table
+from truepose.exchange.tables.legs import read_leg_table
 
 HEADER = "placement,config,q1_deg,repeat_of,base_point,tool_point,length_mm,u_mm"
 

@@ -18,7 +18,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
-from truepose.exchange.model_file import model_from_text, model_text
+from truepose.exchange.models.file import model_from_text, model_text
 
 RELATIVE = 1e-12  # promised; two conversions of degrees and two roundings cost 4 * 1.1e-16
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from truepose.exchange.errors import UnknownRobotError
-from truepose.exchange.shipped_robots import list_robots, load_robot, load_robot_with_tool
+from truepose.exchange.robots.shipped import list_robots, load_robot, load_robot_with_tool
 
 
 def rot_x(angle):

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from truepose.domain.robot import JointRange, Nest
-from truepose.exchange.cell_file import simulated_cell
+from truepose.exchange.cells.file import simulated_cell
 from truepose.planning import session_plans
 from truepose.planning.candidates import Candidates, draw_candidates
 from truepose.planning.cell_bodies import bodies_in, rooms

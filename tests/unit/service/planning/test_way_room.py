@@ -12,7 +12,7 @@ from tests.unit.service.sequencing.fakes import IRB120
 from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import Nest
 from truepose.domain.session import PlannedStop, SessionPlan
-from truepose.exchange.campaign_folder import read_campaign
+from truepose.exchange.campaigns.folder import read_campaign
 from truepose.planning.cell_bodies import bodies_of, rooms
 from truepose.planning.way_room import Ways, touching, ways_between, what_blocks_a_way, what_to_watch
 from truepose.sequencing.plans import visits

@@ -1,0 +1,25 @@
+"""The plan of a ballbar session: where the base fixture goes, and which poses are measured there."""
+
+from truepose.analysis.workers.tasks import BallbarPlanTask
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import BallbarPlan
+from truepose.planning.ballbar.fixture import base_fixture
+from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
+
+
+def plan_ballbar_session(task: BallbarPlanTask) -> BallbarPlan:
+    """Return the plan that is asked for; raises as `truepose.planning.ballbar.plan.ballbar_plan`."""
+    cell = task.setup.cell
+    kit = cell.ballbar or BallbarKit()
+    if not task.frames:
+        return ballbar_plan(
+            cell,
+            placements=task.n_placements,
+            base_points=kit.base_points,
+            poses=task.n_poses,
+            seed=task.seed,
+        )
+    side_mm = kit.base_bars.nominal_mm
+    numbered = enumerate(task.frames, 1)
+    fixtures = [base_fixture(number, frame, kit.base_points, side_mm) for number, frame in numbered]
+    return plan_at(ballbar_cell(cell), fixtures, task.n_poses, seed=task.seed)

@@ -1,0 +1,121 @@
+"""A worker process as the service sees it: started, listened to, killed with all its children."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Any, cast
+
+from truepose.analysis.errors import AnalysisError, WorkerDiedError
+from truepose.analysis.workers.pipe import (
+    LENGTH_BYTES,
+    Finished,
+    Progressed,
+    Refused,
+    body_length,
+    packed,
+    unpacked,
+)
+from truepose.analysis.workers.tasks import Answer, Task
+
+Told = Callable[[float, str], Awaitable[None]]
+_COMMAND = (sys.executable, "-m", "truepose.analysis.workers.worker")
+_MODEST_BYTES = 2 * 2**30  # where the system does not say how much memory there is
+_DYING_S = 2.0
+_LOG_LINES = 40  # of the worker's standard error, kept for the log when it dies
+
+
+class TaskRefusedError(AnalysisError):
+    """The worker answered with a sentence instead of a result."""
+
+
+async def perform_in_worker(
+    task: Task, told: Told, command: tuple[str, ...] = _COMMAND, *, memory_bytes: int | None = None
+) -> Answer:
+    """Perform `task` in a process of its own and return its answer.
+
+    Cancelling the coroutine kills the process and its children. `told` receives the progress. The process
+    may take `memory_bytes`, by default half of what the computer has: the service lives in the other half.
+
+    Raises
+    ------
+    TaskRefusedError
+        The task cannot be done; the text is the worker's sentence.
+    WorkerDiedError
+        The process ended without an answer.
+    """
+    pipe = asyncio.subprocess.PIPE
+    # A session of its own makes it the leader of a process group, which can be killed as one.
+    process = await asyncio.create_subprocess_exec(
+        *command,
+        str(memory_bytes or _half_of_all()),
+        stdin=pipe,
+        stdout=pipe,
+        stderr=pipe,
+        start_new_session=True,
+    )
+    log: deque[str] = deque(maxlen=_LOG_LINES)
+    listening = asyncio.create_task(_keep_log(process, log))
+    try:
+        return await _converse(process, task, told)
+    except (asyncio.IncompleteReadError, ConnectionError) as error:
+        # The end of the pipe comes a moment before the end of the process, and of its last words.
+        await asyncio.wait({asyncio.create_task(process.wait()), listening}, timeout=_DYING_S)
+        raise WorkerDiedError(_obituary(process, log)) from error
+    finally:
+        await _bury(process)
+        listening.cancel()
+
+
+async def _converse(process: asyncio.subprocess.Process, task: Task, told: Told) -> Answer:
+    if process.stdin is None or process.stdout is None:
+        raise WorkerDiedError("The worker process has no pipe.")
+    # Off the loop: an archive of a large campaign takes its time.
+    process.stdin.write(await asyncio.to_thread(packed, task))
+    await process.stdin.drain()
+    while True:
+        match await _next(process.stdout):
+            case Progressed(fraction, doing):
+                await told(fraction, doing)
+            case Finished(answer):
+                return cast(Answer, answer)
+            case Refused(sentence):
+                raise TaskRefusedError(sentence)
+
+
+def _half_of_all() -> int:
+    """Return half of the computer's memory [bytes]."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, ValueError, OSError):
+        return _MODEST_BYTES
+
+
+async def _next(stream: asyncio.StreamReader) -> Any:
+    head = await stream.readexactly(LENGTH_BYTES)
+    return await asyncio.to_thread(unpacked, await stream.readexactly(body_length(head)))
+
+
+async def _keep_log(process: asyncio.subprocess.Process, log: deque[str]) -> None:
+    if process.stderr is None:
+        return
+    async for line in process.stderr:
+        log.append(line.decode(errors="replace").rstrip())
+
+
+def _obituary(process: asyncio.subprocess.Process, log: deque[str]) -> str:
+    status = process.returncode or 0
+    how = (
+        f"was ended by signal {signal.Signals(-status).name}" if status < 0 else f"ended with status {status}"
+    )
+    last = f"; it last said: {log[-1]}" if log else ""
+    return f"The worker process {how} before it answered{last}. Start the job again; nothing was stored."
+
+
+async def _bury(process: asyncio.subprocess.Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    await process.wait()

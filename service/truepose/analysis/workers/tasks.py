@@ -1,0 +1,192 @@
+"""What a worker process is asked, and how it answers; the numerics are imported there and only there.
+
+The imports inside the functions are the point: scipy takes most of a second, and the service, which
+imports this module for the task classes, must not wait for it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from truepose.analysis.ballbar.assembly import Counting
+from truepose.analysis.errors import NothingMeasuredError
+from truepose.domain.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+from truepose.domain.cell import Cell
+from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Identification, Model, Validation
+from truepose.domain.robot import FramePlacement
+from truepose.domain.session import SessionPlan
+from truepose.storage.records import CampaignSummary, SessionSetup
+
+if TYPE_CHECKING:
+    from truepose.planning.work_space import WorkSpace
+
+Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
+
+
+@dataclass(frozen=True, slots=True)
+class IdentifyTask:
+    """Identify a campaign; `effects` None chooses them from the campaign."""
+
+    archive: bytes  # zip of the campaign folder
+    effects: tuple[str, ...] | None
+
+    def perform(self, report: Report) -> Identification:
+        """Return the identification; raises TrueposeError."""
+        from truepose.exchange.campaigns.zip_file import read_campaign_zip
+        from truepose.identification import identify
+
+        report(0.0, "reading the campaign")
+        return identify(read_campaign_zip(self.archive), self.effects, progress=report)
+
+
+@dataclass(frozen=True, slots=True)
+class ValidateTask:
+    """Judge a model on the validation readings of a campaign."""
+
+    archive: bytes
+    model: Model
+    limit_mm: float | None
+
+    def perform(self, report: Report) -> Validation:
+        """Return the validation; raises TrueposeError."""
+        from truepose.exchange.campaigns.zip_file import read_campaign_zip
+        from truepose.judgement.held_out import validate
+
+        report(0.0, "reading the campaign")
+        readings = held_out(read_campaign_zip(self.archive))
+        report(0.5, f"predicting {len(readings)} readings")
+        return validate(self.model, readings, limit_mm=self.limit_mm)
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnoseTask:
+    """Say what the model of a campaign gets wrong; `effects` None starts from the usual ones."""
+
+    archive: bytes  # zip of the campaign folder
+    effects: tuple[str, ...] | None
+
+    def perform(self, report: Report) -> Diagnosis:
+        """Return the diagnosis; raises TrueposeError."""
+        from truepose.diagnosis.diagnose import diagnose
+        from truepose.exchange.campaigns.zip_file import read_campaign_zip
+
+        report(0.0, "reading the campaign")
+        return diagnose(read_campaign_zip(self.archive), self.effects, progress=report)
+
+
+@dataclass(frozen=True, slots=True)
+class PlanTask:
+    """Choose the configurations of a session: by observability, or at random to validate."""
+
+    setup: SessionSetup
+    template: SessionPlan  # role, speeds and limits; its stops are chosen here
+    n_configurations: int
+    seed: int
+
+    def perform(self, report: Report) -> SessionPlan:
+        """Return the plan; raises TrueposeError."""
+        from truepose.planning.session_plans import plan_session
+
+        report(0.0, f"choosing {self.n_configurations} configurations")
+        space = _work_space(self.setup.cell, self.template)
+        return plan_session(space, self.template, self.n_configurations, self.seed)
+
+
+def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
+    from truepose.planning.cell_space import space_of_cell
+
+    ranges = cell.limits.calibration or cell.robot.calibration_ranges
+    if ranges is None:
+        raise ConfigurationError(
+            f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
+            "give them under [limits] of the cell file, or give the stops."
+        )
+    return space_of_cell(cell, ranges, template.approach_offset_rad)
+
+
+@dataclass(frozen=True, slots=True)
+class BallbarPlanTask:
+    """Choose the poses of a ballbar session, and where the base fixture goes unless `frames` say so."""
+
+    setup: SessionSetup
+    frames: tuple[FramePlacement, ...]
+    n_placements: int  # how many are suggested where no frame is given
+    n_poses: int  # of the whole session
+    seed: int
+
+    def perform(self, report: Report) -> BallbarPlan:
+        """Return the plan; raises TrueposeError."""
+        from truepose.analysis.ballbar.plans import plan_ballbar_session
+
+        report(0.0, "choosing placements and poses")
+        return plan_ballbar_session(self)
+
+
+@dataclass(frozen=True, slots=True)
+class PrecalibrateTask:
+    """Identify with what a ballbar session has so far, and aim the rest by it."""
+
+    setup: SessionSetup
+    plan: BallbarPlan
+    counting: Counting
+
+    def perform(self, report: Report) -> PreCalibration:
+        """Return what was found; raises TrueposeError."""
+        from truepose.analysis.ballbar.precalibration import precalibrate
+
+        report(0.0, "identifying with the legs so far")
+        return precalibrate(self.setup, self.plan, self.counting)
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignRead:
+    """What an archive holds that can be read."""
+
+    robot: str
+    summary: CampaignSummary
+
+
+@dataclass(frozen=True, slots=True)
+class ReadCampaignTask:
+    """Read an archive that somebody sent, to know that it can be read."""
+
+    archive: bytes
+    name: str  # what the user calls it
+
+    def perform(self, report: Report) -> CampaignRead:
+        """Return how much it holds; raises TrueposeError."""
+        from truepose.analysis.campaign_summary import summary_of
+        from truepose.exchange.campaigns.zip_file import read_campaign_zip
+
+        campaign = read_campaign_zip(self.archive, self.name)
+        return CampaignRead(campaign.robot.name, summary_of(campaign))
+
+
+Task: TypeAlias = (
+    IdentifyTask
+    | ValidateTask
+    | DiagnoseTask
+    | PlanTask
+    | BallbarPlanTask
+    | PrecalibrateTask
+    | ReadCampaignTask
+)
+Answer: TypeAlias = (
+    Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration | CampaignRead
+)
+
+
+def held_out(campaign: Campaign) -> PointReadings | LegReadings:
+    """Return the validation readings of a campaign; raises NothingMeasuredError where it has none.
+
+    Calibration readings never stand in: a model may have been made from them.
+    """
+    readings = campaign.validation if campaign.validation is not None else campaign.validation_legs
+    if readings is None:
+        raise NothingMeasuredError(
+            "The campaign has no validation readings; give one with a 'validation' or 'validation_legs' file."
+        )
+    return readings

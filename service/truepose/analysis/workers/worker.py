@@ -1,0 +1,76 @@
+"""The worker process (`python -m` this module, then BYTES): a task comes in, an answer goes out.
+
+It may take so many bytes of memory: what needs more is refused here, where it costs nobody else anything.
+"""
+
+import os
+import sys
+import threading
+import traceback
+from typing import BinaryIO, Final
+
+from truepose.analysis.workers.pipe import Finished, Progressed, Refused, packed, receive
+from truepose.analysis.workers.tasks import Task
+from truepose.domain.errors import TrueposeError
+
+_POLITENESS: Final = 5  # of the processor: a session under way comes first
+
+
+def main() -> int:
+    """Perform the task that the service sends."""
+    answers = _claim_output()
+    _keep_within(int(sys.argv[1]))
+    task = receive(sys.stdin.buffer)
+    threading.Thread(target=_end_with_the_service, daemon=True).start()
+    _send(answers, _performed(task, answers))
+    return 0
+
+
+def _performed(task: Task, answers: BinaryIO) -> Finished | Refused:
+    try:
+        return Finished(task.perform(lambda fraction, doing: _send(answers, Progressed(fraction, doing))))
+    except TrueposeError as error:
+        return Refused(str(error))
+    except MemoryError:
+        return Refused(
+            f"The task needs more than the {int(sys.argv[1]) // 2**20} MB of memory that it is given; "
+            "nothing was stored, try it with fewer rows."
+        )
+    except Exception as error:
+        # The traceback goes to the service's log; the sentence to whoever asked.
+        traceback.print_exc()
+        return Refused(
+            f"The program failed at this task ({type(error).__name__}: {error}); please report it."
+        )
+
+
+def _keep_within(memory_bytes: int) -> None:
+    """Let the system refuse more memory than that, and give the processor to others first."""
+    if sys.platform != "win32":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+        os.nice(_POLITENESS)
+
+
+def _claim_output() -> BinaryIO:
+    """Keep the pipe for messages; whatever a library prints goes to standard error."""
+    pipe = os.dup(1)
+    os.dup2(2, 1)
+    return os.fdopen(pipe, "wb")
+
+
+def _send(stream: BinaryIO, message: object) -> None:
+    stream.write(packed(message))
+    stream.flush()
+
+
+def _end_with_the_service() -> None:
+    # The service holds our input open as long as it lives: a killed service leaves no worker behind.
+    # Read past the buffer: its lock, held by a daemon thread, would abort an orderly end.
+    os.read(0, 1)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

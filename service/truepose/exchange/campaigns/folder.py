@@ -1,0 +1,138 @@
+"""Campaign folder, format 1, in and out."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.exchange.campaigns.description import Description, description_document, read_description
+from truepose.exchange.document import json_document
+from truepose.exchange.errors import MissingFileError, UnreadableFileError
+from truepose.exchange.input_file import GREATEST_BYTES, read_bytes
+from truepose.exchange.json_text import render_json
+from truepose.exchange.tables.legs import read_cup_table, read_fixture_table, read_leg_table, read_setup_table
+from truepose.exchange.tables.points import read_point_table, read_reference_table
+from truepose.exchange.tables.text import (
+    cup_text,
+    fixture_text,
+    leg_text,
+    point_text,
+    reference_text,
+    setup_text,
+)
+
+DESCRIPTION = "campaign.json"
+GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
+Load = Callable[[str], bytes]
+
+
+def read_campaign(folder: Path) -> Campaign:
+    """Read a campaign folder.
+
+    Raises
+    ------
+    InputFileError
+        Its subclass says the fault; its text names file, line and column or key in one sentence.
+    """
+    if not folder.exists():
+        raise MissingFileError("there is no such campaign folder", file=str(folder))
+    if not folder.is_dir():
+        raise UnreadableFileError("this is no campaign folder, nor a zip of one", file=str(folder))
+    most = {DESCRIPTION: GREATEST_DESCRIPTION_BYTES}
+    return campaign_from(lambda name: read_bytes(folder / name, most=most.get(name, GREATEST_BYTES)))
+
+
+def write_campaign(campaign: Campaign, folder: Path) -> None:
+    """Write a campaign folder; creates it where needed and replaces files of the same names.
+
+    Reading it back gives an equal campaign to the digits stated in `table_text`, without what the
+    format cannot hold: source, ranges, limits and rated payload of the robot.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in campaign_files(campaign).items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+
+
+def campaign_from(load: Load) -> Campaign:
+    """Read a campaign whose files `load` returns by name; it raises MissingFileError."""
+    description = read_description(json_document(DESCRIPTION, load(DESCRIPTION)))
+    return _with_tables(description, load)
+
+
+def _load_role(description: Description, role: str, load: Load) -> bytes:
+    try:
+        return load(description.files[role])
+    except MissingFileError as error:
+        missing = f"file {description.files[role]} is not in the folder"
+        raise MissingFileError(
+            missing, file=DESCRIPTION, line=_line(description, role), key=f"files.{role}"
+        ) from error
+
+
+def _line(description: Description, role: str) -> int | None:
+    return description.files_node.locate((*description.files_node.path, role))
+
+
+def _with_tables(description: Description, load: Load) -> Campaign:
+    """Return the campaign with its tables and everything that was ignored in them."""
+    campaign = description.campaign
+    joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
+    tracker, fixed = campaign.tracker_position_mm, len(campaign.fixed_nests)
+    readers: dict[str, Callable[[str, bytes], tuple[object, tuple[str, ...]]]] = {
+        "calibration": lambda file, text: read_point_table(file, text, joints, nests, tracker),
+        "validation": lambda file, text: read_point_table(file, text, joints, nests, tracker),
+        "reference": lambda file, text: read_reference_table(file, text, fixed),
+        "legs": lambda file, text: read_leg_table(file, text, joints, nests),
+        "validation_legs": lambda file, text: read_leg_table(file, text, joints, nests),
+        "fixture": read_fixture_table,
+        "setup": lambda file, text: read_setup_table(file, text, joints),
+        "cups": read_cup_table,
+    }
+    ignored: dict[str, list[str]] = {}
+    for role in description.files:  # one after the other: the text of a table is larger than the table
+        table, clauses = readers[role](description.files[role], _load_role(description, role, load))
+        campaign = replace(campaign, **{role: table})  # type: ignore[arg-type]  # a role is the field of its table
+        for clause in clauses:
+            ignored.setdefault(clause, []).append(description.files[role])
+    sentences = (f"{', '.join(files)}: {clause}." for clause, files in ignored.items())
+    return replace(
+        campaign, ignored=(*campaign.ignored, *sentences, *_judged_by_themselves(description, campaign))
+    )
+
+
+def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[str]:
+    """Say how many validation readings are calibration readings too: a copied file proves nothing."""
+    if campaign.calibration is None or campaign.validation is None:
+        return
+    identifying = {row.tobytes() for row in _readings(campaign.calibration)}
+    shared = sum(row.tobytes() in identifying for row in _readings(campaign.validation))
+    if shared:
+        yield (
+            f"{description.files['validation']}: {shared} of {len(campaign.validation)} readings stand in "
+            f"{description.files['calibration']} as well; these judge nothing."
+        )
+
+
+def _readings(points: PointReadings) -> FloatArray:
+    """Return what makes a reading the same as another: joints, nest and position, one row each."""
+    return np.column_stack([points.stops.joints_rad, points.nest, points.position_mm])
+
+
+def campaign_files(campaign: Campaign) -> dict[str, str]:
+    """Return the text of every file of the campaign folder, by name."""
+    tables = {
+        "calibration": campaign.calibration and point_text(campaign.calibration),
+        "validation": campaign.validation and point_text(campaign.validation),
+        "reference": campaign.reference and reference_text(campaign.reference),
+        "legs": campaign.legs and leg_text(campaign.legs),
+        "validation_legs": campaign.validation_legs and leg_text(campaign.validation_legs),
+        "fixture": campaign.fixture and fixture_text(campaign.fixture),
+        "setup": campaign.setup and setup_text(campaign.setup),
+        "cups": campaign.cups and cup_text(campaign.cups),
+    }
+    texts = {f"{role}.csv": text for role, text in tables.items() if isinstance(text, str)}
+    files = {name.removesuffix(".csv"): name for name in texts}
+    return {DESCRIPTION: render_json(description_document(campaign, files)) + "\n", **texts}

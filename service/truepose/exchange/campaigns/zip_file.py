@@ -1,0 +1,146 @@
+"""A campaign folder as one zip file; nothing is ever unpacked to disk.
+
+Limits: 200,000 rows of seven joints with everything that the format knows are 100 MB of text, so 128 MB for a
+file and 256 MB for all are generous, and an archive that expands beyond them was not made by measuring. What
+the archive says of itself is judged before anything is inflated, and what it inflates to once more.
+"""
+
+import io
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+
+from truepose.domain.campaign import Campaign
+from truepose.exchange.campaigns.folder import (
+    DESCRIPTION,
+    GREATEST_DESCRIPTION_BYTES,
+    campaign_files,
+    campaign_from,
+)
+from truepose.exchange.errors import MissingFileError, UnreadableFileError, UnsafeArchiveError
+from truepose.exchange.input_file import GREATEST_BYTES
+
+_TOTAL_LIMIT_BYTES = 256 * 2**20
+_MEMBER_LIMIT = 1000
+_ENTRY = b"PK\x01\x02"  # begins a member in the directory at the archive's end
+_GREATEST_RATIO = 200  # text of readings shrinks to a fifth, the same row over and over to a hundredth
+_SMALL_BYTES = 2**20  # whatever the ratio
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same campaign gives the same bytes
+_READ_WITH_RIGHTS = 0o644 << 16
+
+
+def read_campaign_zip(archive: bytes, name: str = "campaign.zip") -> Campaign:
+    """Read a campaign from a zip of its folder; the folder itself may be in the zip or not.
+
+    Parameters
+    ----------
+    archive : bytes
+    name : str
+        What the user calls the archive, for error messages.
+
+    Raises
+    ------
+    UnsafeArchiveError
+        Members that lead out of the archive, twice the same name, too many or too large ones.
+    InputFileError
+        As `read_campaign`.
+    """
+    if archive.count(_ENTRY) > 2 * _MEMBER_LIMIT:  # each takes a thousand bytes once the directory is read
+        raise UnsafeArchiveError(f"it has more than the {_MEMBER_LIMIT} members allowed", file=name)
+    try:
+        with zipfile.ZipFile(io.BytesIO(archive)) as opened:
+            return _read(opened, name)
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+        raise UnreadableFileError(f"this is not a whole zip file ({error})", file=name) from error
+    except (NotImplementedError, RuntimeError) as error:
+        raise UnreadableFileError(
+            f"the zip file uses what this program cannot open ({error})", file=name
+        ) from error
+
+
+def write_campaign_zip(campaign: Campaign) -> bytes:
+    """Return the campaign folder as a zip without a top folder; equal campaigns give equal bytes."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in campaign_files(campaign).items():
+            member = zipfile.ZipInfo(name, _EPOCH)
+            member.compress_type = zipfile.ZIP_DEFLATED
+            member.external_attr = _READ_WITH_RIGHTS
+            archive.writestr(member, text.encode())
+    return stream.getvalue()
+
+
+def _read(archive: zipfile.ZipFile, name: str) -> Campaign:
+    members = _checked_members(archive, name)
+    top = _top_folder(members, name)
+
+    def load(file: str) -> bytes:
+        member = members.get(str(top / file))
+        if member is None:
+            raise MissingFileError("there is no such file in the archive", file=file)
+        return _content(archive, member, name)
+
+    return campaign_from(load)
+
+
+def _checked_members(archive: zipfile.ZipFile, name: str) -> Mapping[str, zipfile.ZipInfo]:
+    """Return the files of the archive by path, after refusing what no honest program writes."""
+    entries = archive.infolist()
+    if len(entries) > _MEMBER_LIMIT:
+        raise UnsafeArchiveError(
+            f"{len(entries)} members are more than the {_MEMBER_LIMIT} allowed", file=name
+        )
+    if sum(entry.file_size for entry in entries) > _TOTAL_LIMIT_BYTES:
+        raise UnsafeArchiveError(f"the content exceeds {_TOTAL_LIMIT_BYTES // 2**20} MB", file=name)
+    members: dict[str, zipfile.ZipInfo] = {}
+    for entry in entries:
+        if not _stays_inside(entry.filename):
+            raise UnsafeArchiveError(f"member {entry.filename!r} leads out of the archive", file=name)
+        if entry.filename in members:
+            raise UnsafeArchiveError(f"member {entry.filename!r} is there twice", file=name)
+        if entry.file_size > max(_SMALL_BYTES, _GREATEST_RATIO * entry.compress_size):
+            raise UnsafeArchiveError(
+                f"member {entry.filename!r} expands more than {_GREATEST_RATIO}-fold", file=name
+            )
+        if not entry.is_dir():
+            members[entry.filename] = entry
+    return members
+
+
+def _stays_inside(path: str) -> bool:
+    parts = PurePosixPath(path).parts
+    return (
+        bool(parts)
+        and not path.startswith("/")
+        and ".." not in parts
+        and "\\" not in path
+        and ":" not in parts[0]
+    )
+
+
+def _top_folder(members: Mapping[str, zipfile.ZipInfo], name: str) -> PurePosixPath:
+    """Return the folder of the one `campaign.json`; metadata that macOS adds does not count."""
+    folders = [
+        PurePosixPath(path).parent
+        for path in members
+        if PurePosixPath(path).name == DESCRIPTION and not path.startswith("__MACOSX/")
+    ]
+    if not folders:
+        raise MissingFileError(f"there is no {DESCRIPTION} in the archive", file=name)
+    if len(folders) > 1:
+        listed = ", ".join(sorted(str(folder) for folder in folders))
+        raise UnreadableFileError(
+            f"several campaigns are in the archive ({listed}); one is required", file=name
+        )
+    return folders[0]
+
+
+def _content(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> bytes:
+    """Return the content of a member, whatever size its header claims."""
+    limit = GREATEST_DESCRIPTION_BYTES if member.filename.endswith(DESCRIPTION) else GREATEST_BYTES
+    with archive.open(member) as stream:
+        content = stream.read(limit + 1)
+    if len(content) > limit:
+        raise UnsafeArchiveError(f"member {member.filename!r} exceeds {limit // 2**20} MB", file=name)
+    return content

@@ -1,0 +1,1 @@
+"""Cell files, and the simulated cell that is shipped."""

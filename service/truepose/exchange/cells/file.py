@@ -1,0 +1,167 @@
+"""Cell files: TOML, described in docs/cell-file.md with an example."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+
+from truepose.domain.cell import Cell, SimulatedCell
+from truepose.domain.robot import FramePlacement, LinkMass, Nest, Robot
+from truepose.exchange.cells.sections import (
+    optional_text,
+    read_artefact,
+    read_ballbar,
+    read_conditions,
+    read_devices,
+    read_fixed_nests,
+    read_lengths,
+    read_limits,
+    read_people,
+    read_seen,
+    read_simulated,
+    read_tracker_position,
+    refuse_unlisted,
+)
+from truepose.exchange.document import Node, toml_document
+from truepose.exchange.errors import MissingEntryError, UnknownRobotError
+from truepose.exchange.input_file import read_bytes
+from truepose.exchange.robots.document import read_nest, read_placement
+from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool, read_robot_file
+
+_KEYS = frozenset({
+    "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
+    "certified_length", "tracker", "limits", "conditions", "device", "simulated", "effect", "ballbar",
+    "people",
+})  # fmt: skip
+_TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
+_ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
+
+
+def read_cell(path: Path) -> Cell:
+    """Read a cell file; a robot file that it names is looked for beside it.
+
+    Raises
+    ------
+    InputFileError
+        With file and key, and line where the text is not TOML at all.
+    """
+    root = toml_document(path.name, read_bytes(path))
+    cell = _read(root if root.optional("simulated") is None else _completed(root), path.parent)
+    if cell.simulated is None and not cell.devices:
+        raise MissingEntryError(
+            "the cell has neither devices nor a simulation; [[device]] entries or [simulated] is required",
+            file=path.name,
+        )
+    return cell
+
+
+def simulated_cell(scenario: str, seed: int) -> Cell:
+    """Return the cell of a simulated scenario: the shipped table, tool and tracker.
+
+    Parameters
+    ----------
+    scenario : str
+        Shipped name, or a file whose name begins like one; `irb120...` or `lrmate...` says which robot.
+    seed : int
+
+    Raises
+    ------
+    UnknownRobotError
+        The name does not say which robot stands in the cell.
+    """
+    root = _template()
+    name = f"Simulated cell {Path(scenario).stem}"
+    entries = {**root.entries(), "robot": _robot_of_scenario(scenario), "name": name}
+    cell = _read(replace(root, value=entries), Path())
+    return replace(cell, simulated=SimulatedCell(scenario, seed))
+
+
+def _template() -> Node:
+    template = files("truepose.exchange") / "cells" / "simulated.toml"
+    return toml_document("simulated.toml", template.read_bytes())
+
+
+def _completed(root: Node) -> Node:
+    """Return a simulated cell's file with what it leaves out: robot, table, tool and tracker are known."""
+    own_table = not _TABLE.isdisjoint(root.entries())  # nests, tracker and paper of one table belong together
+    shipped = {
+        key: entry for key, entry in _template().entries().items() if not (own_table and key in _TABLE)
+    }
+    scenario = root.key("simulated").optional("scenario")
+    if scenario is not None and "robot" not in root.entries():
+        shipped["robot"] = _robot_of_scenario(scenario.text())
+    return replace(root, value={**shipped, **root.entries()})
+
+
+def _robot_of_scenario(scenario: str) -> str:
+    for prefix, robot in _ROBOT_OF_SCENARIOS.items():
+        if Path(scenario).name.startswith(prefix):
+            return robot
+    known = " or ".join(f"{prefix}..." for prefix in _ROBOT_OF_SCENARIOS)
+    raise UnknownRobotError(
+        f"Scenario {scenario!r} does not say which robot stands in the cell: its name must begin with "
+        f"{known}, or a cell file must name robot and scenario."
+    )
+
+
+def _read(root: Node, folder: Path) -> Cell:
+    refuse_unlisted(root, _KEYS)
+    shipped = _read_robot(root.key("robot"), folder)
+    tool, tracker = root.optional("tool"), root.optional("tracker")
+    fixed_nests = read_fixed_nests(root.optional("fixed_nest"))
+    robot = _with_tool_mass(shipped.robot, tool)
+    cell = Cell(
+        name=optional_text(root, "name") or robot.name,
+        robot_key=root.key("robot").text(),
+        robot=robot,
+        robot_serial_number=optional_text(root, "robot_serial_number"),
+        base_nominal=_read_base(root.optional("base_in_world")),
+        nests=_read_nests(root.optional("tool_nest"), shipped),
+        tool=read_artefact(tool, extra={"mass_kg", "cog_mm"}),
+        fixed_nests=fixed_nests,
+        fixed_nests_seen_mm=read_seen(tracker, len(fixed_nests)),
+        world=read_artefact(root.optional("world")),
+        certified_lengths=read_lengths(root.optional("certified_length"), len(fixed_nests)),
+        tracker_position_mm=read_tracker_position(tracker),
+        limits=read_limits(root.optional("limits"), robot),
+        conditions=read_conditions(root.optional("conditions")),
+        devices=read_devices(root.optional("device")),
+        simulated=read_simulated(root),
+        ballbar=read_ballbar(root.optional("ballbar")),
+        people=read_people(root.optional("people")),
+    )
+    if cell.devices and cell.simulated is not None:
+        root.key("simulated").fail("a cell is either simulated or has devices of its own; remove one")
+    return cell
+
+
+def _read_robot(node: Node, folder: Path) -> RobotWithTool:
+    """Read the robot by its shipped name, or from a file beside the cell file."""
+    name = node.text()
+    if name.endswith(".toml"):
+        return read_robot_file(folder / name)
+    try:
+        return load_robot_with_tool(name)
+    except UnknownRobotError as error:
+        node.fail(f"{str(error).removesuffix('.')}; or name a robot file that ends in .toml")
+
+
+def _read_base(node: Node | None) -> FramePlacement:
+    return FramePlacement() if node is None else read_placement(node)
+
+
+def _read_nests(node: Node | None, shipped: RobotWithTool) -> tuple[Nest, ...]:
+    """Return the tool nests of the cell, else those of the tool that comes with the robot's masses."""
+    if node is None:
+        return shipped.nests
+    return tuple(read_nest(entry) for entry in node.items())
+
+
+def _with_tool_mass(robot: Robot, tool: Node | None) -> Robot:
+    """Replace what the robot carries in its last frame by the tool of this cell, where its mass is given."""
+    if tool is None or tool.optional("mass_kg") is None:
+        return robot
+    mass, centre = tool.key("mass_kg").number(least=0.0), tool.key("cog_mm").vector()
+    carried = LinkMass(robot.n_joints, mass, centre)
+    others = tuple(link for link in robot.masses if link.frame != robot.n_joints)
+    return replace(robot, masses=(*others, carried))

@@ -1,0 +1,1 @@
+"""Identifications, validations and diagnoses as JSON documents."""

@@ -1,0 +1,1 @@
+"""Tables of readings and of points: strict reading, and the columns of each kind."""

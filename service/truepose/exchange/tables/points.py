@@ -1,0 +1,185 @@
+"""Tables of measured tool nests (`calibration`, `validation`) and of fixed nests (`reference`)."""
+
+import math
+from collections.abc import Collection
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
+from truepose.exchange.errors import MissingEntryError
+from truepose.exchange.tables.stops import SAME_JOINTS_DEG, read_stops_of, stop_columns, torque_names
+from truepose.exchange.tables.table import POSITIVE, WHOLE, Column, Table, at_least, one_of, read_table
+
+POSITION = ("x_mm", "y_mm", "z_mm")
+QUATERNION = ("qw", "qx", "qy", "qz")
+BEAM = ("u_along_mm", "u_across_mm")
+COVARIANCE = ("cxx", "cxy", "cxz", "cyy", "cyz", "czz")
+UPPER_TRIANGLE = np.triu_indices(3)  # row by row, the order of COVARIANCE
+# Controllers print quaternions with three decimals: four roundings of 0.0005 change the length by 0.001 at
+# most. Twice that still tells a rounded quaternion from one that is none.
+_QUATERNION_TOLERANCE = 2e-3
+# A quaternion of full precision is left as it is, so that writing and reading it again changes nothing.
+_ROUNDING = 1e-14
+
+# The squares of what `u_mm` may be.
+_GREATEST_COVARIANCE_MM2 = 1e6
+_LEAST_VARIANCE_MM2 = 1e-18
+
+Vector = tuple[float, float, float]
+
+
+def point_columns(n_joints: int, nests: Collection[int]) -> list[Column]:
+    """Return the columns of measured points."""
+    return [
+        *stop_columns(n_joints),
+        Column("nest", rules=(WHOLE, one_of(nests, "the tool nests"))),
+        *(Column(name) for name in POSITION),
+        Column("u_mm", rules=(POSITIVE,)),
+        *(Column(name, required=False) for name in QUATERNION),
+        Column("u_rot_deg", required=False, rules=(POSITIVE,), blank=math.nan),
+        *(Column(name, required=False, rules=(POSITIVE,)) for name in BEAM),
+        *(Column(name, required=False) for name in COVARIANCE),
+    ]
+
+
+def point_groups(n_joints: int) -> list[tuple[str, ...]]:
+    """Return the optional columns that come all or not at all."""
+    return [tuple(torque_names(n_joints)), QUATERNION, BEAM, COVARIANCE]
+
+
+def read_point_table(
+    file: str, data: bytes, n_joints: int, nests: Collection[int], tracker_position_mm: Vector | None
+) -> tuple[PointReadings, tuple[str, ...]]:
+    """Read measured points; return them and one clause for every column ignored.
+
+    Raises an InputFileError that names line and column.
+    """
+    table = read_table(file, data, point_columns(n_joints, nests), together=point_groups(n_joints))
+    readings = PointReadings(
+        stops=read_stops_of(table, n_joints),
+        nest=table.whole("nest"),
+        position_mm=table.block(POSITION),
+        standard_uncertainty_mm=table.numbers("u_mm"),
+        covariance_mm2=_covariance(table, tracker_position_mm),
+        quaternion=_quaternion(table),
+        rotation_uncertainty_rad=_rotation_uncertainty(table),
+    )
+    return readings, (*ignored_columns(table), *_superseded(table), *_doubtful_repeats(readings.stops))
+
+
+def read_reference_table(
+    file: str, data: bytes, n_fixed_nests: int
+) -> tuple[FixedNestReadings, tuple[str, ...]]:
+    """Read looks at fixed nests; `n_fixed_nests` is 0 where none is certified and any number may be named."""
+    among = one_of(range(1, n_fixed_nests + 1), "the fixed nests") if n_fixed_nests else at_least(1)
+    columns = [
+        Column("time_s"),
+        Column("fixed_nest", rules=(WHOLE, among)),
+        *(Column(name) for name in POSITION),
+        Column("u_mm", rules=(POSITIVE,)),
+    ]
+    table = read_table(file, data, columns)
+    readings = FixedNestReadings(
+        time_s=table.numbers("time_s"),
+        fixed_nest=table.whole("fixed_nest"),
+        position_mm=table.block(POSITION),
+        standard_uncertainty_mm=table.numbers("u_mm"),
+    )
+    return readings, ignored_columns(table)
+
+
+def ignored_columns(table: Table) -> tuple[str, ...]:
+    """Return one clause for every column that the format does not know."""
+    return tuple(f"column {name} is not part of the format and is ignored" for name in table.unlisted)
+
+
+def _superseded(table: Table) -> tuple[str, ...]:
+    if COVARIANCE[0] not in table or BEAM[0] not in table:
+        return ()
+    return (f"columns {' and '.join(BEAM)} are ignored, {COVARIANCE[0]} to {COVARIANCE[-1]} say more",)
+
+
+def _doubtful_repeats(stops: Stops) -> tuple[str, ...]:
+    """Return a clause when a revisit names a configuration of other joints: it would be no pure error."""
+    if stops.repeat_of is None:
+        return ()
+    _, first = np.unique(stops.config, return_index=True)
+    row_of = dict(zip(stops.config[first].tolist(), first.tolist(), strict=True))
+    earlier = np.array([row_of.get(config, row) for row, config in enumerate(stops.repeat_of.tolist())])
+    away_deg = np.degrees(np.abs(stops.joints_rad - stops.joints_rad[earlier]).max(axis=1))
+    wrong = np.flatnonzero(away_deg > SAME_JOINTS_DEG)
+    if len(wrong) == 0:
+        return ()
+    row = int(wrong[0])
+    return (
+        f"column repeat_of: configuration {stops.config[row]} is no revisit of {stops.repeat_of[row]},"
+        f" whose joints differ by {away_deg[row]:.3g} deg ({len(wrong)} such in all): correct or empty it",
+    )
+
+
+def _covariance(table: Table, tracker_position_mm: Vector | None) -> FloatArray | None:
+    """Return (n, 3, 3) covariances [mm2] from whichever columns give them, or None."""
+    if COVARIANCE[0] in table:
+        return _full_covariance(table)
+    if BEAM[0] not in table:
+        return None
+    if tracker_position_mm is None:
+        raise MissingEntryError(
+            f"{' and '.join(BEAM)} need tracker_position_world_mm in campaign.json",
+            file=table.file,
+            line=1,
+            column=BEAM[0],
+        )
+    return _beam_covariance(table, np.array(tracker_position_mm))
+
+
+def _full_covariance(table: Table) -> FloatArray:
+    covariance = np.empty((len(table.lines), 3, 3))
+    rows, columns = UPPER_TRIANGLE
+    entries = table.block(COVARIANCE)
+    covariance[:, rows, columns] = entries
+    covariance[:, columns, rows] = entries
+    table.require(
+        np.abs(entries).max(axis=1) <= _GREATEST_COVARIANCE_MM2,
+        COVARIANCE[0],
+        f"{COVARIANCE[0]} to {COVARIANCE[-1]} make the reading worthless: they are in mm2, and "
+        f"{_GREATEST_COVARIANCE_MM2:,.0f} mm2 is the most; correct them, or remove the row",
+    )
+    definite = np.linalg.eigvalsh(covariance)[:, 0] > _LEAST_VARIANCE_MM2
+    table.require(
+        definite, COVARIANCE[0], f"{COVARIANCE[0]} to {COVARIANCE[-1]} are not a positive definite matrix"
+    )
+    return covariance
+
+
+def _beam_covariance(table: Table, tracker_mm: FloatArray) -> FloatArray:
+    """Turn the uncertainties along and across the beam into the world frame."""
+    beam = table.block(POSITION) - tracker_mm
+    distance = np.linalg.norm(beam, axis=1)
+    table.require(
+        distance > 0.0, "x_mm", "the point lies in the tracker itself, so its beam has no direction"
+    )
+    unit = beam / distance[:, None]
+    along, across = (table.numbers(name)[:, None, None] ** 2 for name in BEAM)
+    covariance: FloatArray = across * np.eye(3) + (along - across) * unit[:, :, None] * unit[:, None, :]
+    return covariance
+
+
+def _quaternion(table: Table) -> FloatArray | None:
+    if QUATERNION[0] not in table:
+        return None
+    quaternion = table.block(QUATERNION)
+    length = np.linalg.norm(quaternion, axis=1)
+    unit = np.abs(length - 1.0) <= _QUATERNION_TOLERANCE
+    table.require(
+        unit, QUATERNION[0], f"{QUATERNION[0]} to {QUATERNION[-1]} are not a quaternion of length 1"
+    )
+    length[np.abs(length - 1.0) < _ROUNDING] = 1.0
+    normalised: FloatArray = quaternion / length[:, None]
+    return normalised
+
+
+def _rotation_uncertainty(table: Table) -> FloatArray | None:
+    uncertainty = table.optional_numbers("u_rot_deg")
+    return None if uncertainty is None else np.radians(uncertainty)

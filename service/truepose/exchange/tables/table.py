@@ -1,0 +1,283 @@
+"""Strict reading of a CSV table into columns of numbers, with the place of the first bad cell.
+
+Rows come some thousand at a time. Well-formed columns take a fast path (one regular expression and one
+conversion for all of these rows); cells are looked at one by one only where one is blank or bad.
+"""
+
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
+from truepose.exchange.plausible import limits_of
+from truepose.exchange.tables.rows import Numbered, numbered_rows, parts, read_header
+from truepose.exchange.unit_suffix import in_other_unit, unit, unit_sentence
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_ONE_NUMBER = re.compile(_NUMBER)
+_ALL_NUMBERS = re.compile(rf"(?:{_NUMBER}\n)++")
+_NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
+_LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
+Converted: TypeAlias = tuple[IntArray, dict[str, FloatArray]]  # lines and columns of some rows
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What the numbers of a column must be, and the words for it ("must ...")."""
+
+    accepts: Callable[[FloatArray], BoolArray]
+    must: str
+
+
+WHOLE = Rule(lambda v: (v == np.round(v)) & (np.abs(v) < _LARGEST_WHOLE), "must be a whole number")
+POSITIVE = Rule(lambda v: v > 0, "must be greater than 0")
+
+
+def at_least(least: int) -> Rule:
+    """Return the rule that numbers are not below `least`."""
+    return Rule(lambda v: v >= least, f"must not be below {least}")
+
+
+def between(least: int, greatest: int) -> Rule:
+    """Return the rule that numbers lie in a closed interval."""
+    return Rule(lambda v: (v >= least) & (v <= greatest), f"must lie between {least} and {greatest}")
+
+
+def one_of(numbers: Collection[int], what: str) -> Rule:
+    """Return the rule that numbers are among `numbers`, which are `what`."""
+    allowed = np.array(sorted(numbers), float)
+    listed = ", ".join(str(number) for number in sorted(numbers))
+    return Rule(lambda v: np.isin(v, allowed), f"must be one of {what}: {listed}")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column that the format knows.
+
+    `blank` is what an empty cell stands for (None: an empty cell is refused). With `words` the cells
+    hold one of these instead of a number, and the value is its index.
+    """
+
+    name: str
+    required: bool = True
+    rules: tuple[Rule, ...] = ()
+    blank: float | None = None
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The known columns of a file as equal-length arrays; `lines` says where each row stood."""
+
+    file: str
+    lines: IntArray
+    values: Mapping[str, FloatArray]
+    unlisted: tuple[str, ...]  # names of columns that the format does not know
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return a column that is there, shape (n,)."""
+        return self.values[name]
+
+    def whole(self, name: str) -> IntArray:
+        """Return a column of whole numbers that is there, shape (n,)."""
+        return self.values[name].astype(np.int64)
+
+    def block(self, names: Sequence[str]) -> FloatArray:
+        """Return columns that are there side by side, shape (n, len(names))."""
+        return np.column_stack([self.values[name] for name in names])
+
+    def optional_numbers(self, name: str) -> FloatArray | None:
+        """Return a column, or None where the file has none."""
+        return self.values.get(name)
+
+    def optional_whole(self, name: str) -> IntArray | None:
+        """Return a column of whole numbers, or None where the file has none."""
+        return self.whole(name) if name in self.values else None
+
+    def require(self, good: BoolArray, column: str, sentence: str) -> None:
+        """Raise BadValueError at the first row that is not `good` (shape (n,))."""
+        if not good.all():
+            line = int(self.lines[int(np.argmin(good))])
+            raise BadValueError(sentence, file=self.file, line=line, column=column)
+
+
+def read_table(
+    file: str,
+    data: bytes,
+    columns: Sequence[Column],
+    *,
+    together: Sequence[Sequence[str]] = (),
+    passed_over: Collection[str] = (),
+) -> Table:
+    """Read a CSV table.
+
+    Parameters
+    ----------
+    file : str
+        Its name, for error messages.
+    data : bytes
+        UTF-8, with or without byte order mark, any line ends.
+    columns : sequence of Column
+        What the format knows; the file has them in any order.
+    together : sequence of sequences of str
+        Optional columns that come all or not at all.
+    passed_over : collection of str
+        Known names that do not matter here; neither read nor reported.
+
+    Raises
+    ------
+    UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
+        With file, line and column of the first fault.
+    """
+    numbered = numbered_rows(file, data)
+    header = read_header(file, numbered)
+    _check_header(file, header, columns, together)
+    wanted = [column for column in columns if column.name in header]
+    known = {column.name for column in columns} | set(passed_over)
+    lines, values = _joined(
+        wanted, [_convert(file, wanted, header, part) for part in parts(file, header, numbered)]
+    )
+    if not lines.size:
+        raise UnreadableFileError("the file has a header and no rows", file=file)
+    return Table(file, lines, values, tuple(name for name in header if name and name not in known))
+
+
+def column_names(file: str, data: bytes) -> tuple[str, ...]:
+    """Return the names in the header line of a CSV table."""
+    return tuple(read_header(file, numbered_rows(file, data)))
+
+
+def _check_header(
+    file: str, header: list[str], columns: Sequence[Column], together: Sequence[Sequence[str]]
+) -> None:
+    seen: set[str] = set()
+    for name in filter(None, header):
+        if name in seen:
+            raise BadValueError("the column appears twice; keep one", file=file, line=1, column=name)
+        seen.add(name)
+    for column in columns:
+        if column.name not in seen:
+            _check_absent(file, column, seen)
+    for group in together:
+        absent = [name for name in group if name not in seen]
+        if 0 < len(absent) < len(group):
+            raise MissingEntryError(
+                f"column {absent[0]} is missing; {group[0]} to {group[-1]} come all or not at all",
+                file=file,
+                line=1,
+            )
+
+
+def _check_absent(file: str, column: Column, present: set[str]) -> None:
+    """Refuse an absent column that is required, or that is there in another unit."""
+    rival = in_other_unit(column.name, present)
+    if rival is not None and (column.required or unit(rival)):
+        raise WrongUnitError(unit_sentence("column", rival, column.name), file=file, line=1)
+    if column.required:
+        raise MissingEntryError(f"column {column.name} is missing; it is required", file=file, line=1)
+
+
+def _convert(
+    file: str, columns: Sequence[Column], header: Sequence[str], rows: Sequence[Numbered]
+) -> Converted:
+    """Convert every column; raise for the bad cell that a reader of the file meets first."""
+    cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
+    values: dict[str, FloatArray] = {}
+    faults: list[tuple[int, int, str]] = []
+    for column in columns:
+        values[column.name], fault = _numbers(column, cells[column.name])
+        if fault is not None:
+            faults.append((fault[0], header.index(column.name), fault[1]))
+    if faults:
+        row, position, sentence = min(faults)
+        raise BadValueError(sentence, file=file, line=rows[row][0], column=header[position])
+    return np.array([line for line, _ in rows], np.int64), values
+
+
+def _joined(columns: Sequence[Column], parts: Sequence[Converted]) -> Converted:
+    """Return what was converted part by part as whole columns."""
+    lines = np.concatenate([np.zeros(0, np.int64), *(lines for lines, _ in parts)])
+    nothing = np.zeros(0)
+    values = {
+        column.name: np.concatenate([nothing, *(values[column.name] for _, values in parts)])
+        for column in columns
+    }
+    return lines, values
+
+
+def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[int, str] | None]:
+    """Return the numbers of a column, and row and sentence of its first fault if it has one."""
+    sound = None if column.words else _all_numbers(column, cells)
+    if sound is None:
+        values, given, fault = _one_by_one(column, [cell.strip() for cell in cells])
+    else:
+        values, given, fault = sound, np.ones(len(cells), bool), None
+    for rule in column.rules:
+        broken = _first(given & ~rule.accepts(values), cells, rule.must)
+        fault = min(filter(None, (fault, broken)), default=None)
+    return values, fault
+
+
+def _all_numbers(column: Column, cells: Sequence[str]) -> FloatArray | None:
+    """Return the numbers of a column in which every cell is a sound one, else None."""
+    if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
+        return None
+    try:
+        values = np.fromiter(map(float, cells), float, len(cells))
+    except ValueError:  # a quoted cell of several lines
+        return None
+    limits, size = limits_of(column.name), np.abs(values)
+    sound = (size == 0.0) | ((size >= limits.least) & (size <= limits.greatest))
+    return values if bool(sound.all()) else None
+
+
+def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:
+    """Return numbers, whether each was given and sound, and the first fault."""
+    values = np.full(len(cells), np.nan if column.blank is None else column.blank)
+    given = np.zeros(len(cells), bool)
+    fault: tuple[int, str] | None = None
+    for row, cell in enumerate(cells):
+        if not cell and column.blank is not None:
+            continue
+        sentence = _fault(column, cell)
+        if sentence is None:
+            values[row] = column.words.index(cell) if column.words else float(cell)
+            given[row] = True
+        elif fault is None:
+            fault = (row, sentence)
+    return values, given, fault
+
+
+def _fault(column: Column, cell: str) -> str | None:
+    """Say what is wrong with a cell, or None."""
+    if not cell:
+        return f"the cell is empty; {'a word' if column.words else 'a number'} is required"
+    if column.words:
+        return None if cell in column.words else f"{_shown(cell)} must be {' or '.join(column.words)}"
+    if cell.lower() in _NOT_FINITE or (_ONE_NUMBER.fullmatch(cell) and not np.isfinite(float(cell))):
+        return f"{_shown(cell)} is not a finite number"
+    if _ONE_NUMBER.fullmatch(cell):
+        limits = limits_of(column.name)
+        if limits.accepts(float(cell)):
+            return None
+        return f"{limits.fault(float(cell), _shown(cell))}, or remove the row"
+    hint = "; the decimal point is ." if _ONE_NUMBER.fullmatch(cell.replace(",", ".")) else ""
+    return f"{_shown(cell)} is not a number{hint}"
+
+
+def _first(bad: BoolArray, cells: Sequence[str], must: str) -> tuple[int, str] | None:
+    if not bad.any():
+        return None
+    row = int(np.argmax(bad))
+    return row, f"{_shown(cells[row].strip())} {must}"
+
+
+def _shown(cell: str) -> str:
+    return repr(cell if len(cell) <= 30 else cell[:27] + "...")

@@ -1,0 +1,1 @@
+"""What is made of readings: campaigns, jobs, identifications, models, validations, diagnoses."""

@@ -1,0 +1,90 @@
+"""Campaigns: the zip of their folder, as it was uploaded or written from sessions."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, Select, select
+
+from truepose.storage.calibration.origins import simulated_campaign
+from truepose.storage.database import Database
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import NotFoundError
+from truepose.storage.events import add_event
+from truepose.storage.records import CampaignRecord, CampaignSummary, Page, RequestKey
+from truepose.storage.request_keys import answered, once
+from truepose.storage.rows import add_row
+from truepose.storage.tables import campaigns
+
+_LISTED = [column for column in campaigns.c if column.name != "archive"]
+
+
+@dataclass(frozen=True, slots=True)
+class NewCampaign:
+    """A campaign to store."""
+
+    name: str
+    robot: str
+    summary: CampaignSummary
+    archive: bytes
+    session_ids: tuple[int, ...] = ()
+
+
+class CampaignRepository:
+    """All queries about campaigns."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(self, campaign: NewCampaign, key: RequestKey | None = None) -> int:
+        """Store a campaign and return its number."""
+        return await self._database.write(lambda c: once(c, key, "campaign", lambda i: _add(i, campaign)))
+
+    async def answered(self, key: RequestKey) -> int | None:
+        """Return the campaign that a request with this key made before; raises KeyReusedError."""
+        return await self._database.read(lambda c: answered(c, key, "campaign"))
+
+    async def get(self, campaign_id: int) -> CampaignRecord:
+        """Return a campaign without its archive; raises NotFoundError."""
+        query = _records().where(campaigns.c.id == campaign_id)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError("campaign", campaign_id)
+        return _record(row)
+
+    async def page(self, page: Page) -> list[CampaignRecord]:
+        """Return campaigns, oldest first."""
+        query = _records().where(campaigns.c.id > page.after).order_by(campaigns.c.id).limit(page.limit)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def archive(self, campaign_id: int) -> bytes:
+        """Return the zip of the folder; raises NotFoundError."""
+        query = select(campaigns.c.archive).where(campaigns.c.id == campaign_id)
+        found = await self._database.read(lambda c: c.scalar(query))
+        if found is None:
+            raise NotFoundError("campaign", campaign_id)
+        return bytes(found)
+
+
+def _add(connection: Connection, campaign: NewCampaign) -> int:
+    number = add_row(
+        connection,
+        campaigns,
+        name=campaign.name,
+        robot=campaign.robot,
+        summary=to_document(campaign.summary),
+        session_ids=list(campaign.session_ids),
+        archive=campaign.archive,
+    )
+    add_event(connection, "campaign.stored", {"campaign_id": number, "name": campaign.name})
+    return number
+
+
+def _records() -> Select[Any]:
+    return select(*_LISTED, simulated_campaign())
+
+
+def _record(row: Row[Any]) -> CampaignRecord:
+    summary = from_document(CampaignSummary, row.summary)
+    return CampaignRecord(
+        row.id, row.recorded_at, row.name, row.robot, tuple(row.session_ids), bool(row.simulated), summary
+    )

@@ -1,0 +1,148 @@
+"""Looks after an open database: is it at its place, has somebody else written, is it as it was written.
+
+The long look at everything is taken by a process of its own with the lowest priority, so that neither a start
+nor a session waits for it. What it finds is looked at once more before it counts: a log that is begun anew
+meanwhile can make a reader see what is not there.
+"""
+
+import asyncio
+import contextlib
+import json
+import logging
+import sys
+from dataclasses import dataclass
+from typing import Any, Final
+
+from truepose.storage.connection.place import Place
+from truepose.storage.database import Database
+from truepose.storage.errors import StorageError
+from truepose.storage.integrity.condition import FOREIGN
+from truepose.storage.integrity.seal import digest
+from truepose.storage.integrity.verification import missing_protection
+
+_LOG: Final = logging.getLogger(__name__)
+_COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verifying")
+_FIRST_S: Final = 2.0  # the service is ready before anything is looked through
+_LOOK_S: Final = 1.0
+_AGAIN_S: Final = 6 * 3600.0
+_CHECKPOINTS: Final = "PRAGMA wal_autocheckpoint=1000"  # the library's own choice
+_LINE_BYTES: Final = 1 << 20
+
+
+class Guard:
+    """Tells the condition of the database what it finds."""
+
+    def __init__(self, database: Database, first_s: float = _FIRST_S) -> None:
+        self._database = database
+        self._condition = database.condition
+        self._first_s = first_s
+        self._doubt = asyncio.Event()  # somebody else has written
+        self._seen: tuple[Place, int] | None = None  # where the file lay, and the version of others
+
+    async def follow(self) -> None:
+        """Look until cancelled."""
+        async with asyncio.TaskGroup() as together:
+            together.create_task(self._keep_looking())
+            together.create_task(self._keep_verifying())
+
+    async def _keep_looking(self) -> None:
+        while True:
+            if await self.look():
+                self._doubt.set()
+            await asyncio.sleep(_LOOK_S)
+
+    async def _keep_verifying(self) -> None:
+        await asyncio.sleep(self._first_s)
+        await self.check_seal()
+        while True:
+            self._doubt.clear()
+            try:
+                await self._verify()
+            except OSError as error:  # no process can be had now; the next time it may
+                _LOG.warning("the database was not looked through: %s", error)
+            # not wait_for: before Python 3.12 it drops a cancellation that comes together with the doubt
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_AGAIN_S):
+                    await self._doubt.wait()
+
+    async def check_seal(self) -> None:
+        """Compare the file with how it was left; until then nothing is taken over from the log into it."""
+        left = self._database.left
+        if left is None or left.sha256 is None:
+            return
+        place, found = self._database.place, ""
+        with contextlib.suppress(OSError):
+            found = await asyncio.to_thread(digest, self._database.file)
+        if found != left.sha256 and self._database.place is place:  # not written anew meanwhile
+            self._condition.note_damage(
+                "seal",
+                f"The file {self._database.file} was changed while no service had it open; "
+                "'truepose verify' says whether records are.",
+            )
+        with contextlib.suppress(StorageError):
+            await self._database.on_writer(lambda connection: connection.execute(_CHECKPOINTS))
+
+    async def look(self) -> bool:
+        """See that the file is at its place; returns whether somebody else has written to it."""
+        if self._condition.trouble is not None:
+            return False
+        try:
+            seen = await self._database.on_writer(_look)
+        except StorageError:
+            return False
+        before, self._seen = self._seen, (self._database.place, seen.others)
+        foreign = before is not None and before[0] is self._database.place and before[1] != seen.others
+        if foreign:
+            self._condition.note_damage(
+                FOREIGN,
+                f"Another program has written to {self._database.file}; every record is being checked.",
+            )
+        for finding in seen.missing:
+            self._condition.note_damage(finding, finding)
+        return foreign
+
+    async def _verify(self) -> None:
+        self._condition.begin_verification()
+        findings = await self._findings()
+        if findings:
+            findings = await self._findings()
+        for finding in findings:
+            _LOG.error("%s", finding)
+            self._condition.note_damage(finding, finding)
+        self._condition.end_verification(whole=not findings)
+
+    async def _findings(self) -> list[str]:
+        process = await asyncio.create_subprocess_exec(
+            *_COMMAND,
+            str(self._database.file),
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            limit=_LINE_BYTES,
+        )
+        try:
+            return await self._heard(process)
+        finally:
+            if process.returncode is None:
+                process.kill()
+                await process.wait()
+
+    async def _heard(self, process: asyncio.subprocess.Process) -> list[str]:
+        findings: list[str] = []
+        if process.stdout is not None:
+            async for line in process.stdout:
+                told = json.loads(line)
+                self._condition.verified_share = told.get("share", self._condition.verified_share)
+                findings += told.get("findings", [])
+        await process.wait()
+        return findings
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    others: int  # changes when another connection commits
+    missing: tuple[str, ...]
+
+
+def _look(connection: Any) -> _Seen:
+    others = int(connection.execute("PRAGMA data_version").fetchone()[0])
+    return _Seen(others, tuple(missing_protection(connection)))

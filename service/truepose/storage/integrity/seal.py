@@ -1,0 +1,90 @@
+"""What lies beside a database and says how it was left: the newest link, and a digest of the whole file.
+
+The newest link is noted after each commit, without waiting for the disk: after a killed service the database
+holds at least that much, so a log that was cut, an older copy and newest records that were taken out show.
+The digest is written when the service ends in order. Whatever bit is changed while no service has the
+database open shows by it, also where SQLite keeps nothing.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from truepose.storage.connection.library import LIBRARY
+
+_LENGTH: Final = 256  # of the line, so that it is written over in place
+_CHUNK: Final = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """How a database was left."""
+
+    link: int = 0
+    hash: str = ""
+    sha256: str | None = None  # of the file; None: a service has it open, or was killed
+
+
+class Seal:
+    """The file beside one database; only the service that holds the database writes it."""
+
+    def __init__(self, database: Path) -> None:
+        self.file = database.with_name(f"{database.name}.seal")
+        self._database = database
+        self._noted = Left()
+        self._opened: int | None = None
+
+    def left(self) -> Left | None:
+        """Return how the database was left; None where nobody said."""
+        try:
+            return Left(**json.loads(self.file.read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError):
+            return None
+
+    def break_open(self, connection: Any) -> None:
+        """Say that a service has the database open, from now on."""
+        with contextlib.suppress(OSError):  # it is a watchman, not a record
+            self._opened = os.open(self.file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._write(_newest(connection))
+            os.fsync(self._opened)
+
+    def note_newest(self, connection: Any) -> None:
+        """Note the newest link, which is committed; whatever fails here, the records are kept."""
+        with contextlib.suppress(OSError, LIBRARY.DatabaseError):
+            newest = _newest(connection)
+            if newest != self._noted:
+                self._write(newest)
+
+    def close(self, *, whole: bool) -> None:
+        """Say that nobody has the database open; `whole`: seal the file as it is now."""
+        with contextlib.suppress(OSError):
+            if whole:
+                self._write(Left(self._noted.link, self._noted.hash, digest(self._database)))
+        if self._opened is not None:
+            os.close(self._opened)
+            self._opened = None
+
+    def _write(self, left: Left) -> None:
+        if self._opened is not None:
+            line = json.dumps(asdict(left)).ljust(_LENGTH - 1) + "\n"
+            os.lseek(self._opened, 0, os.SEEK_SET)
+            os.write(self._opened, line.encode())
+            self._noted = left
+
+
+def _newest(connection: Any) -> Left:
+    row = connection.execute("SELECT id, hash FROM links ORDER BY id DESC LIMIT 1").fetchone()
+    return Left() if row is None else Left(row[0], row[1].hex())
+
+
+def digest(file: Path) -> str:
+    """Return the SHA-256 of a file."""
+    found: Any = hashlib.sha256()
+    with file.open("rb") as opened:
+        while chunk := opened.read(_CHUNK):
+            found.update(chunk)
+    return str(found.hexdigest())

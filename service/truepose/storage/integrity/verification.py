@@ -1,0 +1,215 @@
+"""Whether a database holds what was written: its pages, its protection, and the chain over all records.
+
+Reads in small steps, each in a transaction of its own, so that a service that writes meanwhile is not held
+up and its log not kept from being taken over; records that come meanwhile are checked like all others.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import quote
+
+from truepose.storage.connection.library import LIBRARY
+from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, linked_hash, stream_of
+from truepose.storage.migrations.append_only import trigger, trigger_name
+from truepose.storage.tables import metadata
+
+Told = Callable[[float], None]  # which share is done
+_MOST_FINDINGS: Final = 20
+_LINKS: Final = 2000  # at a time
+_ROWS: Final = 200
+_ONE_AT_A_TIME: Final = {"campaigns"}  # an archive may have many megabytes
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What came of a verification."""
+
+    records: int
+    findings: tuple[str, ...]  # one sentence each, the first ones
+    head: tuple[int, str]  # number and hash of the newest link
+
+
+def verify(file: Path, told: Told = lambda share: None) -> Verdict:
+    """Return whether every page and every record of a database is as it was written."""
+    try:
+        with closing(opened(file)) as connection:
+            damaged_pages = tuple(_pages(connection))
+            if damaged_pages:  # what such pages say need have no order and no end
+                return Verdict(0, damaged_pages, (0, ""))
+            findings = missing_protection(connection)
+            told(0.1)
+            chain = _ChainReader(connection)
+            chain.read(lambda share: told(0.1 + 0.9 * share))
+            return Verdict(chain.records, tuple([*findings, *chain.findings][:_MOST_FINDINGS]), chain.head)
+    except LIBRARY.DatabaseError as error:
+        return Verdict(0, (f"The database cannot be read ({error}).",), (0, ""))
+
+
+def stream_findings(connection: Any, stream: int) -> Iterator[str]:
+    """Yield what is wrong with the records of one session; nothing: they are as they were written."""
+    before = GENESIS
+    links = "SELECT record, record_id, hash FROM links WHERE stream = ? ORDER BY id"
+    linked: Counter[str] = Counter()
+    for record, record_id, found in connection.execute(links, (stream,)):
+        if record in metadata.tables:
+            linked[record] += 1
+            rows = connection.execute(f'SELECT * FROM "{record}" WHERE rowid = ?', (record_id,))
+            names, row = tuple(column[0] for column in rows.description), rows.fetchone()
+            if row is None or linked_hash(before, record, names, row) != found:
+                yield f"{_record(record, record_id, stream)} is not as it was written."
+        before = found
+    for record in ("readings", "ballbar_entries"):
+        held = connection.execute(f"SELECT count(*) FROM {record} WHERE session_id = ?", (stream,))
+        if held.fetchone()[0] != linked[record]:
+            yield f"Of the {_words(record)} of session {stream} some were slipped in or taken out."
+
+
+def missing_protection(connection: Any) -> list[str]:
+    """Return what was dropped of tables and of the triggers that keep records from being changed."""
+    schema = {
+        _text(name): _text(sql or "")
+        for name, sql in connection.execute("SELECT name, sql FROM sqlite_schema")
+    }
+    gone = [f"The table {table} is missing." for table in metadata.tables if table not in schema]
+    for table in metadata.tables:
+        for action in ("update", "delete"):
+            name = trigger_name(table, action)
+            if schema.get(name) != trigger(table, action):
+                gone.append(f"The trigger {name}, which keeps records from being changed, is not as it was.")
+    return gone
+
+
+def opened(file: Path) -> Any:
+    """Return a connection that reads a database, texts as bytearrays."""
+    connection = LIBRARY.connect(f"file:{quote(str(file))}?mode=ro", uri=True, isolation_level=None)
+    # As bytes: a text with a wrong bit need not be a text any more. Blobs are bytes, texts bytearrays.
+    connection.text_factory = bytearray
+    connection.execute("PRAGMA busy_timeout=5000")
+    return connection
+
+
+def _pages(connection: Any) -> Iterator[str]:
+    for (said,) in connection.execute("PRAGMA integrity_check(5)"):
+        if _text(said) != "ok":
+            yield f"The pages of the database are damaged ({_text(said)})."
+
+
+class _ChainReader:
+    """Follows the links from the first to the newest, and the records beside them."""
+
+    def __init__(self, connection: Any) -> None:
+        self._connection = connection
+        self._tables = {name: _Rows(connection, name) for name in metadata.tables if name != "links"}
+        self._heads: dict[int, bytes] = {}
+        self._last = 0
+        self.head = (0, "")
+        self.records = 0
+        self.findings: list[str] = []
+
+    def read(self, told: Told) -> None:
+        """Read everything; what came meanwhile is read to its end in one transaction."""
+        newest = self._connection.execute("SELECT max(id) FROM links").fetchone()[0] or 0
+        while self._page() == _LINKS and len(self.findings) < _MOST_FINDINGS:
+            told(min(1.0, self._last / max(newest, 1)))
+        self._connection.execute("BEGIN")
+        while self._page() and len(self.findings) < _MOST_FINDINGS:
+            pass
+        if len(self.findings) < _MOST_FINDINGS:
+            self._look_for_more()
+        self._connection.execute("ROLLBACK")
+
+    def _page(self) -> int:
+        query = "SELECT id, stream, record, record_id, hash FROM links WHERE id > ? ORDER BY id LIMIT ?"
+        links = self._connection.execute(query, (self._last, _LINKS)).fetchall()
+        for number, stream, record, record_id, found in links:
+            if number != self._last + 1:
+                self.findings.append(f"Links {self._last + 1} to {number - 1} of the chain are missing.")
+            self._last = number
+            self._follow(stream, _text(record), record_id, bytes(found))
+        return len(links)
+
+    def _follow(self, stream: int, record: str, record_id: int, found: bytes) -> None:
+        before, self._heads[stream] = self._heads.get(stream, GENESIS), found
+        self.head = (self._last, found.hex())
+        self.records += 1
+        table = self._tables.get(record)
+        if table is None:
+            self.findings.append(f"A link names the unknown table {record}.")
+            return
+        row, slipped_in = table.row(record_id)
+        self.findings += [f"{_record(record, n, None)} was slipped in." for n in slipped_in]
+        if row is None:
+            self.findings.append(f"{_record(record, record_id, stream)} is missing.")
+        elif linked_hash(before, record, table.names, row) != found or (
+            stream_of(record, table.names, row) != stream
+        ):
+            self.findings.append(f"{_record(record, record_id, stream)} is not as it was written.")
+
+    def _look_for_more(self) -> None:
+        """Find records behind the newest link, and numbers that were given and are no longer there."""
+        for record, table in self._tables.items():
+            self.findings += [f"{_record(record, n, None)} was slipped in." for n in table.left()]
+        last = {record: table.last for record, table in self._tables.items()} | {"links": self._last}
+        for name, given in self._connection.execute("SELECT name, seq FROM sqlite_sequence").fetchall():
+            record = _text(name)
+            if last.get(record, given) != given:
+                self.findings.append(f"The newest {_words(record)} are missing: {given} were given a number.")
+
+
+class _Rows:
+    """The records of one table in their order, read some at a time."""
+
+    def __init__(self, connection: Any, record: str) -> None:
+        self._connection = connection
+        self._query = f'SELECT rowid, * FROM "{record}" WHERE rowid > ? ORDER BY rowid LIMIT ?'
+        self._some = 1 if record in _ONE_AT_A_TIME else _ROWS
+        self._ahead: list[Any] = []
+        self.names: tuple[str, ...] = ()
+        self.last = 0
+
+    def row(self, number: int) -> tuple[Any, list[int]]:
+        """Return a record, None where it is missing, and the numbers before it that nothing links to."""
+        skipped = []
+        while (row := self._next()) is not None and row[0] < number:
+            skipped.append(row[0])
+            self._take()
+        if row is None or row[0] != number:
+            return None, skipped
+        self._take()
+        return row[1:], skipped
+
+    def left(self) -> list[int]:
+        """Return the numbers of some records that are left."""
+        left: list[int] = []
+        while (row := self._next()) is not None:
+            if len(left) < _MOST_FINDINGS:
+                left.append(row[0])
+            self._take()
+        return left
+
+    def _next(self) -> Any:
+        if not self._ahead:
+            rows = self._connection.execute(self._query, (self.last, self._some))
+            self.names = tuple(column[0] for column in rows.description)[1:]
+            self._ahead = rows.fetchall()[::-1]
+        return self._ahead[-1] if self._ahead else None
+
+    def _take(self) -> None:
+        self.last = self._ahead.pop()[0]
+
+
+def _record(record: str, number: int, stream: int | None) -> str:
+    of = f" of session {stream}" if stream not in {None, OF_NO_SESSION} else ""
+    return f"Record {number} of the {_words(record)}{of}"
+
+
+def _words(record: str) -> str:
+    return record.replace("_", " ")
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else bytes(value).decode(errors="replace")

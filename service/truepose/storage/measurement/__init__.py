@@ -1,0 +1,1 @@
+"""What is measured: sessions, their readings, and the ledger of the ballbar."""

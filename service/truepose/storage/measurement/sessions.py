@@ -1,0 +1,287 @@
+"""Sessions: their plan and set-up, every state they were in, what was skipped, registered and noted."""
+
+import asyncio
+import dataclasses
+import functools
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, Select, case, exists, func, select
+
+from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.identities import IdentityTaken
+from truepose.domain.session import Progress, Registration, SessionPlan, SessionState, StopSkipped
+from truepose.storage.calibration.origins import simulated_session
+from truepose.storage.database import Database
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import ConflictError, NotFoundError
+from truepose.storage.events import add_event
+from truepose.storage.measurement.added_stops import stops_added_to
+from truepose.storage.measurement.counted_poses import measured_poses, skipped_poses
+from truepose.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
+from truepose.storage.request_keys import answered, once
+from truepose.storage.rows import add_row
+from truepose.storage.tables import (
+    added_stops,
+    events,
+    notes,
+    readings,
+    registrations,
+    session_states,
+    sessions,
+    skipped_stops,
+)
+
+PROGRESS = "session.progress"
+IDENTITY = "session.identity"
+
+
+def add_session(
+    connection: Connection, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan
+) -> int:
+    """Append a planned session inside the caller's transaction and return its number."""
+    number = add_row(
+        connection,
+        sessions,
+        name=name,
+        role="ballbar" if isinstance(plan, BallbarPlan) else plan.role,
+        setup=to_document(setup),
+        plan=to_document(plan),
+    )
+    add_state(connection, number, SessionState.PLANNED, "The plan is stored; nothing has moved.", None)
+    return number
+
+
+def add_state(
+    connection: Connection, session_id: int, state: SessionState, reason: str, person: str | None
+) -> None:
+    """Append a state, and its event, inside the caller's transaction."""
+    values: dict[str, Any] = {"state": state.value, "reason": reason, "person": person}
+    add_row(connection, session_states, session_id=session_id, **values)
+    add_event(connection, "session.state", values, session_id=session_id)
+
+
+class SessionRepository:
+    """All queries about sessions."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    async def add(
+        self, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan, key: RequestKey | None = None
+    ) -> int:
+        """Store a planned session and return its number."""
+        return await self._database.write(
+            lambda c: once(c, key, "session", lambda inner: add_session(inner, name, setup, plan))
+        )
+
+    async def require_intact(self, session_id: int) -> None:
+        """Raise DamagedDatabaseError where a record of a session is not as it was written."""
+        await self._database.require_intact(session_id)
+
+    async def writable(self) -> None:
+        """Return once records are taken again, after one was refused."""
+        await self._database.writable()
+
+    async def answered(self, key: RequestKey) -> int | None:
+        """Return the session that a request with this key made before; raises KeyReusedError."""
+        return await self._database.read(lambda c: answered(c, key, "session"))
+
+    async def get(self, session_id: int) -> SessionRecord:
+        """Return a session; raises NotFoundError."""
+        query = _records().where(sessions.c.id == session_id)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError("session", session_id)
+        return _record(row)
+
+    async def page(self, page: Page) -> list[SessionRecord]:
+        """Return sessions, oldest first."""
+        query = _records().where(sessions.c.id > page.after).order_by(sessions.c.id).limit(page.limit)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def newest(self, count: int) -> list[SessionRecord]:
+        """Return the latest sessions, newest first."""
+        query = _records().order_by(sessions.c.id.desc()).limit(count)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def in_state(self, *states: SessionState) -> list[SessionRecord]:
+        """Return the sessions that stand in one of `states`, oldest first."""
+        query = _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
+        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+
+    async def plan(self, session_id: int) -> SessionPlan:
+        """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""
+        if (await self.get(session_id)).role == "ballbar":
+            raise ConflictError(
+                f"Session {session_id} is one with the ballbar; its steps are at "
+                f"ballbar-sessions/{session_id}/steps."
+            )
+        document = await self._column(sessions.c.plan, session_id)
+        plan = await asyncio.to_thread(from_document, SessionPlan, document)
+        added = await self._database.read(lambda c: stops_added_to(c, session_id))
+        return dataclasses.replace(plan, stops=plan.stops + added)
+
+    async def ballbar_plan(self, session_id: int) -> BallbarPlan:
+        """Return what a ballbar session does; raises NotFoundError."""
+        return from_document(BallbarPlan, await self._column(sessions.c.plan, session_id))
+
+    async def setup(self, session_id: int) -> SessionSetup:
+        """Return what the session is measured with; raises NotFoundError."""
+        return from_document(SessionSetup, await self._column(sessions.c.setup, session_id))
+
+    async def _column(self, column: Any, session_id: int) -> Any:
+        query = select(column).where(sessions.c.id == session_id)
+        document = await self._database.read(lambda c: c.scalar(query))
+        if document is None:
+            raise NotFoundError("session", session_id)
+        return document
+
+    async def change_state(
+        self, session_id: int, state: SessionState, reason: str, person: str | None = None
+    ) -> None:
+        """Append a state."""
+        await self._database.write(lambda c: add_state(c, session_id, state, reason, person))
+
+    async def states(self, session_id: int) -> list[StateChange]:
+        """Return every state that the session was in, oldest first."""
+        table = session_states
+        query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
+        rows = await self._database.read(lambda c: c.execute(query).all())
+        return [StateChange(r.recorded_at, SessionState(r.state), r.reason, r.person) for r in rows]
+
+    async def skip(self, session_id: int, skipped: StopSkipped) -> None:
+        """Keep that a configuration was not measured, and why."""
+        document = to_document(skipped)
+
+        def work(connection: Connection) -> None:
+            add_row(connection, skipped_stops, session_id=session_id, document=document)
+            add_event(connection, "session.stop_skipped", document, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def skipped(self, session_id: int) -> list[StopSkipped]:
+        """Return what was not measured, oldest first."""
+        table = skipped_stops
+        query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id)
+        documents = await self._database.read(lambda c: c.scalars(query).all())
+        return [from_document(StopSkipped, document) for document in documents]
+
+    async def register(self, session_id: int, registration: Registration) -> None:
+        """Keep the tracker's place in the world; it supersedes the one before."""
+        document = to_document(registration)
+
+        def work(connection: Connection) -> None:
+            add_row(connection, registrations, session_id=session_id, document=document)
+            told = {"rms_mm": registration.rms_mm, "two_face_mm": registration.two_face_mm}
+            add_event(connection, "session.registered", told, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def registration(self, session_id: int) -> Registration | None:
+        """Return the tracker's place as last registered."""
+        table = registrations
+        query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id.desc())
+        document = await self._database.read(lambda c: c.scalar(query.limit(1)))
+        return None if document is None else from_document(Registration, document)
+
+    async def identify(self, session_id: int, taken: IdentityTaken) -> None:
+        """Keep which device answered, or who accepted it."""
+        document = to_document(taken)
+        await self._database.write(lambda c: add_event(c, IDENTITY, document, session_id=session_id))
+
+    async def identities(self, session_id: int) -> list[IdentityTaken]:
+        """Return which devices answered and who accepted them, oldest first."""
+        told = (events.c.session_id == session_id) & (events.c.kind == IDENTITY)
+        query = select(events.c.document).where(told).order_by(events.c.id)
+        documents = await self._database.read(lambda c: c.scalars(query).all())
+        return [from_document(IdentityTaken, document) for document in documents]
+
+    async def note(self, session_id: int, text: str) -> None:
+        """Keep a sentence."""
+
+        def work(connection: Connection) -> None:
+            add_row(connection, notes, session_id=session_id, text=text)
+            add_event(connection, "session.note", {"text": text}, session_id=session_id)
+
+        await self._database.write(work)
+
+    async def notes(self, session_id: int) -> list[str]:
+        """Return the sentences kept, oldest first."""
+        query = select(notes.c.text).where(notes.c.session_id == session_id).order_by(notes.c.id)
+        return await self._database.read(lambda c: list(c.scalars(query)))
+
+    async def tell_progress(self, session_id: int, progress: Progress) -> None:
+        """Keep how far the session is."""
+        document = to_document(progress)
+        await self._database.write(lambda c: add_event(c, PROGRESS, document, session_id=session_id))
+
+    async def progress(self, session_id: int) -> Progress | None:
+        """Return how far the session was when it last said so."""
+        told = (events.c.session_id == session_id) & (events.c.kind == PROGRESS)
+        query = select(events.c.document).where(told).order_by(events.c.id.desc()).limit(1)
+        document = await self._database.read(lambda c: c.scalar(query))
+        return None if document is None else from_document(Progress, document)
+
+
+@functools.cache
+def _records() -> Select[Any]:
+    # Made once: to put it together takes longer than the database takes to answer it.
+    later = session_states.alias("later")
+    newest = ~exists().where(later.c.session_id == sessions.c.id, later.c.id > session_states.c.id)
+    return (
+        select(
+            sessions.c.id,
+            sessions.c.recorded_at,
+            sessions.c.name,
+            sessions.c.role,
+            session_states.c.state,
+            session_states.c.reason,
+            session_states.c.person,
+            session_states.c.recorded_at.label("state_since"),
+            _planned().label("planned"),
+            _measured().label("measured"),
+            _skipped().label("skipped"),
+            simulated_session(),
+        )
+        .join(session_states, session_states.c.session_id == sessions.c.id)
+        .where(newest)
+    )
+
+
+def _planned() -> ColumnElement[int]:
+    added = (
+        select(func.coalesce(func.sum(func.json_array_length(added_stops.c.document)), 0))
+        .where(added_stops.c.session_id == sessions.c.id)
+        .scalar_subquery()
+    )
+    placements = func.json_each(sessions.c.plan, "$.placements").table_valued("value")
+    poses = select(func.sum(func.json_array_length(placements.c.value, "$.poses"))).scalar_subquery()
+    stops = func.json_array_length(sessions.c.plan, "$.stops") + added
+    return _by_role(poses, stops)
+
+
+def _measured() -> ColumnElement[int]:
+    # Each reading that supersedes one takes its place; the index has all that is counted.
+    points = (
+        select(func.count() - func.count(readings.c.supersedes))
+        .where(readings.c.session_id == sessions.c.id, readings.c.kind == "point")
+        .scalar_subquery()
+    )
+    return _by_role(measured_poses(), points)
+
+
+def _skipped() -> ColumnElement[int]:
+    stops = select(func.count()).where(skipped_stops.c.session_id == sessions.c.id).scalar_subquery()
+    return _by_role(skipped_poses(), stops)
+
+
+def _by_role(ballbar: Any, points: Any) -> ColumnElement[int]:
+    return case((sessions.c.role == "ballbar", ballbar), else_=points)
+
+
+def _record(row: Row[Any]) -> SessionRecord:
+    return SessionRecord(**{
+        **row._asdict(),
+        "state": SessionState(row.state),
+        "simulated": bool(row.simulated),
+    })

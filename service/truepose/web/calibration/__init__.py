@@ -1,0 +1,1 @@
+"""Campaigns, models, results and robots as REST resources."""

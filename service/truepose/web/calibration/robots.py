@@ -1,0 +1,23 @@
+"""Robots that are shipped with the program; a campaign brings its own table and is bound to none of them."""
+
+from fastapi import APIRouter
+
+from truepose.exchange.robots.shipped import list_robots as shipped_robots
+from truepose.exchange.robots.shipped import load_robot
+from truepose.web.parameters import Name
+from truepose.web.problems import problems
+from truepose.web.schemas.cells import RobotReply, robot_reply
+
+router = APIRouter(prefix="/robots", tags=["robots"])
+
+
+@router.get("")
+async def list_robots() -> list[RobotReply]:
+    """List the shipped robots with their nominal tables."""
+    return [robot_reply(name, load_robot(name)) for name in shipped_robots()]
+
+
+@router.get("/{name}", responses=problems(404, 422))
+async def get_robot(name: Name) -> RobotReply:
+    """Show a shipped robot; 404 lists the known names."""
+    return robot_reply(name, load_robot(name))

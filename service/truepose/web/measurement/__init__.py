@@ -1,0 +1,1 @@
+"""Sessions, readings and devices as REST resources."""

@@ -1,0 +1,83 @@
+"""Ballbar sessions: plan one, see its steps, press its buttons, read its ledger."""
+
+from dataclasses import replace
+
+from fastapi import APIRouter, Request, Response, status
+
+from truepose.operation.ballbar_plans import kit_of
+from truepose.operation.ballbar_scene import scene_of
+from truepose.storage.records import SessionSetup
+from truepose.web.context import Here
+from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
+from truepose.web.parameters import Id, OptionalKey, PageQuery, RequiredKey
+from truepose.web.presence import while_present
+from truepose.web.problems import problems
+from truepose.web.schemas.ballbar_requests import (
+    ActRequest,
+    BallbarSessionRequest,
+    act_of,
+    wanted_plan,
+)
+from truepose.web.schemas.ballbar_scene import SceneReply, scene_reply
+from truepose.web.schemas.ballbar_sessions import (
+    ActReply,
+    BallbarSessionReply,
+    LedgerReply,
+    StepsReply,
+)
+
+router = APIRouter(prefix="/ballbar-sessions", tags=["ballbar sessions"])
+_READ = problems(404, 422, 503)
+_ACT = problems(400, 404, 409, 413, 415, 422, 503)
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, responses=problems(400, 409, 413, 415, 422, 503))
+async def plan_ballbar_session(
+    here: Here, request: Request, wanted: BallbarSessionRequest, response: Response, key: OptionalKey
+) -> BallbarSessionReply:
+    """Plan a ballbar session; nothing moves. Where poses are to be chosen this takes a while.
+
+    One plan is made at a time and a few wait (503 for further ones). It ends with the connection; with an
+    `Idempotency-Key` it goes on for half a minute, in which the same request finds it again.
+    """
+    setup = SessionSetup(here.cell)
+    kit = kit_of(setup)
+    if wanted.base_points is not None:
+        kit = replace(kit, base_points=wanted.base_points)
+    setup = SessionSetup(replace(here.cell, ballbar=kit))
+    planning = here.ballbar_desk.plan(wanted.name, setup, wanted_plan(wanted), key)
+    number = await while_present(request, planning)
+    response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
+    return ballbar_session_reply(await here.ballbar_desk.view(number))
+
+
+@router.get("/{id}", responses=_READ)
+async def get_ballbar_session(here: Here, id: Id) -> BallbarSessionReply:
+    """Show where a session stands; follow `live` instead of asking again and again."""
+    return ballbar_session_reply(await here.ballbar_desk.view(id))
+
+
+@router.get("/{id}/steps", responses=_READ)
+async def list_steps(here: Here, id: Id) -> StepsReply:
+    """List everything that the session does, in order, with what became of it; also before the start."""
+    return steps_reply(await here.ballbar_desk.view(id))
+
+
+@router.get("/{id}/scene", responses=_READ)
+async def get_scene(here: Here, id: Id) -> SceneReply:
+    """Show the geometry of the present step: cups, nests, arm, and where the person stands."""
+    return scene_reply(scene_of(await here.ballbar_desk.view(id)))
+
+
+@router.get("/{id}/ledger", responses=_READ)
+async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
+    """Read what happened, oldest first; `after` is the number of the last entry that is known."""
+    return LedgerReply(entries=[entry_reply(kept) for kept in await here.ballbar_desk.entries(id, page)])
+
+
+@router.post("/{id}/acts", responses=_ACT)
+async def act(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
+    """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
+    answer = await here.ballbar_desk.act(id, act_of(wanted, key.key), key)
+    session = ballbar_session_reply(await here.ballbar_desk.view(id))
+    return ActReply(sentence=answer.sentence, entry=answer.entry, session=session)

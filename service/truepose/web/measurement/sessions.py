@@ -1,0 +1,225 @@
+"""Sessions: plan, start, confirm, pause, resume, abort, watch."""
+
+import asyncio
+from typing import Annotated
+
+from fastapi import APIRouter, Body, Response, status
+
+from truepose.analysis.workers.tasks import PlanTask
+from truepose.domain.session import Registration, SessionPlan, StopSkipped
+from truepose.planning.cell_bodies import bodies_of
+from truepose.planning.stop_room import what_is_in_the_way
+from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
+from truepose.sequencing.dry_run import check_plan, motion_limits
+from truepose.sequencing.errors import PlanRefusedError
+from truepose.storage.errors import ConflictError
+from truepose.storage.records import SessionRecord, SessionSetup
+from truepose.web.context import Context, Here
+from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.problems import problems
+from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
+from truepose.web.schemas.identities import identity_reply
+from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.sessions import (
+    ActionReply,
+    ConfirmRequest,
+    GivenStops,
+    PersonRequest,
+    PlanReply,
+    ProgressReply,
+    RegistrationReply,
+    RequestOfPerson,
+    SessionDetailReply,
+    SessionReply,
+    SessionRequest,
+    SkippedStopReply,
+    given_plan,
+    plan_reply,
+    plan_template,
+    progress_reply,
+    session_reply,
+    state_reply,
+)
+
+router = APIRouter(prefix="/sessions", tags=["sessions"])
+_READ = problems(404, 422, 503)
+_ACT = problems(400, 404, 409, 413, 415, 422, 503)
+Anybody = Annotated[RequestOfPerson | None, Body()]
+
+
+@router.post(
+    "",
+    status_code=status.HTTP_201_CREATED,
+    response_model=SessionDetailReply | JobReply,
+    responses={
+        201: {"model": SessionDetailReply, "description": "The session is planned; nothing has moved."},
+        202: {
+            "model": JobReply,
+            "description": "A worker chooses the configurations; the job's result is the session.",
+        },
+        **problems(400, 409, 413, 415, 422, 503),
+    },
+)
+async def plan_session(
+    here: Here, wanted: SessionRequest, response: Response, key: OptionalKey
+) -> SessionDetailReply | JobReply:
+    """Plan a session: with configurations given (201), or to be chosen by a job (202). Nothing moves.
+
+    A way between given configurations on which the arm would touch floor, table or itself is refused where
+    the cell states its floor; else the `notes` of the session say so, and the question before it moves.
+    """
+    setup = SessionSetup(here.cell, wanted.attachment)
+    template = plan_template(wanted, here.cell)
+    if isinstance(wanted.plan, GivenStops):
+        plan = given_plan(template, wanted.plan)
+        notice = await asyncio.to_thread(_judged, here, plan)
+        number = await here.sessions.add(wanted.name, setup, plan, key)
+        if notice and notice not in await here.sessions.notes(number):  # a repeated request finds it there
+            await here.sessions.note(number, notice)
+        response.headers["Location"] = f"/api/v1/sessions/{number}"
+        return await get_session(here, number)
+    task = PlanTask(setup, template, wanted.plan.configurations, wanted.plan.seed)
+    number = await here.job_desk.plan(wanted.name, task, key)
+    response.status_code = status.HTTP_202_ACCEPTED
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return job_reply(await here.jobs.get(number))
+
+
+@router.get("", responses=problems(422, 503))
+async def list_sessions(here: Here, page: PageQuery) -> list[SessionReply]:
+    """List sessions, oldest first."""
+    return [_reply(here, record) for record in await here.sessions.page(page)]
+
+
+@router.get("/{id}", responses=_READ)
+async def get_session(here: Here, id: Id) -> SessionDetailReply:
+    """Show a session with its progress and history."""
+    shown = await _shown(here, id)
+    progress = await here.sessions.progress(id)
+    registration = await here.sessions.registration(id)
+    return SessionDetailReply(
+        **shown.model_dump(),
+        progress=None if progress is None else progress_reply(progress),
+        states=[state_reply(change) for change in await here.sessions.states(id)],
+        skipped_stops=[_skipped(stop) for stop in await here.sessions.skipped(id)],
+        registration=None if registration is None else _registration(registration),
+        identities=[identity_reply(taken) for taken in await here.sessions.identities(id)],
+        notes=await here.sessions.notes(id),
+    )
+
+
+@router.get("/{id}/plan", responses=problems(404, 409, 422, 503))
+async def get_plan(here: Here, id: Id) -> PlanReply:
+    """List what the session does, in order."""
+    return await asyncio.to_thread(plan_reply, await here.sessions.plan(id))
+
+
+@router.get("/{id}/progress", responses=_READ)
+async def get_progress(here: Here, id: Id) -> ProgressReply:
+    """Say how far the session is; follow `events` instead of asking again and again."""
+    record = await here.sessions.get(id)
+    progress = await here.sessions.progress(id)
+    if progress is not None:
+        return progress_reply(progress)
+    return ProgressReply(
+        done=0, skipped=0, planned=record.planned, elapsed_s=0.0, remaining_s=None, doing=record.reason
+    )
+
+
+@router.post("/{id}/configurations", status_code=status.HTTP_201_CREATED, responses=_ACT)
+async def add_configurations(
+    here: Here, id: Id, wanted: AdditionRequest, response: Response, key: OptionalKey
+) -> AdditionReply:
+    """Add configurations to a session that has not ended, e.g. those that a diagnosis proposes.
+
+    They are judged as planned ones are, and measured after all others once a person has confirmed that the
+    cell is clear for them.
+    """
+    await _check_proposed(here, id, wanted.diagnosis_id)
+    found = await here.session_desk.add_stops(id, wanted_stops(wanted), wanted.person, key)
+    response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
+    return addition_reply(found, await _shown(here, id))
+
+
+@router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def start_session(here: Here, id: Id) -> ActionReply:
+    """Start a planned session; it asks a person to confirm before anything moves."""
+    question = await here.session_desk.start(id)
+    return await _decided(here, id, f"{question} {here.rack.motion_notice or ''}".strip())
+
+
+@router.post("/{id}/confirm", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def confirm_session(here: Here, id: Id, by: ConfirmRequest) -> ActionReply:
+    """Confirm, as a named person who looked at the cell, what the session asks; then it moves.
+
+    Another tracker than the expected one is accepted only by its serial number; confirmed without it, the
+    session asks the tracker again who it is.
+    """
+    sentence = await here.session_desk.confirm(id, by.person, by.accept_serial_number or "")
+    return await _decided(here, id, sentence)
+
+
+@router.post("/{id}/pause", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def pause_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
+    """Ask for a pause; the sentence says when it takes effect, since a motion may have to end first."""
+    return await _decided(here, id, await here.session_desk.pause(id, by.person if by else None))
+
+
+@router.post("/{id}/resume", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def resume_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
+    """Continue a paused session, as a named person who looked at the cell."""
+    return await _decided(here, id, await here.session_desk.resume(id, by.person))
+
+
+@router.post("/{id}/abort", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
+async def abort_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
+    """Ask for the end; the readings taken so far stay. The sentence says when it takes effect."""
+    return await _decided(here, id, await here.session_desk.abort(id, by.person if by else None))
+
+
+async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:
+    """Raise NotFoundError for a diagnosis that is not there, ConflictError for one of other readings."""
+    if diagnosis_id is not None and (await here.diagnoses.get(diagnosis_id)).session_id != session_id:
+        raise ConflictError(
+            f"Diagnosis {diagnosis_id} is not of the readings of session {session_id}; name one that is."
+        )
+
+
+def _judged(here: Context, plan: SessionPlan) -> str:
+    """Return what to watch on the ways of a plan; raises PlanRefusedError where this cell cannot do it."""
+    cell = here.cell
+    limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
+    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
+    bodies, ways = bodies_of(cell), ways_between(plan.stops, plan.approach_offset_rad)
+    blocked = what_is_in_the_way(bodies, plan.stops, plan.approach_offset_rad)
+    blocked = blocked or what_blocks_a_way(bodies, ways)
+    if blocked is not None:
+        raise PlanRefusedError(blocked)
+    return what_to_watch(bodies, ways)
+
+
+async def _shown(here: Context, number: int) -> SessionReply:
+    return _reply(here, await here.sessions.get(number))
+
+
+def _reply(here: Context, record: SessionRecord) -> SessionReply:
+    desk = here.session_desk
+    return session_reply(record, desk.question(record.id), desk.trouble(record.id), here.rack.motion_notice)
+
+
+async def _decided(here: Context, number: int, sentence: str) -> ActionReply:
+    return ActionReply(sentence=sentence, session=await _shown(here, number))
+
+
+def _skipped(stop: StopSkipped) -> SkippedStopReply:
+    return SkippedStopReply(config=stop.config, time_s=stop.time_s, reason=stop.reason)
+
+
+def _registration(found: Registration) -> RegistrationReply:
+    return RegistrationReply(
+        tracker_position_mm=found.translation_mm.tolist(),
+        rms_mm=found.rms_mm,
+        two_face_mm=found.two_face_mm,
+        scale=found.scale,
+        scale_standard_uncertainty=found.scale_standard_uncertainty,
+    )
