@@ -7,10 +7,10 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from tests.unit.service.sequencing.fakes import ListJournal
+from tests.unit.service.sequencing.tracker.fakes import ListJournal
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_space import WorkSpace
-from truepose.sequencing.cell import SessionCell
+from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as ROBOT
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER

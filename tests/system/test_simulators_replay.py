@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from tests.system.session_bench import bench
-from tests.unit.service.sequencing.operators import PatientOperator
+from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.campaign import Stops
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
 from truepose.planning.session_plans import plan_validation
-from truepose.sequencing.runner import SessionRunner
+from truepose.sequencing.tracker.runner import SessionRunner
 from truepose_simulators.recording.__main__ import main
 
 GEARED = """extends = "irb120-clean"

@@ -16,8 +16,8 @@ from truepose.app.errors import StartError
 from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
-from truepose.operation.ballbar_sessions import BallbarDesk
-from truepose.operation.ballbar_work import BallbarWork
+from truepose.operation.ballbar.sessions import BallbarDesk
+from truepose.operation.ballbar.work import BallbarWork
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis

@@ -13,10 +13,10 @@ from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.errors import TrueposeError
 from truepose.domain.robot import JointRange
 from truepose.operation.errors import CellChangedError
-from truepose.sequencing.desk import require_announced
+from truepose.sequencing.engine.identities import same_number
+from truepose.sequencing.engine.limits import common_ranges, slowest
+from truepose.sequencing.engine.prompts import require_announced
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.identities import same_number
-from truepose.sequencing.limits import common_ranges, slowest
 from truepose_drivers.api import MotionLimits
 
 ReadCell: TypeAlias = Callable[[], Cell]

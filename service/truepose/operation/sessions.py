@@ -15,7 +15,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.people import readable_name
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
-from truepose.operation.ballbar_aside import require_ballbar_aside
+from truepose.operation.ballbar.aside import require_ballbar_aside
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.present_cell import PresentCell, speed_limits
@@ -23,14 +23,14 @@ from truepose.planning.added_stops import Addition, WantedStop, addition
 from truepose.planning.cell_bodies import CellBodies, bodies_of
 from truepose.planning.stop_room import what_is_in_the_way
 from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
-from truepose.sequencing.cell import SessionCell
-from truepose.sequencing.dry_run import check_plan, motion_limits
+from truepose.sequencing.engine.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.states import after_restart, has_ended, words
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
-from truepose.sequencing.journal import SessionHistory
-from truepose.sequencing.plans import extended_plan
-from truepose.sequencing.runner import SessionRunner
-from truepose.sequencing.states import after_restart, has_ended, words
-from truepose.sequencing.watchful_robot import WatchfulRobot
+from truepose.sequencing.tracker.cell import SessionCell
+from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
+from truepose.sequencing.tracker.journal import SessionHistory
+from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.runner import SessionRunner
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.journal import StoredJournal
 from truepose.storage.measurement.readings import ReadingRepository

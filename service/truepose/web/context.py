@@ -10,7 +10,7 @@ from fastapi import Depends, Request
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.cell import Cell
-from truepose.operation.ballbar_sessions import BallbarDesk
+from truepose.operation.ballbar.sessions import BallbarDesk
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from fastapi import APIRouter, Response
 from fastapi.responses import HTMLResponse
 
-from truepose.sequencing.states import has_ended
+from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.web.context import Context, Here

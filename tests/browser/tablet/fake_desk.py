@@ -12,7 +12,7 @@ import time
 from fastapi import FastAPI, Header, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 
-from truepose.sequencing.notices import motion_notice
+from truepose.sequencing.engine.notices import motion_notice
 from truepose.web.tablet import routes
 from truepose_drivers.api import MotionGuard
 

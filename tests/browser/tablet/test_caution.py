@@ -7,7 +7,7 @@ from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move
 from tests.browser.tablet.test_screens import shown
 from tests.browser.tablet.test_stop_is_there import NOTICES, OUT_OF_REACH
-from truepose.sequencing.notices import motion_notice
+from truepose.sequencing.engine.notices import motion_notice
 from truepose_drivers.api import MotionGuard
 
 ASKING = ("planned", "move", "interrupted", "foreign")

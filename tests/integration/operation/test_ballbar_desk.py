@@ -12,8 +12,8 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.domain.cell import DeviceEntry
 from truepose.domain.session import SessionState
-from truepose.operation.ballbar_plans import BallbarWish
-from truepose.operation.ballbar_sessions import BallbarDesk
+from truepose.operation.ballbar.plans import BallbarWish
+from truepose.operation.ballbar.sessions import BallbarDesk
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.sequencing.ballbar import control

@@ -34,8 +34,8 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.cell_space import space_of_cell
 from truepose.planning.session_plans import plan_calibration, plan_validation
 from truepose.planning.work_space import WorkSpace
-from truepose.sequencing.cell import SessionCell
-from truepose.sequencing.runner import SessionRunner
+from truepose.sequencing.tracker.cell import SessionCell
+from truepose.sequencing.tracker.runner import SessionRunner
 from truepose.web.context import Endpoint
 from truepose_drivers.api import Clock, PointTracker, RobotController
 from truepose_drivers.registry import load_registry

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from tests.studies.wires.hostile_link import HostileLink, HostileUsb, Silence
-from truepose.sequencing.ballbar.live import live_state
+from truepose.sequencing.ballbar.measuring.live import live_state
 from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_bridge.protocol import BridgeReading, Hello
 from truepose_drivers.ballbar_bridge.protocol import encode as encode_line

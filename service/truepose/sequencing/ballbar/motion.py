@@ -11,18 +11,18 @@ from typing import Final
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.arm import Arm, Permission
-from truepose.sequencing.ballbar.book import Book
+from truepose.sequencing.ballbar.arm_at_rest import Stand, joint_away
 from truepose.sequencing.ballbar.cell import BallbarCell
-from truepose.sequencing.ballbar.dry_run import check_motion
-from truepose.sequencing.ballbar.readings import Readings
-from truepose.sequencing.ballbar.stand import Stand, joint_away
-from truepose.sequencing.ballbar.way import rest_of_way
+from truepose.sequencing.ballbar.logbook import Book
+from truepose.sequencing.ballbar.measuring.readings import Readings
+from truepose.sequencing.ballbar.plan.dry_run import check_motion
+from truepose.sequencing.ballbar.plan.way import rest_of_way
+from truepose.sequencing.engine.arm import Arm, Permission
+from truepose.sequencing.engine.identities import judge, sentence
+from truepose.sequencing.engine.limits import binding_speed
+from truepose.sequencing.engine.motion_segments import Joints, Pieces
+from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.errors import ForeignRobotError, MotionForbiddenError
-from truepose.sequencing.identities import judge, sentence
-from truepose.sequencing.limits import binding_speed
-from truepose.sequencing.notices import end_of_motion
-from truepose.sequencing.pieces import Joints, Pieces
 
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
 

@@ -24,9 +24,10 @@ from truepose.domain.ballbar import (
 )
 from truepose.domain.identities import IdentityTaken
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control, step_ids
-from truepose.sequencing.ballbar.pace import StepTimes
-from truepose.sequencing.identities import Acquaintance
+from truepose.sequencing.ballbar import control
+from truepose.sequencing.ballbar.plan import step_ids
+from truepose.sequencing.ballbar.plan.pace import StepTimes
+from truepose.sequencing.engine.identities import Acquaintance
 
 OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skipped", "computed"]
 

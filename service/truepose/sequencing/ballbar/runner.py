@@ -19,24 +19,24 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, BallbarStep, EntryKind, LedgerEntry, PreCalibration, StepKind
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acquaintances import Acquaintances
+from truepose.sequencing.ballbar.act_handlers import NEEDS_BALLBAR_OFF, ActHandlers
 from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
-from truepose.sequencing.ballbar.arrears import Arrears
-from truepose.sequencing.ballbar.assignments import Judges
-from truepose.sequencing.ballbar.book import Book
+from truepose.sequencing.ballbar.arm_at_rest import Stand
 from truepose.sequencing.ballbar.cell import BallbarCell
-from truepose.sequencing.ballbar.dry_run import check_plan, check_structure, motion_limits
-from truepose.sequencing.ballbar.floor import Floor
-from truepose.sequencing.ballbar.foresight import Foresight, foreseen
-from truepose.sequencing.ballbar.handlers import NEEDS_BALLBAR_OFF, ActHandlers
-from truepose.sequencing.ballbar.ledger import Ledger
-from truepose.sequencing.ballbar.live import LiveSample
+from truepose.sequencing.ballbar.doubts.assignments import Judges
+from truepose.sequencing.ballbar.identity_check import Acquaintances
+from truepose.sequencing.ballbar.logbook import Book
+from truepose.sequencing.ballbar.measuring.live import LiveSample
+from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.motion import Motion
-from truepose.sequencing.ballbar.readings import Readings
+from truepose.sequencing.ballbar.pending_halts import Arrears
+from truepose.sequencing.ballbar.plan.dry_run import check_plan, check_structure, motion_limits
+from truepose.sequencing.ballbar.precalibration import Foresight, foreseen
 from truepose.sequencing.ballbar.situation import Situation
-from truepose.sequencing.ballbar.stand import Stand
+from truepose.sequencing.ballbar.transitions import Floor
+from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
-from truepose.sequencing.states import has_ended, words
 from truepose_drivers.errors import DriverError
 
 POLL_S: Final = 0.05  # of the ballbar: 20 Hz

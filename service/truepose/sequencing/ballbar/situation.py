@@ -23,14 +23,14 @@ from truepose.domain.ballbar import (
 )
 from truepose.domain.identities import IdentityTaken
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import step_ids
 from truepose.sequencing.ballbar.acts import ActName, acts_allowed
-from truepose.sequencing.ballbar.agenda import MAX_ATTEMPTS, Course, forecast_of, steps
-from truepose.sequencing.ballbar.pace import BallbarProgress
+from truepose.sequencing.ballbar.plan import step_ids
+from truepose.sequencing.ballbar.plan.agenda import MAX_ATTEMPTS, Course, forecast_of, steps
+from truepose.sequencing.ballbar.plan.pace import BallbarProgress
+from truepose.sequencing.ballbar.plan.way import ways
 from truepose.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
-from truepose.sequencing.ballbar.way import ways
-from truepose.sequencing.desk import CELL_CLEAR
-from truepose.sequencing.identities import Acquaintance, sentence
+from truepose.sequencing.engine.identities import Acquaintance, sentence
+from truepose.sequencing.engine.prompts import CELL_CLEAR
 
 
 @dataclass(frozen=True, slots=True)

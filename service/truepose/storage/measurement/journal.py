@@ -1,4 +1,4 @@
-"""The journal of one session, on disk; what `truepose.sequencing.journal.SessionJournal` asks for."""
+"""The journal of one session, on disk; what `truepose.sequencing.tracker.journal.SessionJournal` asks for."""
 
 from truepose.domain.identities import IdentityTaken
 from truepose.domain.session import (

@@ -15,7 +15,7 @@ from fastapi.responses import StreamingResponse
 from pydantic import AfterValidator
 
 from truepose.domain.people import NAME_PATTERN, tidy_name
-from truepose.sequencing.ballbar.live import LiveSample
+from truepose.sequencing.ballbar.measuring.live import LiveSample
 from truepose.web.context import Context, Here
 from truepose.web.events import Seconds
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply

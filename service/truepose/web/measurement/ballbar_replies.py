@@ -12,8 +12,8 @@ from truepose.domain.ballbar import (
     StepKind,
     Suspicion,
 )
-from truepose.operation.ballbar_view import BallbarView
-from truepose.sequencing.ballbar import step_ids
+from truepose.operation.ballbar.view import BallbarView
+from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import Outcome
 from truepose.sequencing.ballbar.situation import Situation
 from truepose.storage.records import LedgerRecord

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from fastapi import APIRouter, Request, Response, status
 
-from truepose.operation.ballbar_plans import kit_of
-from truepose.operation.ballbar_scene import scene_of
+from truepose.operation.ballbar.plans import kit_of
+from truepose.operation.ballbar.scene import scene_of
 from truepose.storage.records import SessionSetup
 from truepose.web.context import Here
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply

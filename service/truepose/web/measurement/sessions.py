@@ -10,8 +10,8 @@ from truepose.domain.session import Registration, SessionPlan, StopSkipped
 from truepose.planning.cell_bodies import bodies_of
 from truepose.planning.stop_room import what_is_in_the_way
 from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
-from truepose.sequencing.dry_run import check_plan, motion_limits
 from truepose.sequencing.errors import PlanRefusedError
+from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord, SessionSetup
 from truepose.web.context import Context, Here

@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from truepose.operation.ballbar_scene import Scene
+from truepose.operation.ballbar.scene import Scene
 from truepose.web.schemas.base import Point, Reply
 
 

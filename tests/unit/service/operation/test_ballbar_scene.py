@@ -8,8 +8,8 @@ from tests.helpers.ballbar.sessions import make_ballbar_plan, measured, moved
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.kinematics.chain import forward, nominal_values
-from truepose.operation.ballbar_scene import scene_of
-from truepose.operation.ballbar_view import BallbarView
+from truepose.operation.ballbar.scene import scene_of
+from truepose.operation.ballbar.view import BallbarView
 from truepose.sequencing.ballbar.situation import situation
 from truepose.storage.records import SessionSetup
 

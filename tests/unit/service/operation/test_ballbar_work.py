@@ -8,8 +8,8 @@ from tests.helpers.ballbar.cells import domain_cell
 from truepose.analysis.errors import BusyError
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan
-from truepose.operation.ballbar_plans import BallbarWish
-from truepose.operation.ballbar_work import BallbarWork
+from truepose.operation.ballbar.plans import BallbarWish
+from truepose.operation.ballbar.work import BallbarWork
 from truepose.storage.records import SessionSetup
 
 SETUP = SessionSetup(domain_cell(ballbar=BallbarKit()))

@@ -3,7 +3,7 @@
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import EntryKind, LedgerEntry, PreCalibration
-from truepose.operation.counting import counting
+from truepose.operation.ballbar.counting import counting
 
 PLAN, KIT = make_ballbar_plan(), BallbarKit()
 START = LedgerEntry("tool/initialise", EntryKind.CONTROL, 1.0, "Ada", "t1", "k", "running: started")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.service.sequencing.fakes import FIXED_NESTS, IRB120, TRACKER_AT
+from tests.unit.service.sequencing.tracker.fakes import FIXED_NESTS, IRB120, TRACKER_AT
 from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import FramePlacement, Nest
 from truepose.domain.session import PlannedStop, SessionPlan

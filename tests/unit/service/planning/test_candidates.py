@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.unit.service.sequencing.fakes import IRB120, TRACKER_AT
+from tests.unit.service.sequencing.tracker.fakes import IRB120, TRACKER_AT
 from truepose.domain.robot import FramePlacement, JointRange, Nest
 from truepose.planning.candidates import draw_candidates, judge
 from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError

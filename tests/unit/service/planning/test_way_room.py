@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.unit.service.planning.test_candidates import NESTS
-from tests.unit.service.sequencing.fakes import IRB120
+from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import Nest
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose.planning.cell_bodies import bodies_of, rooms
 from truepose.planning.way_room import Ways, touching, ways_between, what_blocks_a_way, what_to_watch
-from truepose.sequencing.plans import visits
-from truepose.sequencing.steps import Move
+from truepose.sequencing.tracker.plans import visits
+from truepose.sequencing.tracker.steps import Move
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
 STATED = replace(CELL, limits=CellLimits(floor_z_mm=0.0))

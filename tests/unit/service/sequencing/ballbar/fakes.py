@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import count
 
 from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
-from tests.unit.service.sequencing.fakes import IRB120
+from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.ballbar import (
     BallbarPlan,
     EntryKind,
@@ -19,10 +19,11 @@ from truepose.domain.ballbar import (
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
-from truepose.sequencing.ballbar.assignments import Judges
 from truepose.sequencing.ballbar.cell import BallbarCell
+from truepose.sequencing.ballbar.doubts.assignments import Judges
+from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits

@@ -21,7 +21,8 @@ from truepose.domain.ballbar import (
 )
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar import control
+from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.situation import Situation, situation
 

@@ -13,8 +13,8 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     without_away,
 )
 from truepose.domain.ballbar import PoseForecast, StepKind
-from truepose.sequencing.ballbar import step_ids
-from truepose.sequencing.ballbar.agenda import Course, steps
+from truepose.sequencing.ballbar.plan import step_ids
+from truepose.sequencing.ballbar.plan.agenda import Course, steps
 
 
 def ids(plan, course=None, kit=KIT):

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from tests.unit.service.sequencing.ballbar.sessions import CUPS, KIT, KIT_OF_FOUR, LEGS, joints, make_plan
-from tests.unit.service.sequencing.fakes import IRB120
+from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.robot import JointRange
-from truepose.sequencing.ballbar.dry_run import check_plan, dry_run, motion_limits
+from truepose.sequencing.ballbar.plan.dry_run import check_plan, dry_run, motion_limits
 from truepose.sequencing.errors import PlanRefusedError
 
 LIMITS = (JointRange(-1.0, 1.0),) * 6

@@ -19,8 +19,9 @@ from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan
 from truepose.domain.ballbar import EntryKind, LedgerEntry, StepKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.acts import Act, ActName, Answer
+from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.errors import SequencingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError

@@ -12,7 +12,7 @@ from truepose.domain.ballbar import EntryKind, PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.acts import Act, ActName
-from truepose.sequencing.ballbar.assignments import Judges
+from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.errors import (
     NotNowError,
     PersonMissingError,

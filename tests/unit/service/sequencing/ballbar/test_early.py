@@ -11,8 +11,8 @@ from tests.helpers.ballbar.true_session import TrueArm
 from tests.unit.service.sequencing.ballbar.sessions import Story, length
 from truepose.domain.ballbar import EntryKind, PoseForecast, StepKind
 from truepose.planning.ballbar.beforehand import Beforehand
-from truepose.sequencing.ballbar.assignments import Judges, doubt
-from truepose.sequencing.ballbar.early import EarlyJudge
+from truepose.sequencing.ballbar.doubts.assignments import Judges, doubt
+from truepose.sequencing.ballbar.doubts.early import EarlyJudge
 
 
 class TrueStory(Story):

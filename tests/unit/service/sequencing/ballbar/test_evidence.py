@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from truepose.sequencing.ballbar.evidence import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, Evidence
+from truepose.sequencing.ballbar.measuring.attachment import NOTHING_KNOWN, SEEN_IN_MOTION, STILL_ON, Evidence
 from truepose_drivers.api import BallbarReading
 
 STEP_S = 0.05

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bar, Clock, Hands, Robot
-from truepose.sequencing.ballbar.gauge import Gauge
+from truepose.sequencing.ballbar.measuring.gauge import Gauge
 from truepose_drivers.api import DeviceIdentity
 from truepose_drivers.errors import ConnectionLostError, DriverFaultError, NoReplyError
 

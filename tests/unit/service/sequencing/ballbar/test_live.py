@@ -5,8 +5,8 @@ import random
 
 import pytest
 
-from truepose.sequencing.ballbar.contact import Contact
-from truepose.sequencing.ballbar.live import Window, live_state
+from truepose.sequencing.ballbar.measuring.contact import Contact
+from truepose.sequencing.ballbar.measuring.live import Window, live_state
 from truepose_drivers.api import BallbarReading
 
 STABLE_S, STABLE_MM = 1.0, 0.002

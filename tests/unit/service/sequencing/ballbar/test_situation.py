@@ -12,10 +12,11 @@ from tests.unit.service.sequencing.ballbar.sessions import (
 )
 from truepose.domain.ballbar import EntryKind, Suspicion
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control, step_ids
+from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.acts import ActName
+from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
-from truepose.sequencing.desk import CELL_CLEAR
+from truepose.sequencing.engine.prompts import CELL_CLEAR
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
 DOUBT = Suspicion("same_pair", (1, 2), (1, 1), 300.1, 300.0)

@@ -9,8 +9,8 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_pose,
     without_away,
 )
-from truepose.sequencing.ballbar.agenda import steps
-from truepose.sequencing.ballbar.way import ways
+from truepose.sequencing.ballbar.plan.agenda import steps
+from truepose.sequencing.ballbar.plan.way import ways
 
 PLAN = make_plan((1, 2, 3), (4,), precalibrate_after=3)
 

@@ -1,0 +1,1 @@
+"""Ballbar sessions under way: planned, run, shown, and what counts of them."""

@@ -1,0 +1,1 @@
+"""Whether a length goes with the pair that was asked for."""

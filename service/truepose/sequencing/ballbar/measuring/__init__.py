@@ -1,0 +1,1 @@
+"""The ballbar while it is watched, and lengths that can be kept."""

@@ -1,0 +1,173 @@
+"""What the samples of the ballbar prove: that it is connected, in a hand, off, or nothing at all.
+
+A person's word that the ballbar is off counts where no signal speaks against it. A length within the range
+is such a signal, whether the bar sits between two balls or on its calibrator: a bar that lies aside has run
+to its end, or gives no signal. A bar in a hand may pass through its range, but does not stand still there.
+
+A bar at its end may also hang where it does not read: between two balls that are too far apart for it, not
+for their magnets. So beyond its range it counts as off only where it was seen to leave its range while no
+length was asked for. Where it showed nothing before, or whoever was asked for a length has put it on
+somewhere, nothing is known.
+
+Only samples that are new prove anything. A device that repeats its count, a reading that is old and a link
+that is lost say nothing: then what was seen last counts where that was a bar that is off, and else a
+person's word with a reason. No word outlives the next length within the range.
+"""
+
+import math
+from typing import Final
+
+from truepose.sequencing.ballbar.measuring.live import BEYOND_RANGE_MM, Seen
+from truepose_drivers.api import BallbarReading
+
+STILL_ON: Final = (
+    "The ballbar reads a length within its range: it is still between two balls, or on the calibrator. "
+    "Take it off and lay it down, then confirm."
+)
+NOTHING_KNOWN: Final = (
+    "Nothing is known of the ballbar: it was not seen to come off, and reads no length. "
+    "Look that it is off and out of the arm's way, then confirm with how you know."
+)
+SEEN_IN_MOTION: Final = (
+    "The ballbar read a length within its range while the arm moved: it may be attached, or was torn off. "
+    "See whether ballbar, cup and nest are as they were."
+)
+
+_STALE_S: Final = 1.0  # an older sample says nothing of now
+_OFF_S: Final = 0.25  # so long no length must be within the range: a radio link drops samples
+_HAND_MM: Final = 0.05  # between two balls that stand still a length moves by some micrometres
+_HAND_S: Final = 0.1  # a hand that holds the bar within its range does not rest for longer
+_ASLEEP_S: Final = 1.0  # a bar that gave no signal for so long was laid aside; a radio link drops less
+_PERSISTS_S: Final = 0.4  # so long no hand keeps the bar within its range by chance
+
+
+class Evidence:
+    """Follows the samples, and remembers what they proved last."""
+
+    def __init__(self, range_mm: float) -> None:
+        self._range_mm = range_mm
+        self._linked = False
+        self._sample_s: float | None = None  # of the newest sample that was new
+        self._sequence: int | None = None
+        self._proved: Seen = "unknown"
+        self._inside_s: float | None = None  # since when every sample is within the range
+        self._outside_s: float | None = None  # since when none is
+        self._silent_s: float | None = None  # since when no sample had a signal, however many were missed
+        self._may_hang = True  # what is beyond its range now was not seen to come off
+        self._value_mm: float | None = None  # where the reading was when it last moved
+        self._moved_s = -math.inf  # when that was
+        self._word = False  # a person gave a reason why it is off
+        self._arm_moves = False
+        self.seen_in_motion = False  # a length within the range persisted since the arm began to move
+
+    def note(self, reading: BallbarReading | None, off_mm: float | None, *, asked: bool = False) -> None:
+        """Take the next sample, None without a link; `off_mm` is the length against the nominal one.
+
+        Where the zero is not known it is None, and every good reading may be a length within the range.
+        `asked`: a person is asked for a length, and may have put the bar on where it does not read.
+        """
+        self._linked = reading is not None
+        if reading is None:
+            self._begin_anew()
+        elif reading.sequence is None or reading.sequence != self._sequence:
+            self._follow(reading, off_mm, asked=asked)
+
+    def says(self, now_s: float) -> Seen:
+        """Return what is known at this moment."""
+        return self._proved if self._linked and not self.is_stale(now_s) else "unknown"
+
+    def is_stale(self, now_s: float) -> bool:
+        """Whether nothing new has been read for too long, whatever the device repeats."""
+        return self._sample_s is None or abs(now_s - self._sample_s) > _STALE_S
+
+    def needs_reason(self, now_s: float) -> bool:
+        """Whether a person's word that the ballbar is off takes a reason: nothing is known of it."""
+        if self._word or self.says(now_s) != "unknown":
+            return False
+        return self._linked or self._proved != "off"
+
+    def believe(self) -> None:
+        """Take a person's word, with a reason, until a length within the range is seen."""
+        self._word = True
+
+    def against_motion(self, now_s: float) -> str | None:
+        """Return what the samples have against a motion, as a sentence; None where they have nothing."""
+        connected = self.says(now_s) == "connected"
+        if self._arm_moves and (connected or self.seen_in_motion):
+            return SEEN_IN_MOTION
+        if connected:
+            return STILL_ON
+        return NOTHING_KNOWN if self.needs_reason(now_s) else None
+
+    @property
+    def proves_attached(self) -> bool:
+        """Whether a length within the range was what was seen last, or persisted while the arm moved."""
+        return self.seen_in_motion or self._proved == "connected"
+
+    def watch_motion(self) -> None:
+        """Hold every length that persists within the range against the motion that begins."""
+        self._arm_moves, self.seen_in_motion = True, False
+        self._inside_s = None
+
+    def end_motion(self) -> None:
+        """Let the arm stand again."""
+        self._arm_moves = False
+
+    def _begin_anew(self) -> None:
+        self._inside_s = self._outside_s = self._value_mm = None
+        self._moved_s = -math.inf
+
+    def _follow(self, reading: BallbarReading, off_mm: float | None, *, asked: bool) -> None:
+        now_s = reading.time_s
+        if self._sample_s is not None and not 0.0 <= now_s - self._sample_s <= _STALE_S:
+            self._begin_anew()  # a gap, or a clock that began anew
+        self._sample_s, self._sequence = now_s, reading.sequence
+        self._note_movement(reading)
+        if self._is_within(reading, off_mm):
+            self._follow_inside(now_s)
+            return
+        self._inside_s = None
+        if _is_silent(reading):
+            self._follow_silence(now_s)
+        else:
+            self._follow_beyond(now_s, asked=asked)
+
+    def _follow_silence(self, now_s: float) -> None:
+        self._outside_s = now_s if self._outside_s is None else self._outside_s
+        if self._silent_s is None or now_s < self._silent_s:
+            self._silent_s = now_s
+        if now_s - self._silent_s >= _OFF_S:
+            self._may_hang, self._proved = False, "off"
+
+    def _follow_inside(self, now_s: float) -> None:
+        self._outside_s = self._silent_s = None
+        self._word = self._may_hang = False
+        self._inside_s = now_s if self._inside_s is None else self._inside_s
+        self._proved = "in_hand" if now_s - self._moved_s < _HAND_S else "connected"
+        self.seen_in_motion |= self._arm_moves and now_s - self._inside_s >= _PERSISTS_S
+
+    def _follow_beyond(self, now_s: float, *, asked: bool) -> None:
+        self._outside_s = now_s if self._outside_s is None else self._outside_s
+        woke = self._silent_s is not None and now_s - self._silent_s >= _ASLEEP_S
+        in_hand = now_s - self._moved_s < _HAND_S
+        self._may_hang = (self._may_hang or woke or asked) and not in_hand
+        self._silent_s = None
+        if now_s - self._outside_s >= _OFF_S:
+            self._proved = "unknown" if self._may_hang else "off"
+
+    def _is_within(self, reading: BallbarReading, off_mm: float | None) -> bool:
+        if reading.signal != "good" or not math.isfinite(reading.deviation_mm):
+            return False
+        return off_mm is None or abs(off_mm) <= self._range_mm + BEYOND_RANGE_MM
+
+    def _note_movement(self, reading: BallbarReading) -> None:
+        if _is_silent(reading):
+            self._value_mm, self._moved_s = None, -math.inf
+        elif self._value_mm is None:
+            self._value_mm = reading.deviation_mm
+        elif abs(reading.deviation_mm - self._value_mm) > _HAND_MM:
+            self._value_mm, self._moved_s = reading.deviation_mm, reading.time_s
+
+
+def _is_silent(reading: BallbarReading) -> bool:
+    return reading.signal == "none" or not math.isfinite(reading.deviation_mm)

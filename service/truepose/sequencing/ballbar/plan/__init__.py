@@ -1,0 +1,1 @@
+"""What a ballbar session does, in order, and whether it can be done."""

@@ -1,0 +1,31 @@
+"""Who identifies with what is there halfway: heavy work, done elsewhere."""
+
+from typing import Protocol
+
+from truepose.domain.artefacts import BallbarKit
+from truepose.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from truepose.domain.errors import TrueposeError
+from truepose.sequencing.ballbar.plan.dry_run import check_pose
+
+
+class Foresight(Protocol):
+    """Computes where to aim and which lengths to expect there."""
+
+    async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
+        """Identify with what these lines say was measured; raises TrueposeError where that is impossible."""
+        ...
+
+
+async def foreseen(
+    foresight: Foresight, plan: BallbarPlan, kit: BallbarKit, entries: tuple[LedgerEntry, ...]
+) -> PreCalibration | str:
+    """Return what was found, or the sentence that says why nothing was."""
+    try:
+        found = await foresight.precalibrate(plan, entries)
+        for pose in found.poses:
+            check_pose(pose, kit)
+    except TrueposeError as error:
+        return str(error)
+    except Exception as error:  # whatever it is, the readings are safe and a person decides
+        return f"The program failed ({type(error).__name__}): {error}"
+    return found

@@ -1,0 +1,1 @@
+"""What sessions of every kind share: ledger, states, arm, interlocks, identities, prompts."""

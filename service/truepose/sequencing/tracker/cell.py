@@ -1,0 +1,36 @@
+"""What a session knows of the cell it runs in: its devices and where things nominally are."""
+
+from dataclasses import dataclass, field
+
+from truepose.domain.cell import CertifiedLength
+from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
+from truepose.domain.session import Vector
+from truepose.planning.cell_bodies import CellBodies
+from truepose.sequencing.tracker.identity_check import Expected
+from truepose_drivers.api import Clock, MotionLimits, PointTracker, RobotController
+
+
+@dataclass(frozen=True, slots=True)
+class SessionCell:
+    """Devices, nominal robot and artefacts of one cell.
+
+    The tracker's frame is unknown at first. Its fixed nests are found either from
+    `fixed_nests_seen_mm` (somebody aimed at each once; good to about 20 mm) or, where only
+    `tracker_position_mm` is known, by a search around the instrument's vertical axis.
+    """
+
+    tracker: PointTracker
+    robot_controller: RobotController
+    clock: Clock
+    robot: Robot
+    base: FramePlacement  # nominal, in the world
+    nests: tuple[Nest, ...]  # tool nests, all with a centre
+    fixed_nests: tuple[FixedNest, ...]
+    tracker_position_mm: Vector | None = None  # nominal, in the world
+    fixed_nests_seen_mm: tuple[Vector, ...] | None = None  # in the tracker's frame, roughly
+    joint_limits: tuple[JointRange, ...] | None = None  # what no motion may leave
+    speed_limits: MotionLimits | None = None  # above which nothing moves, whatever the plan says
+    certified_lengths: tuple[CertifiedLength, ...] = ()  # between fixed nests: they verify the scale
+    attachment: int = 1  # how often the tool has been mounted
+    expected: Expected = field(default_factory=Expected)  # which devices must answer
+    bodies: CellBodies | None = None  # by which ways are looked at beforehand; None: they are not

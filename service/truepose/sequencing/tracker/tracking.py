@@ -1,0 +1,92 @@
+"""The tracker as the session uses it: one face at a time, and no answer taken on trust."""
+
+import math
+from typing import Final, Literal
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.session import Registration, Vector
+from truepose.sequencing.engine.identities import told
+from truepose.sequencing.errors import ReadingRejectedError
+from truepose.sequencing.tracker.identity_check import Acquaintances
+from truepose_drivers.api import PointTracker, TrackerReading
+from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
+
+_SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps weights finite
+
+
+class WatchfulTracker:
+    """Measures on the face that is asked for, and refuses readings that are no numbers, or another's."""
+
+    def __init__(self, tracker: PointTracker, acquaintances: Acquaintances) -> None:
+        self._tracker = tracker
+        self._acquaintances = acquaintances
+        self.serial = ""  # of the one that took the last reading
+
+    async def find(self, place_mm: FloatArray, radius_mm: float) -> None:
+        """Lock on the reflector near a place of the tracker's frame; raises ReflectorNotFoundError."""
+        x, y, z = (float(value) for value in place_mm)
+        await self._tracker.find_reflector((x, y, z), search_radius_mm=radius_mm)
+
+    async def measure(self, duration_s: float, face: Literal[1, 2] = 1) -> TrackerReading:
+        """Measure on `face`, turning to it first where the instrument stands on the other one."""
+        reading = await self._measure(duration_s)
+        if reading.face != face:
+            await self._tracker.change_face()
+            reading = await self._measure(duration_s)
+        if reading.face != face:
+            raise ReadingRejectedError(
+                f"The tracker stays on face {reading.face}; face {face} was asked for."
+            )
+        # asked after the reading: one that was exchanged meanwhile behind the same address is seen
+        self.serial = told((await self._acquaintances.meet("tracker", self._tracker)).serial)
+        return reading
+
+    async def _measure(self, duration_s: float) -> TrackerReading:
+        reading = await self._tracker.measure_point(duration_s=duration_s)
+        if not all(math.isfinite(value) for value in (*reading.point_mm, reading.time_s)):
+            raise ReadingRejectedError("The tracker's reading contains a value that is no finite number.")
+        return reading
+
+    async def temperature_c(self) -> float:
+        """Return the air temperature, NaN where the tracker has no weather station."""
+        try:
+            environment = await self._tracker.environment()
+        except NotInitialisedError:
+            raise
+        except (DeviceRefusedError, MeasurementFailedError):
+            return math.nan
+        return environment.temperature_c
+
+
+def standard_uncertainty_mm(reading: TrackerReading) -> float:
+    """Return the standard uncertainty per axis of one reading [mm].
+
+    Root mean square over the axes of the accuracy model's covariance; without one of what the
+    instrument states for its axes; without that of the scatter of its samples, as that of their mean.
+    """
+    if reading.covariance_mm2 is not None:
+        return float(np.sqrt(np.trace(np.array(reading.covariance_mm2)) / 3.0))
+    stated = float(np.sqrt(np.mean(np.square(reading.standard_deviation_mm))))
+    if not math.isfinite(stated):
+        stated = reading.rms_mm / math.sqrt(3.0 * max(1, reading.samples))
+    return stated if stated > _SMALLEST_UNCERTAINTY_MM else _SMALLEST_UNCERTAINTY_MM
+
+
+def stated_covariance_mm2(reading: TrackerReading) -> FloatArray:
+    """Return what the instrument states of one reading, tracker frame, shape (3, 3); NaN for nothing."""
+    if reading.covariance_mm2 is not None:
+        return np.array(reading.covariance_mm2)
+    return np.diag(np.square(reading.standard_deviation_mm))
+
+
+def world_covariance_mm2(
+    reading: TrackerReading, registration: Registration
+) -> tuple[Vector, Vector, Vector] | None:
+    """Return the covariance of a reading in the world [mm2], None where the instrument states none."""
+    if reading.covariance_mm2 is None:
+        return None
+    turned = registration.rotation @ np.array(reading.covariance_mm2) @ registration.rotation.T
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = (0.5 * (turned + turned.T)).tolist()
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)

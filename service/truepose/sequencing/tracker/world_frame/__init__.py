@@ -1,0 +1,1 @@
+"""The tracker's place in the world, from certified fixed nests."""

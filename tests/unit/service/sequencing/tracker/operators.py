@@ -1,0 +1,68 @@
+"""Operators for the tests: each answers the questions of a session in its own way."""
+
+import asyncio
+from collections.abc import Callable
+
+from tests.unit.service.sequencing.tracker.fakes import FakeCell
+from truepose.domain.session import SessionPlan, SessionState
+from truepose.sequencing.tracker.journal import SessionHistory
+from truepose.sequencing.tracker.runner import SessionRunner
+
+_TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer waits for nobody
+
+
+class PatientOperator:
+    """Confirms and resumes whatever is asked, at most `patience` times; then ends the session.
+
+    Looks for a question every `look_s`; at 0 in every turn of the event loop, which keeps a processor busy.
+    """
+
+    def __init__(self, patience: int = 3, *, look_s: float = 0.0) -> None:
+        self._patience = patience
+        self._look_s = look_s
+        self.questions: list[str] = []
+        self.before_answer: Callable[[str], None] | None = None
+
+    async def attend(self, runner: SessionRunner, running: asyncio.Task[SessionState]) -> SessionState:
+        while not running.done():
+            await asyncio.sleep(self._look_s)
+            if runner.question is None or runner.state not in (
+                SessionState.PAUSED,
+                SessionState.AWAITING_CONFIRMATION,
+            ):
+                continue
+            await self._answer(runner)
+        return running.result()
+
+    async def _answer(self, runner: SessionRunner) -> None:
+        question = runner.question or ""
+        self.questions.append(question)
+        if self.before_answer is not None:
+            self.before_answer(question)
+        if len(self.questions) > self._patience:
+            await runner.request_abort("Eva")
+        elif runner.state is SessionState.PAUSED:
+            await runner.resume("Eva")
+        else:
+            await runner.confirm("Eva")
+
+
+async def run_session(
+    cell: FakeCell,
+    plan: SessionPlan,
+    operator: PatientOperator | None = None,
+    history: SessionHistory | None = None,
+) -> SessionState:
+    runner = SessionRunner(plan, cell.cell, cell.journal, history)
+    running = asyncio.create_task(runner.run())
+    async with asyncio.timeout(20):
+        return await (operator or PatientOperator()).attend(runner, running)
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Let other tasks run until `condition` holds; fails where it never does."""
+    for _ in range(_TURNS_WITHOUT_CHANGE):
+        if condition():
+            return
+        await asyncio.sleep(0)
+    raise AssertionError("the session never came to that")
