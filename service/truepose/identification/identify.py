@@ -221,8 +221,8 @@ def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) 
 def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut | None:
     if len(np.unique(sites(identified.blocks[0].targets.stops))) < 2:
         return None  # revisits of one place: nothing is left to predict it from
-    residual, variance = held_out_residuals(identified.structure, identified.blocks, identified.values)
-    before, _ = held_out_residuals(nominal.structure, nominal.blocks, nominal.values)
+    residual, variance = held_out_residuals(identified)
+    before, _ = held_out_residuals(nominal)
     stated = identified.blocks[0].weighted(identified.blocks[0].weights, 0.0)
     noise = expected_noise_mm(stated)
     pair = NominalAndIdentified(statistics(before, noise), statistics(residual, noise))

@@ -16,7 +16,7 @@ K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Prob
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
@@ -88,13 +88,14 @@ def solve(
     values, damping = start.copy(), 0.0
     current = linearise(values, None) if first is None else first
     cost = _cost(current, values - prior_means, precision)
+    normal = _Normal(current, precision)
     converged, iteration = len(values) == 0, 0  # a model without parameters is where it should be
     while not converged and iteration < max_iterations:
         iteration += 1
-        gradient = current.jacobian @ current.residual - precision * (values - prior_means)
-        step = _damped_step(current.jacobian, precision, gradient, damping)
+        gradient = slope(current, precision, values - prior_means)
+        step = normal.solved(gradient, damping)
         # What remains to go is the undamped step: a damped one is short wherever it stands.
-        undamped = _damped_step(current.jacobian, precision, gradient, 0.0) if damping else step
+        undamped = normal.solved(gradient, 0.0) if damping else step
         remaining = float(gradient @ undamped)
         if remaining < _STEP_TOLERANCE**2:
             converged = True
@@ -103,6 +104,7 @@ def solve(
         trial_cost = _cost(trial, values + step - prior_means, precision)
         if trial_cost <= cost + _INVISIBLE:
             values, current, cost = values + step, trial, trial_cost
+            normal = _Normal(current, precision)
             damping = damping / 10.0 if damping > 1e-6 else 0.0
         elif remaining < _NOTHING_TO_GAIN:
             converged = True
@@ -110,47 +112,86 @@ def solve(
             damping = max(damping * 10.0, 1e-4)
             if damping > _LARGEST_DAMPING:
                 break
-    covariance = posterior_covariance(current.jacobian, precision)
-    return Solution(values, covariance, converged, iteration, current)
+    return Solution(values, normal.inverse(), converged, iteration, current)
+
+
+def slope(point: Linearised, precision: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Half the slope of the cost downhill, shape (P,): what the step is solved from."""
+    downhill: FloatArray = point.jacobian @ point.residual - precision * deviation
+    return downhill
 
 
 def _cost(point: Linearised, deviation: FloatArray, precision: FloatArray) -> float:
     return float(point.residual @ point.residual + deviation @ (precision * deviation))
 
 
-def _damped_step(
-    jacobian: FloatArray, precision: FloatArray, gradient: FloatArray, damping: float
-) -> FloatArray:
-    root, scale = _root(jacobian, precision, damping)
-    return np.asarray(scale * cho_solve((root, False), scale * gradient))
-
-
 def posterior_covariance(jacobian: FloatArray, precision: FloatArray) -> FloatArray:
     """Inverse of J J^T + diag(precision), shape (P, P), from whitened derivatives of shape (P, m)."""
-    if len(precision) == 0:
-        return np.zeros((0, 0))
-    root, scale = _root(jacobian, precision, 0.0)
-    inverse = cho_solve((root, False), np.eye(len(precision)))
-    return np.asarray(0.5 * (inverse + inverse.T) * np.outer(scale, scale))
+    factor = _factored(jacobian @ jacobian.T + np.diag(precision), 0.0)
+    return (factor or _factored_by_qr(jacobian, precision, 0.0)).inverse()
 
 
-def _root(jacobian: FloatArray, precision: FloatArray, damping: float) -> tuple[FloatArray, FloatArray]:
-    """Return R, upper triangular, and scales s with R^T R = s (J J^T + diag(precision)) s + damping.
+def covariance_of(normal: FloatArray) -> FloatArray | None:
+    """Inverse of a normal matrix (P, P); None where rounding has left too little of it."""
+    factor = _factored(normal, 0.0)
+    return None if factor is None else factor.inverse()
 
-    Readings so precise that a prior is lost beside them in J J^T keep it in the QR factors of J itself,
-    which are slower and lose half as many digits.
-    """
-    normal = jacobian @ jacobian.T
-    normal[np.diag_indices_from(normal)] += precision
+
+class _Normal:
+    """The normal equations at one point; its matrix is summed up once, whatever is asked of it."""
+
+    def __init__(self, point: Linearised, precision: FloatArray) -> None:
+        self._jacobian, self._precision = point.jacobian, precision
+        self._matrix = point.jacobian @ point.jacobian.T + np.diag(precision)
+
+    def solved(self, gradient: FloatArray, damping: float) -> FloatArray:
+        """Return the step, shape (P,)."""
+        return self._factor(damping).solved(gradient)
+
+    def inverse(self) -> FloatArray:
+        """Return the covariance of the parameters, shape (P, P)."""
+        return self._factor(0.0).inverse()
+
+    def _factor(self, damping: float) -> "_Factor":
+        factor = _factored(self._matrix, damping)
+        return factor or _factored_by_qr(self._jacobian, self._precision, damping)
+
+
+class _Factor(NamedTuple):
+    """R, upper triangular, and scales s with R^T R = s (J J^T + diag(precision)) s + damping."""
+
+    root: FloatArray  # (P, P)
+    scale: FloatArray  # (P,)
+
+    def solved(self, gradient: FloatArray) -> FloatArray:
+        """Return the solution of the normal equations, shape (P,)."""
+        return np.asarray(self.scale * cho_solve((self.root, False), self.scale * gradient))
+
+    def inverse(self) -> FloatArray:
+        """Return the inverse of the undamped matrix, shape (P, P)."""
+        inverse = cho_solve((self.root, False), np.eye(len(self.scale)))
+        return np.asarray(0.5 * (inverse + inverse.T) * np.outer(self.scale, self.scale))
+
+
+def _factored(normal: FloatArray, damping: float) -> _Factor | None:
+    """Return the factor of a normal matrix; None where rounding has left too little of it."""
     scale = 1.0 / np.sqrt(np.diag(normal))
     unit = normal * np.outer(scale, scale)
     unit[np.diag_indices_from(unit)] += damping
     try:
         root = cholesky(unit)
-        if np.diag(root).min() > _SMALLEST_PIVOT:
-            return root, scale
     except LinAlgError:
-        pass
+        return None
+    return _Factor(root, scale) if np.diag(root).min(initial=1.0) > _SMALLEST_PIVOT else None
+
+
+def _factored_by_qr(jacobian: FloatArray, precision: FloatArray, damping: float) -> _Factor:
+    """Return the factor from the derivatives themselves.
+
+    Readings so precise that a prior is lost beside them in J J^T keep it in the QR factors of J itself,
+    which are slower and lose half as many digits.
+    """
+    scale = 1.0 / np.sqrt((jacobian**2).sum(axis=1) + precision)
     own = np.diag(np.sqrt(precision * scale**2 + damping))
     (factor,) = qr(np.vstack([jacobian.T * scale, own]), mode="r")
-    return np.asarray(factor[: len(scale)]), scale
+    return _Factor(np.asarray(factor[: len(scale)]), scale)
