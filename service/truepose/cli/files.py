@@ -55,11 +55,7 @@ def read_measured(path: Path) -> "Campaign":
     Heavy imports wait until then.
     """
     from truepose.effects.registry import unusable_causes
-    from truepose.exchange.campaigns.folder import read_campaign
-    from truepose.exchange.campaigns.zip_file import read_campaign_zip
-    from truepose.exchange.input_file import read_bytes
+    from truepose.exchange.campaigns.path import read_campaign_at
 
     remark(unusable_causes())
-    if path.suffix.lower() == ".zip" and not path.is_dir():
-        return read_campaign_zip(read_bytes(path), path.name)
-    return read_campaign(path)
+    return read_campaign_at(path)

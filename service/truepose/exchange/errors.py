@@ -30,6 +30,8 @@ class InputFileError(ExchangeError):
         Name of the file as the user knows it.
     line : int, optional
         1-based line in it.
+    row : int, optional
+        0-based row of a table that is no file but arrays of a program.
     column : str, optional
         Name of the column of a table.
     key : str, optional
@@ -42,12 +44,15 @@ class InputFileError(ExchangeError):
         *,
         file: str,
         line: int | None = None,
+        row: int | None = None,
         column: str | None = None,
         key: str | None = None,
     ) -> None:
         place = [file]
         if line is not None:
             place.append(f"line {line}")
+        if row is not None:
+            place.append(f"row {row}")
         if column is not None:
             place.append(f"column {column}")
         if key:
@@ -55,6 +60,7 @@ class InputFileError(ExchangeError):
         super().__init__(f"{', '.join(place)}: {sentence}.")
         self.file = file
         self.line = line
+        self.row = row
         self.column = column
         self.key = key
 

@@ -15,6 +15,7 @@ from truepose.exchange.input_file import GREATEST_BYTES, read_bytes
 from truepose.exchange.json_text import render_json
 from truepose.exchange.tables.legs import read_cup_table, read_fixture_table, read_leg_table, read_setup_table
 from truepose.exchange.tables.points import read_point_table, read_reference_table
+from truepose.exchange.tables.table import TableData
 from truepose.exchange.tables.text import (
     cup_text,
     fixture_text,
@@ -27,6 +28,7 @@ from truepose.exchange.tables.text import (
 DESCRIPTION = "campaign.json"
 GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
 Load = Callable[[str], bytes]
+LoadTable = Callable[[str], TableData]
 
 
 def read_campaign(folder: Path) -> Campaign:
@@ -59,10 +61,10 @@ def write_campaign(campaign: Campaign, folder: Path) -> None:
 def campaign_from(load: Load) -> Campaign:
     """Read a campaign whose files `load` returns by name; it raises MissingFileError."""
     description = read_description(json_document(DESCRIPTION, load(DESCRIPTION)))
-    return _with_tables(description, load)
+    return with_tables(description, load)
 
 
-def _load_role(description: Description, role: str, load: Load) -> bytes:
+def _load_role(description: Description, role: str, load: LoadTable) -> TableData:
     try:
         return load(description.files[role])
     except MissingFileError as error:
@@ -76,19 +78,22 @@ def _line(description: Description, role: str) -> int | None:
     return description.files_node.locate((*description.files_node.path, role))
 
 
-def _with_tables(description: Description, load: Load) -> Campaign:
-    """Return the campaign with its tables and everything that was ignored in them."""
+def with_tables(description: Description, load: LoadTable) -> Campaign:
+    """Return the campaign with its tables and everything that was ignored in them.
+
+    `load` returns the table of a name that the description gives; raises an InputFileError.
+    """
     campaign = description.campaign
     joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
     tracker, fixed = campaign.tracker_position_mm, len(campaign.fixed_nests)
-    readers: dict[str, Callable[[str, bytes], tuple[object, tuple[str, ...]]]] = {
-        "calibration": lambda file, text: read_point_table(file, text, joints, nests, tracker),
-        "validation": lambda file, text: read_point_table(file, text, joints, nests, tracker),
-        "reference": lambda file, text: read_reference_table(file, text, fixed),
-        "legs": lambda file, text: read_leg_table(file, text, joints, nests),
-        "validation_legs": lambda file, text: read_leg_table(file, text, joints, nests),
+    readers: dict[str, Callable[[str, TableData], tuple[object, tuple[str, ...]]]] = {
+        "calibration": lambda file, data: read_point_table(file, data, joints, nests, tracker),
+        "validation": lambda file, data: read_point_table(file, data, joints, nests, tracker),
+        "reference": lambda file, data: read_reference_table(file, data, fixed),
+        "legs": lambda file, data: read_leg_table(file, data, joints, nests),
+        "validation_legs": lambda file, data: read_leg_table(file, data, joints, nests),
         "fixture": read_fixture_table,
-        "setup": lambda file, text: read_setup_table(file, text, joints),
+        "setup": lambda file, data: read_setup_table(file, data, joints),
         "cups": read_cup_table,
     }
     ignored: dict[str, list[str]] = {}

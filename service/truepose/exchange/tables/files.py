@@ -10,13 +10,13 @@ from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.legs import leg_columns, read_leg_table
 from truepose.exchange.tables.points import ignored_columns, point_columns, read_point_table
 from truepose.exchange.tables.stops import stop_columns, stops_to_visit, torque_names
-from truepose.exchange.tables.table import WHOLE, Column, column_names, one_of, read_table
+from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
 from truepose.exchange.tables.text import prediction_text
 
 
 @dataclass(frozen=True, slots=True)
 class PointsToPredict:
-    """Rows of a file for `predict`; without a `nest` column every known nest is wanted at every row."""
+    """Rows of a table for `predict`; without a `nest` column every known nest is wanted at every row."""
 
     stops: Stops
     nest: IntArray | None  # (n,)
@@ -25,18 +25,26 @@ class PointsToPredict:
 
 @dataclass(frozen=True, slots=True)
 class ValidationFile:
-    """Readings of a file for `validate`."""
+    """Readings of a table for `validate`."""
 
     readings: PointReadings | LegReadings
     ignored: tuple[str, ...]
 
 
 def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) -> PointsToPredict:
+    """Read the file of a table as `points_to_predict` does; raises InputFileError."""
+    return points_to_predict(file.name, read_bytes(file), n_joints, nests)
+
+
+def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> PointsToPredict:
     """Read `config`, the joints and what else is known of each stop; measured values do not matter.
 
     Parameters
     ----------
-    file : Path
+    name : str
+        Of the table, for error messages.
+    data : bytes or mapping of str to ndarray
+        Text of a CSV file, or columns of shape (n,).
     n_joints : int
         Joints of the model's robot.
     nests : collection of int
@@ -45,7 +53,7 @@ def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) ->
     Raises
     ------
     InputFileError
-        With file, line and column.
+        With name, line or row, and column.
     """
     columns = [
         *stop_columns(n_joints),
@@ -53,8 +61,8 @@ def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) ->
     ]
     measured = [*point_columns(n_joints, nests), *leg_columns(n_joints, nests)]
     table = read_table(
-        file.name,
-        read_bytes(file),
+        name,
+        data,
         columns,
         together=[torque_names(n_joints)],
         passed_over={column.name for column in measured},
@@ -62,40 +70,30 @@ def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) ->
     return PointsToPredict(
         stops=stops_to_visit(table, n_joints),
         nest=table.optional_whole("nest"),
-        ignored=_sentences(file, ignored_columns(table)),
+        ignored=_sentences(name, ignored_columns(table)),
     )
 
 
-def read_points(
-    file: Path,
-    n_joints: int,
-    nests: Collection[int],
-    tracker_position_mm: tuple[float, float, float] | None = None,
-) -> ValidationFile:
-    """Read measured points as in `validation` of a campaign.
+def read_validation_file(file: Path, n_joints: int, nests: Collection[int]) -> ValidationFile:
+    """Read the file of a table as `held_out_readings` does; raises InputFileError."""
+    return held_out_readings(file.name, read_bytes(file), n_joints, nests)
+
+
+def held_out_readings(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> ValidationFile:
+    """Read points or legs, whichever the columns announce, as in a campaign; parameters as above.
 
     Raises
     ------
     InputFileError
-        With file, line and column; also where uncertainties along and across the beam are given without
-        the place of the tracker and without a covariance.
+        With name, line or row, and column; also where uncertainties along and across the beam are given
+        without a covariance: the place of the tracker is not known here.
     """
-    readings, ignored = read_point_table(file.name, read_bytes(file), n_joints, nests, tracker_position_mm)
-    return ValidationFile(readings, _sentences(file, ignored))
-
-
-def read_legs(file: Path, n_joints: int, nests: Collection[int]) -> ValidationFile:
-    """Read measured legs as in `validation_legs` of a campaign; raises InputFileError."""
-    readings, ignored = read_leg_table(file.name, read_bytes(file), n_joints, nests)
-    return ValidationFile(readings, _sentences(file, ignored))
-
-
-def read_validation_file(file: Path, n_joints: int, nests: Collection[int]) -> ValidationFile:
-    """Read points or legs, whichever the header announces; raises InputFileError."""
-    names = column_names(file.name, read_bytes(file))
+    names = column_names(name, data)
     if "length_mm" in names and "x_mm" not in names:
-        return read_legs(file, n_joints, nests)
-    return read_points(file, n_joints, nests)
+        legs, ignored = read_leg_table(name, data, n_joints, nests)
+        return ValidationFile(legs, _sentences(name, ignored))
+    points, ignored = read_point_table(name, data, n_joints, nests, None)
+    return ValidationFile(points, _sentences(name, ignored))
 
 
 def write_predictions(
@@ -110,5 +108,5 @@ def write_predictions(
     file.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _sentences(file: Path, clauses: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(f"{file.name}: {clause}." for clause in clauses)
+def _sentences(name: str, clauses: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{name}: {clause}." for clause in clauses)

@@ -8,7 +8,16 @@ import numpy as np
 from truepose.domain.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
 from truepose.exchange.tables.points import POSITION, ignored_columns
 from truepose.exchange.tables.stops import NO_REPEAT, joint_names, read_stops_of, stop_columns, torque_names
-from truepose.exchange.tables.table import POSITIVE, WHOLE, Column, at_least, between, one_of, read_table
+from truepose.exchange.tables.table import (
+    POSITIVE,
+    WHOLE,
+    Column,
+    TableData,
+    at_least,
+    between,
+    one_of,
+    read_table,
+)
 
 Ignored = tuple[str, ...]  # clauses that name a column each
 _KINDS = ("tool", "base")
@@ -32,7 +41,7 @@ def leg_columns(n_joints: int, nests: Collection[int]) -> list[Column]:
 
 
 def read_leg_table(
-    file: str, data: bytes, n_joints: int, nests: Collection[int]
+    file: str, data: TableData, n_joints: int, nests: Collection[int]
 ) -> tuple[LegReadings, Ignored]:
     """Read legs; raises an InputFileError that names line and column."""
     columns, groups = leg_columns(n_joints, nests), [torque_names(n_joints)]
@@ -66,7 +75,7 @@ def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
     return replace(legs, stops=apart), (clause,)
 
 
-def read_fixture_table(file: str, data: bytes) -> tuple[FixtureLengths, Ignored]:
+def read_fixture_table(file: str, data: TableData) -> tuple[FixtureLengths, Ignored]:
     """Read the sides of the triangles; placement 0 is the tool's, all others are base fixtures'."""
     columns = [
         Column("placement", rules=(WHOLE, at_least(0))),
@@ -85,7 +94,7 @@ def read_fixture_table(file: str, data: bytes) -> tuple[FixtureLengths, Ignored]
     return lengths, ignored_columns(table)
 
 
-def read_setup_table(file: str, data: bytes, n_joints: int) -> tuple[CupSetups, Ignored]:
+def read_setup_table(file: str, data: TableData, n_joints: int) -> tuple[CupSetups, Ignored]:
     """Read the joint angles at which cups were clamped on the ball in tool nest 1."""
     names = joint_names(n_joints)
     table = read_table(file, data, [_PLACEMENT, _BASE_POINT, *(Column(name) for name in names)])
@@ -93,7 +102,7 @@ def read_setup_table(file: str, data: bytes, n_joints: int) -> tuple[CupSetups, 
     return CupSetups(table.whole("placement"), table.whole("base_point"), joints_rad), ignored_columns(table)
 
 
-def read_cup_table(file: str, data: bytes) -> tuple[CupReadings, Ignored]:
+def read_cup_table(file: str, data: TableData) -> tuple[CupReadings, Ignored]:
     """Read the tracker's readings of base cups."""
     columns = [_PLACEMENT, _BASE_POINT, *(Column(name) for name in POSITION), _UNCERTAINTY]
     table = read_table(file, data, columns)

@@ -9,7 +9,16 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.stops import SAME_JOINTS_DEG, read_stops_of, stop_columns, torque_names
-from truepose.exchange.tables.table import POSITIVE, WHOLE, Column, Table, at_least, one_of, read_table
+from truepose.exchange.tables.table import (
+    POSITIVE,
+    WHOLE,
+    Column,
+    Table,
+    TableData,
+    at_least,
+    one_of,
+    read_table,
+)
 
 POSITION = ("x_mm", "y_mm", "z_mm")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -49,7 +58,7 @@ def point_groups(n_joints: int) -> list[tuple[str, ...]]:
 
 
 def read_point_table(
-    file: str, data: bytes, n_joints: int, nests: Collection[int], tracker_position_mm: Vector | None
+    file: str, data: TableData, n_joints: int, nests: Collection[int], tracker_position_mm: Vector | None
 ) -> tuple[PointReadings, tuple[str, ...]]:
     """Read measured points; return them and one clause for every column ignored.
 
@@ -69,7 +78,7 @@ def read_point_table(
 
 
 def read_reference_table(
-    file: str, data: bytes, n_fixed_nests: int
+    file: str, data: TableData, n_fixed_nests: int
 ) -> tuple[FixedNestReadings, tuple[str, ...]]:
     """Read looks at fixed nests; `n_fixed_nests` is 0 where none is certified and any number may be named."""
     among = one_of(range(1, n_fixed_nests + 1), "the fixed nests") if n_fixed_nests else at_least(1)
@@ -128,7 +137,7 @@ def _covariance(table: Table, tracker_position_mm: Vector | None) -> FloatArray 
         raise MissingEntryError(
             f"{' and '.join(BEAM)} need tracker_position_world_mm in campaign.json",
             file=table.file,
-            line=1,
+            line=table.header_line,
             column=BEAM[0],
         )
     return _beam_covariance(table, np.array(tracker_position_mm))

@@ -1,15 +1,17 @@
-"""Strict reading of a CSV table into columns of numbers, with the place of the first bad cell.
+"""Strict reading of a table into columns of numbers, with the place of the first bad cell.
 
-Rows come some thousand at a time. Well-formed columns take a fast path (one regular expression and one
-conversion for all of these rows); cells are looked at one by one only where one is blank or bad.
+Rows of a CSV text come some thousand at a time. Well-formed columns take a fast path (one regular expression
+and one conversion for all of these rows); cells are looked at one by one only where one is blank or bad.
+Columns that are arrays already keep to the same rules; NaN and None are their empty cells.
 """
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
@@ -22,6 +24,11 @@ _ONE_NUMBER = re.compile(_NUMBER)
 _ALL_NUMBERS = re.compile(rf"(?:{_NUMBER}\n)++")
 _NOT_FINITE = frozenset({"nan", "inf", "infinity", "-inf", "+inf", "-infinity", "-nan"})
 _LARGEST_WHOLE = 2.0**53  # beyond it neighbouring whole numbers are the same float
+_KINDS_OF_NUMBERS = "fiub"  # of arrays: floats, whole numbers, truth values
+Arrays: TypeAlias = Mapping[str, npt.NDArray[np.generic]]  # columns of equal length by name
+TableData: TypeAlias = bytes | Arrays  # the text of a file, or what a program has in memory
+Cells: TypeAlias = Sequence[str] | npt.NDArray[np.generic]  # of one column
+Counted: TypeAlias = Literal["line", "row"]  # lines of a text from 1, rows of arrays from 0
 Converted: TypeAlias = tuple[IntArray, dict[str, FloatArray]]  # lines and columns of some rows
 
 
@@ -71,15 +78,21 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The known columns of a file as equal-length arrays; `lines` says where each row stood."""
+    """The known columns of a table as equal-length arrays; `lines` says where each row stood."""
 
     file: str
     lines: IntArray
     values: Mapping[str, FloatArray]
     unlisted: tuple[str, ...]  # names of columns that the format does not know
+    counted: Counted = "line"  # what `lines` holds
 
     def __contains__(self, name: str) -> bool:
         return name in self.values
+
+    @property
+    def header_line(self) -> int | None:
+        """Where the names of the columns stand; None for arrays."""
+        return 1 if self.counted == "line" else None
 
     def numbers(self, name: str) -> FloatArray:
         """Return a column that is there, shape (n,)."""
@@ -104,28 +117,28 @@ class Table:
     def require(self, good: BoolArray, column: str, sentence: str) -> None:
         """Raise BadValueError at the first row that is not `good` (shape (n,))."""
         if not good.all():
-            line = int(self.lines[int(np.argmin(good))])
-            raise BadValueError(sentence, file=self.file, line=line, column=column)
+            places = (self.counted, self.lines)
+            raise _bad_value(sentence, self.file, places, int(np.argmin(good)), column)
 
 
 def read_table(
     file: str,
-    data: bytes,
+    data: TableData,
     columns: Sequence[Column],
     *,
     together: Sequence[Sequence[str]] = (),
     passed_over: Collection[str] = (),
 ) -> Table:
-    """Read a CSV table.
+    """Read a table, from the text of a CSV file or from arrays.
 
     Parameters
     ----------
     file : str
         Its name, for error messages.
-    data : bytes
-        UTF-8, with or without byte order mark, any line ends.
+    data : bytes or mapping of str to ndarray
+        UTF-8, with or without byte order mark, any line ends; or columns of shape (n,).
     columns : sequence of Column
-        What the format knows; the file has them in any order.
+        What the format knows; the table has them in any order.
     together : sequence of sequences of str
         Optional columns that come all or not at all.
     passed_over : collection of str
@@ -134,61 +147,102 @@ def read_table(
     Raises
     ------
     UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
-        With file, line and column of the first fault.
+        With file, line or row, and column of the first fault.
     """
+    if not isinstance(data, bytes):
+        return _table_of_arrays(file, data, columns, together, passed_over)
     numbered = numbered_rows(file, data)
     header = read_header(file, numbered)
-    _check_header(file, header, columns, together)
+    _check_header(file, header, columns, together, line=1)
     wanted = [column for column in columns if column.name in header]
-    known = {column.name for column in columns} | set(passed_over)
     lines, values = _joined(
-        wanted, [_convert(file, wanted, header, part) for part in parts(file, header, numbered)]
+        wanted, [_convert_rows(file, wanted, header, part) for part in parts(file, header, numbered)]
     )
     if not lines.size:
         raise UnreadableFileError("the file has a header and no rows", file=file)
-    return Table(file, lines, values, tuple(name for name in header if name and name not in known))
+    return Table(file, lines, values, _unlisted(header, columns, passed_over))
 
 
-def column_names(file: str, data: bytes) -> tuple[str, ...]:
-    """Return the names in the header line of a CSV table."""
-    return tuple(read_header(file, numbered_rows(file, data)))
+def _table_of_arrays(
+    file: str,
+    arrays: Arrays,
+    columns: Sequence[Column],
+    together: Sequence[Sequence[str]],
+    passed_over: Collection[str],
+) -> Table:
+    header = list(arrays)
+    _check_header(file, header, columns, together, line=None)
+    wanted = [column for column in columns if column.name in arrays]
+    rows = np.arange(max(map(len, arrays.values()), default=0))
+    if not rows.size:
+        raise UnreadableFileError("the table has no rows", file=file)
+    values = _convert(file, wanted, header, ("row", rows), arrays)
+    return Table(file, rows, values, _unlisted(header, columns, passed_over), "row")
+
+
+def column_names(file: str, data: TableData) -> tuple[str, ...]:
+    """Return the names of the columns: of a CSV text those in its header line."""
+    return tuple(read_header(file, numbered_rows(file, data)) if isinstance(data, bytes) else data)
+
+
+def _unlisted(
+    header: Sequence[str], columns: Sequence[Column], passed_over: Collection[str]
+) -> tuple[str, ...]:
+    known = {column.name for column in columns} | set(passed_over)
+    return tuple(name for name in header if name and name not in known)
 
 
 def _check_header(
-    file: str, header: list[str], columns: Sequence[Column], together: Sequence[Sequence[str]]
+    file: str,
+    header: Sequence[str],
+    columns: Sequence[Column],
+    together: Sequence[Sequence[str]],
+    *,
+    line: int | None,
 ) -> None:
     seen: set[str] = set()
     for name in filter(None, header):
         if name in seen:
-            raise BadValueError("the column appears twice; keep one", file=file, line=1, column=name)
+            raise BadValueError("the column appears twice; keep one", file=file, line=line, column=name)
         seen.add(name)
     for column in columns:
         if column.name not in seen:
-            _check_absent(file, column, seen)
+            _check_absent(file, column, seen, line)
     for group in together:
         absent = [name for name in group if name not in seen]
         if 0 < len(absent) < len(group):
             raise MissingEntryError(
                 f"column {absent[0]} is missing; {group[0]} to {group[-1]} come all or not at all",
                 file=file,
-                line=1,
+                line=line,
             )
 
 
-def _check_absent(file: str, column: Column, present: set[str]) -> None:
+def _check_absent(file: str, column: Column, present: set[str], line: int | None) -> None:
     """Refuse an absent column that is required, or that is there in another unit."""
     rival = in_other_unit(column.name, present)
     if rival is not None and (column.required or unit(rival)):
-        raise WrongUnitError(unit_sentence("column", rival, column.name), file=file, line=1)
+        raise WrongUnitError(unit_sentence("column", rival, column.name), file=file, line=line)
     if column.required:
-        raise MissingEntryError(f"column {column.name} is missing; it is required", file=file, line=1)
+        raise MissingEntryError(f"column {column.name} is missing; it is required", file=file, line=line)
+
+
+def _convert_rows(
+    file: str, columns: Sequence[Column], header: Sequence[str], rows: Sequence[Numbered]
+) -> Converted:
+    cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
+    lines = np.array([line for line, _ in rows], np.int64)
+    return lines, _convert(file, columns, header, ("line", lines), cells)
 
 
 def _convert(
-    file: str, columns: Sequence[Column], header: Sequence[str], rows: Sequence[Numbered]
-) -> Converted:
-    """Convert every column; raise for the bad cell that a reader of the file meets first."""
-    cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
+    file: str,
+    columns: Sequence[Column],
+    header: Sequence[str],
+    places: tuple[Counted, IntArray],
+    cells: Mapping[str, Cells],
+) -> dict[str, FloatArray]:
+    """Convert every column; raise for the bad cell that a reader of the table meets first."""
     values: dict[str, FloatArray] = {}
     faults: list[tuple[int, int, str]] = []
     for column in columns:
@@ -197,8 +251,18 @@ def _convert(
             faults.append((fault[0], header.index(column.name), fault[1]))
     if faults:
         row, position, sentence = min(faults)
-        raise BadValueError(sentence, file=file, line=rows[row][0], column=header[position])
-    return np.array([line for line, _ in rows], np.int64), values
+        raise _bad_value(sentence, file, places, row, header[position])
+    return values
+
+
+def _bad_value(
+    sentence: str, file: str, places: tuple[Counted, IntArray], row: int, column: str
+) -> BadValueError:
+    counted, numbers = places
+    number = int(numbers[row])
+    if counted == "line":
+        return BadValueError(sentence, file=file, line=number, column=column)
+    return BadValueError(sentence, file=file, row=number, column=column)
 
 
 def _joined(columns: Sequence[Column], parts: Sequence[Converted]) -> Converted:
@@ -212,11 +276,11 @@ def _joined(columns: Sequence[Column], parts: Sequence[Converted]) -> Converted:
     return lines, values
 
 
-def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[int, str] | None]:
+def _numbers(column: Column, cells: Cells) -> tuple[FloatArray, tuple[int, str] | None]:
     """Return the numbers of a column, and row and sentence of its first fault if it has one."""
     sound = None if column.words else _all_numbers(column, cells)
     if sound is None:
-        values, given, fault = _one_by_one(column, [cell.strip() for cell in cells])
+        values, given, fault = _one_by_one(column, _texts(cells))
     else:
         values, given, fault = sound, np.ones(len(cells), bool), None
     for rule in column.rules:
@@ -225,17 +289,32 @@ def _numbers(column: Column, cells: Sequence[str]) -> tuple[FloatArray, tuple[in
     return values, fault
 
 
-def _all_numbers(column: Column, cells: Sequence[str]) -> FloatArray | None:
+def _texts(cells: Cells) -> list[str]:
+    """Return the cells as somebody would type them; those without a value are empty."""
+    if not isinstance(cells, np.ndarray):
+        return [cell.strip() for cell in cells]
+    return ["" if cell is None or cell != cell else str(cell).strip() for cell in cells.tolist()]
+
+
+def _all_numbers(column: Column, cells: Cells) -> FloatArray | None:
     """Return the numbers of a column in which every cell is a sound one, else None."""
-    if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
-        return None
-    try:
-        values = np.fromiter(map(float, cells), float, len(cells))
-    except ValueError:  # a quoted cell of several lines
+    values = _floats(cells)
+    if values is None:
         return None
     limits, size = limits_of(column.name), np.abs(values)
     sound = (size == 0.0) | ((size >= limits.least) & (size <= limits.greatest))
     return values if bool(sound.all()) else None
+
+
+def _floats(cells: Cells) -> FloatArray | None:
+    if isinstance(cells, np.ndarray):
+        return cells.astype(float) if cells.dtype.kind in _KINDS_OF_NUMBERS else None
+    if not _ALL_NUMBERS.fullmatch("\n".join(cells) + "\n"):
+        return None
+    try:
+        return np.fromiter(map(float, cells), float, len(cells))
+    except ValueError:  # a quoted cell of several lines
+        return None
 
 
 def _one_by_one(column: Column, cells: Sequence[str]) -> tuple[FloatArray, BoolArray, tuple[int, str] | None]:
@@ -272,11 +351,11 @@ def _fault(column: Column, cell: str) -> str | None:
     return f"{_shown(cell)} is not a number{hint}"
 
 
-def _first(bad: BoolArray, cells: Sequence[str], must: str) -> tuple[int, str] | None:
+def _first(bad: BoolArray, cells: Cells, must: str) -> tuple[int, str] | None:
     if not bad.any():
         return None
     row = int(np.argmax(bad))
-    return row, f"{_shown(cells[row].strip())} {must}"
+    return row, f"{_shown(str(cells[row]).strip())} {must}"
 
 
 def _shown(cell: str) -> str:
