@@ -6,12 +6,14 @@ p_n = R (o_n + R_n x_k) + t. With Q = R^T and u = -Q t this is linear in u and x
     Q p_n - o_n = R_n x_k - u
 
 so that eliminating u and x_k leaves a quadratic form in the nine elements of Q, to be minimised
-over rotations. The form is built once; hundreds of starts on SO(3) then cost nothing
-(variable projection: G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10(2), 1973, 413-432).
+over rotations. The form is built once for given weights; starts all over SO(3) then cost nothing
+(variable projection: G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10(2), 1973, 413-432). It is of the fourth
+degree in a quaternion, so that its valleys are wide: of evenly spread starts the lowest lie in the deepest.
 Gross readings are weighed down by iterating with Cauchy weights on a median scale.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -21,8 +23,12 @@ from truepose.kinematics.frames import rotation_from_vector
 
 _STARTS = 200
 _FEW_STARTS = 24
+_LOWEST = 24  # starts from which a descent is worth its time
 _DESCENT_STEPS = 30
+_ARRIVED_RAD = 1e-9  # a step this short: at ten metres, a hundredth of a micrometre
 _ROBUST_ROUNDS = 25
+_SETTLED = 1e-3  # change of a weight that no longer moves anything
+_DEPENDENT = 1e-12  # of the largest eigenvalue: a sum of squares below it is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,36 +74,51 @@ def place(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -
     """
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
     weights = np.ones(len(nest))
-    rotation = _best_rotation(form, weights) if known.base is None else known.base[0]
-    for _ in range(_ROBUST_ROUNDS):
-        lengths = np.linalg.norm(form.residual(rotation, weights), axis=1)
-        scale = max(1.4826 * float(np.median(lengths)), 1e-9)
-        weights = 1.0 / (1.0 + (lengths / (2.0 * scale)) ** 2)
-        if known.base is None:
-            rotation = form.descend(rotation[None], weights)[0]
-    # a wrong first answer would keep its own followers: try all starts again with the weights off and on
+    rotation = known.base[0] if known.base is not None else _best_rotation(form.reduced(weights))
+    rotation, weights = _robust_rounds(form, rotation, weights, searched=known.base is None)
+    reduced = form.reduced(weights)
     if known.base is None:
-        rotation = min(
-            (rotation, _best_rotation(form, weights)),
-            key=lambda candidate: form.robust_cost(candidate, weights),
-        )
-    return form.placement(rotation, weights)
+        # a wrong first answer would keep its own followers: try all starts again with the weights on
+        candidates = (_descended(rotation[None], reduced)[0], _best_rotation(reduced))
+        rotation = min(candidates, key=lambda candidate: _typical_mm(form, candidate, reduced))
+    return form.placement(rotation, reduced, weights)
+
+
+def _robust_rounds(
+    form: "_Form", rotation: FloatArray, weights: FloatArray, *, searched: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Weigh far readings down and take a step, by turns, until the weights stay."""
+    for _ in range(_ROBUST_ROUNDS):
+        lengths = np.linalg.norm(form.residual(rotation, form.reduced(weights)), axis=0)
+        scale = max(1.4826 * float(np.median(lengths)), 1e-9)
+        before, weights = weights, 1.0 / (1.0 + (lengths / (2.0 * scale)) ** 2)
+        if searched:
+            rotation = _descended(rotation[None], form.reduced(weights), steps=1)[0]
+        if float(np.abs(weights - before).max(initial=0.0)) < _SETTLED:
+            break
+    return rotation, weights
 
 
 def quick_typical_mm(chain: Chain, nest: IntArray, measured_mm: FloatArray, known: Known) -> float:
     """Median residual of the least-squares placement, without robust weights: to compare hypotheses [mm]."""
     form = _Form(chain.rotation[-1], chain.origin[-1], nest, measured_mm, known)
-    weights = np.ones(len(nest))
-    rotation = _best_rotation(form, weights, _FEW_STARTS) if known.base is None else known.base[0]
-    return form.robust_cost(rotation, weights)
+    reduced = form.reduced(np.ones(len(nest)))
+    rotation = known.base[0] if known.base is not None else _best_rotation(reduced, _FEW_STARTS)
+    return _typical_mm(form, rotation, reduced)
 
 
-def _best_rotation(form: "_Form", weights: FloatArray, starts: int = _STARTS) -> FloatArray:
-    ends = form.descend(_rotation_starts(starts), weights)
-    costs = form.cost(ends, weights)
-    return np.asarray(ends[int(np.argmin(costs))])
+def _typical_mm(form: "_Form", rotation: FloatArray, reduced: "_Reduced") -> float:
+    return float(np.median(np.linalg.norm(form.residual(rotation, reduced), axis=0)))
 
 
+def _best_rotation(reduced: "_Reduced", starts: int = _STARTS) -> FloatArray:
+    spread = _rotation_starts(starts)
+    lowest = np.argsort(reduced.cost(spread), kind="stable")[:_LOWEST]
+    ends = _descended(spread[lowest], reduced)
+    return np.asarray(ends[int(np.argmin(reduced.cost(ends)))])
+
+
+@cache
 def _rotation_starts(count: int) -> FloatArray:
     """Rotations spread evenly over SO(3), shape (S, 3, 3).
 
@@ -116,111 +137,99 @@ def _rotation_starts(count: int) -> FloatArray:
     return rotation_from_vector(axis * angle)
 
 
-class _Form:
-    """The eliminated problem: residuals are linear in Q once weights are fixed."""
-
-    def __init__(
-        self, rotation: FloatArray, origin: FloatArray, nest: IntArray, measured: FloatArray, known: Known
-    ) -> None:
-        n, k = len(nest), len(known.nest_unknown)
-        columns = np.zeros((n, 3, 3 * k))
-        for row, number in enumerate(nest):
-            columns[row, :, 3 * (number - 1) : 3 * number] = rotation[row]
-        held = np.repeat(~known.nest_unknown, 3)
-        nests = np.where(known.nest_unknown[:, None], 0.0, known.nests_mm)
-        self._known, self._nests, self._held = known, nests, held
-        self._centre = measured.mean(axis=0)
-        self._measured = measured - self._centre
-        self._target = origin + np.einsum("nij,j->ni", columns, nests.reshape(-1))
-        free = columns[:, :, ~held]
-        self._free_base = known.base is None
-        shift = np.broadcast_to(np.eye(3), (n, 3, 3))
-        self._columns = np.concatenate([free, -shift], axis=2) if self._free_base else free
-        # Q p as a linear map of the nine elements of Q (row-major)
-        self._of_q = np.zeros((n, 3, 9))
-        for i in range(3):
-            self._of_q[:, i, 3 * i : 3 * i + 3] = self._measured
-
-    def _solve(self, weights: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        root = np.sqrt(weights)[:, None, None]
-        design = (root * self._columns).reshape(-1, self._columns.shape[2])
-        of_q = (root * self._of_q).reshape(-1, 9)
-        target = (root[:, :, 0] * self._target).reshape(-1)
-        if design.shape[1] == 0:
-            return of_q, target, np.zeros((0, 9)), np.zeros(0)
-        both = np.linalg.lstsq(design, np.column_stack([of_q, target]), rcond=1e-9)[0]
-        return of_q - design @ both[:, :9], target - design @ both[:, 9], both[:, :9], both[:, 9]
-
-    def descend(self, rotations: FloatArray, weights: FloatArray) -> FloatArray:
-        """Gauss-Newton on SO(3) from many base rotations (S, 3, 3) at once; only with an unknown base."""
-        of_q, target, _, _ = self._solve(weights)
-        normal, right = of_q.T @ of_q, of_q.T @ target
-        q = np.swapaxes(rotations, 1, 2).copy()
-        generators = _generators()
-        for _ in range(_DESCENT_STEPS):
-            tangent = np.einsum("gij,sjk->sgik", generators, q).reshape(len(q), 3, 9)
-            gradient = np.einsum("sgi,si->sg", tangent, q.reshape(-1, 9) @ normal - right)
-            hessian = np.einsum("sgi,ij,shj->sgh", tangent, normal, tangent)
-            slope = np.trace(hessian, axis1=1, axis2=2)[:, None, None]
-            hessian += (1e-9 * slope + np.finfo(float).tiny) * np.eye(3)  # also where no rotation matters
-            step = -np.linalg.solve(hessian, gradient[:, :, None])[:, :, 0]
-            length = np.linalg.norm(step, axis=1, keepdims=True)
-            q = rotation_from_vector(step * np.minimum(1.0, 0.7 / np.maximum(length, 1e-12))) @ q
-        return np.swapaxes(q, 1, 2)
-
-    def cost(self, rotations: FloatArray, weights: FloatArray) -> FloatArray:
-        """Weighted sum of squares of each base rotation, shape (S,)."""
-        of_q, target, _, _ = self._solve(weights)
-        flat = np.swapaxes(rotations, 1, 2).reshape(-1, 9)
-        return np.asarray(((flat @ of_q.T - target) ** 2).sum(axis=1))
-
-    def robust_cost(self, rotation: FloatArray, weights: FloatArray) -> float:
-        """Median length of the residuals of one base rotation [mm]."""
-        return float(np.median(np.linalg.norm(self.residual(rotation, weights), axis=1)))
-
-    def residual(self, rotation: FloatArray, weights: FloatArray) -> FloatArray:
-        """Residuals in the base frame [mm], unweighted, shape (n, 3)."""
-        return self._left(rotation, self._unknowns(rotation, weights))
-
-    def _unknowns(self, rotation: FloatArray, weights: FloatArray) -> FloatArray:
-        if self._known.base is not None:
-            return self._nests_only(rotation, weights)
-        _, _, per_q, constant = self._solve(weights)
-        return np.asarray(per_q @ rotation.T.reshape(9) - constant)
-
-    def _nests_only(self, rotation: FloatArray, weights: FloatArray) -> FloatArray:
-        if self._columns.shape[2] == 0:
-            return np.zeros(0)
-        root = np.sqrt(weights)[:, None]
-        design = (root[:, :, None] * self._columns).reshape(-1, self._columns.shape[2])
-        right = (root * self._seen(rotation)).reshape(-1)
-        return np.asarray(np.linalg.lstsq(design, right, rcond=1e-9)[0])
-
-    def _seen(self, rotation: FloatArray) -> FloatArray:
-        seen = self._measured @ rotation
-        if self._known.base is not None:
-            seen = seen + rotation.T @ (self._centre - self._known.base[1])
-        return np.asarray(seen - self._target)
-
-    def _left(self, rotation: FloatArray, unknowns: FloatArray) -> FloatArray:
-        return np.asarray(self._seen(rotation) - np.einsum("nij,j->ni", self._columns, unknowns))
-
-    def placement(self, rotation: FloatArray, weights: FloatArray) -> Placement:
-        """Return the placement that belongs to a base rotation."""
-        unknowns = self._unknowns(rotation, weights)
-        nests = self._nests.reshape(-1).copy()
-        nests[~self._held] = unknowns[: int((~self._held).sum())]
-        if self._known.base is not None:
-            origin = self._known.base[1]
-        else:
-            origin = self._centre - rotation @ unknowns[-3:]
-        left = self._left(rotation, unknowns) @ rotation.T
-        return Placement(rotation, origin, nests.reshape(-1, 3), left, weights)
-
-
 def _generators() -> FloatArray:
     generators = np.zeros((3, 3, 3))
     for axis in range(3):
         first, second = (axis + 1) % 3, (axis + 2) % 3
         generators[axis, second, first], generators[axis, first, second] = 1.0, -1.0
     return generators
+
+
+_GENERATORS = _generators()
+
+
+@dataclass(frozen=True, slots=True)
+class _Reduced:
+    """The weighted sum of squares once nests and base shift are eliminated: q.N q - 2 q.b and a constant."""
+
+    normal: FloatArray  # (9, 9) in the elements of Q, row-major
+    right: FloatArray  # (9,)
+    per_q: FloatArray  # (c, 9): the eliminated unknowns are per_q q - at_zero
+    at_zero: FloatArray  # (c,)
+
+    def cost(self, rotations: FloatArray) -> FloatArray:
+        """Sum of squares of each base rotation, less the constant, shape (S,)."""
+        q = np.swapaxes(rotations, 1, 2).reshape(-1, 9)
+        return np.asarray(((q @ self.normal - 2.0 * self.right) * q).sum(axis=1))
+
+    def unknowns(self, rotation: FloatArray) -> FloatArray:
+        """Return free nests and base shift that belong to a base rotation, shape (c,)."""
+        return np.asarray(self.per_q @ rotation.T.reshape(9) - self.at_zero)
+
+
+def _descended(rotations: FloatArray, reduced: _Reduced, steps: int = _DESCENT_STEPS) -> FloatArray:
+    """Gauss-Newton on SO(3) from many base rotations (S, 3, 3) at once."""
+    q = np.swapaxes(rotations, 1, 2).copy()
+    under_way = np.arange(len(q))
+    for _ in range(steps):
+        step = _step(q[under_way], reduced)
+        q[under_way] = rotation_from_vector(step) @ q[under_way]
+        under_way = under_way[np.abs(step).max(axis=1) > _ARRIVED_RAD]
+        if not len(under_way):
+            break
+    return np.swapaxes(q, 1, 2)
+
+
+def _step(q: FloatArray, reduced: _Reduced) -> FloatArray:
+    """Rotation vectors that lead down from Q, shape (S, 3); none is longer than 0.7 rad."""
+    flat = q.reshape(-1, 9)
+    tangent = (_GENERATORS @ q[:, None]).reshape(len(q), 3, 9)
+    gradient = tangent @ (flat @ reduced.normal - reduced.right)[:, :, None]
+    hessian = tangent @ reduced.normal @ np.swapaxes(tangent, 1, 2)
+    slope = np.trace(hessian, axis1=1, axis2=2)[:, None, None]
+    hessian += (1e-9 * slope + np.finfo(float).tiny) * np.eye(3)  # also where no rotation matters
+    step = -np.linalg.solve(hessian, gradient)[:, :, 0]
+    length = np.sqrt((step**2).sum(axis=1, keepdims=True))
+    return np.asarray(step * np.minimum(1.0, 0.7 / np.maximum(length, 1e-12)))
+
+
+class _Form:
+    """The readings as rows that are linear in free nests, base shift and Q: residual = (y, q, 1) . rows."""
+
+    def __init__(
+        self, rotation: FloatArray, origin: FloatArray, nest: IntArray, measured: FloatArray, known: Known
+    ) -> None:
+        self._known, self._held = known, np.repeat(~known.nest_unknown, 3)
+        self._nests = np.where(known.nest_unknown[:, None], 0.0, known.nests_mm)
+        self._about = measured.mean(axis=0) if known.base is None else known.base[1]
+        target = origin + np.einsum("nij,nj->ni", rotation, self._nests[nest - 1])
+        rows = [-np.where(nest == k + 1, rotation.T, 0.0) for k in np.flatnonzero(known.nest_unknown)]
+        if known.base is None:
+            rows.append(np.broadcast_to(np.eye(3)[:, :, None], (3, 3, len(nest))))
+        self._eliminated = 3 * len(rows)
+        of_q = np.zeros((3, 3, 3, len(nest)))  # Q p per row and column of Q
+        for i in range(3):
+            of_q[i, :, i] = (measured - self._about).T
+        self._rows = np.concatenate([*rows, of_q.reshape(9, 3, -1), -target.T[None]])  # (c + 10, 3, n)
+
+    def reduced(self, weights: FloatArray) -> _Reduced:
+        """Return what is left of the sum of squares for given weights (n,)."""
+        rows, c = self._rows.reshape(len(self._rows), -1), self._eliminated
+        sums = (self._rows * weights).reshape(rows.shape) @ rows.T
+        solved = -np.linalg.pinv(sums[:c, :c], rcond=_DEPENDENT, hermitian=True) @ sums[:c, c:]
+        left = sums[c:, c:] + sums[c:, :c] @ solved
+        return _Reduced(left[:9, :9], -left[:9, 9], solved[:, :9], -solved[:, 9])
+
+    def residual(self, rotation: FloatArray, reduced: _Reduced) -> FloatArray:
+        """Residuals in the base frame [mm], unweighted, shape (3, n)."""
+        every = np.concatenate([reduced.unknowns(rotation), rotation.T.reshape(9), [1.0]])
+        return np.asarray(np.tensordot(every, self._rows, 1))
+
+    def placement(self, rotation: FloatArray, reduced: _Reduced, weights: FloatArray) -> Placement:
+        """Return the placement that belongs to a base rotation."""
+        unknowns = reduced.unknowns(rotation)
+        nests = self._nests.reshape(-1).copy()
+        nests[~self._held] = unknowns[: int((~self._held).sum())]
+        origin = self._about if self._known.base is not None else self._about - rotation @ unknowns[-3:]
+        left = self.residual(rotation, reduced).T @ rotation.T
+        return Placement(rotation, origin, nests.reshape(-1, 3), left, weights)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
@@ -95,3 +96,17 @@ def test_the_typical_residual_is_blind_to_gross_readings():
     placement = place(chain, nest, measured, Known((ROTATION, ORIGIN), CENTRES, HELD))
 
     assert placement.typical_mm < 1e-8
+
+
+def test_wherever_the_base_is_turned_to_it_is_found():
+    chain, nest, here = readings(configurations(24))
+    in_base = (here - ORIGIN) @ ROTATION
+    rng = np.random.default_rng(3)
+
+    for turn in Rotation.random(40, rng=rng).as_matrix():
+        noise = rng.normal(size=in_base.shape) * 3.0  # a nominal robot's own errors
+        placement = place(chain, nest, in_base @ turn.T + ORIGIN + noise, Known(None, CENTRES, FREE))
+
+        # a tenth of what one of 24 readings could turn it by at half a metre
+        assert np.linalg.norm(placement.rotation - turn) < 6e-3
+        assert placement.typical_mm < 6.0
