@@ -9,7 +9,6 @@ from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.identification.model.evaluation import State, Targets, evaluate, rows_of
-from truepose.identification.model.stops import taken
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.gravity import moment_regressor
 
@@ -99,7 +98,7 @@ def _in_time(stops: Stops) -> Stops:
     """Return the stops as they were made, those without a time first; as they stand where no times are."""
     if stops.time_s is None:
         return stops
-    return taken(stops, np.argsort(np.nan_to_num(stops.time_s, nan=-np.inf), kind="stable"))
+    return stops.taken(np.argsort(np.nan_to_num(stops.time_s, nan=-np.inf), kind="stable"))
 
 
 def _last(column: FloatArray | None, count: int) -> FloatArray | None:

@@ -64,7 +64,7 @@ def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustF
         np.broadcast_to(np.eye(3), (len(points), 3, 3)),
         0.0,
         np.ones(len(points)),
-    ).subset(rows)
+    ).taken(rows)
     targets = replace(block.targets, nest=np.full(rows.size, number))
     predicted = evaluate(model.structure, model.values, targets).position_mm
     return np.asarray(np.linalg.norm(block.measured_mm - predicted, axis=1))

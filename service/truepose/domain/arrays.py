@@ -1,6 +1,7 @@
-"""Array types used across the numerics."""
+"""Array types used across the numerics, and tables of them."""
 
-from typing import TypeAlias
+from dataclasses import dataclass, fields, replace
+from typing import Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -8,3 +9,19 @@ import numpy.typing as npt
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of n rows, some of them tables themselves; what is no column is of all rows."""
+
+    def taken(self, rows: IntArray) -> Self:
+        """Return some rows, shape (m,) indices."""
+        columns = {field.name: _taken(getattr(self, field.name), rows) for field in fields(self)}
+        return replace(self, **columns)
+
+
+def _taken(column: object, rows: IntArray) -> object:
+    if isinstance(column, Table):
+        return column.taken(rows)
+    return column[rows] if isinstance(column, np.ndarray) else column

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from datetime import date
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
 
 
 @dataclass(frozen=True, slots=True)
-class Stops:
+class Stops(Table):
     """What is known of the arm at each row, whatever was measured there; n rows, J joints.
 
     A missing optional column is None; a missing entry is NaN (0 in `direction`).
@@ -30,7 +30,7 @@ class Stops:
 
 
 @dataclass(frozen=True, slots=True)
-class PointReadings:
+class PointReadings(Table):
     """Positions of tool nests in the world frame; n rows."""
 
     stops: Stops
@@ -46,7 +46,7 @@ class PointReadings:
 
 
 @dataclass(frozen=True, slots=True)
-class LegReadings:
+class LegReadings(Table):
     """Lengths between a base nest and a tool nest; n rows."""
 
     stops: Stops

@@ -181,7 +181,7 @@ def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Cou
 
 
 def _pair(nominal: RobustFit, identified: RobustFit, rows: BoolArray) -> NominalAndIdentified:
-    noise = expected_noise_mm(identified.blocks[0].subset(np.flatnonzero(rows)))
+    noise = expected_noise_mm(identified.blocks[0].taken(np.flatnonzero(rows)))
     return NominalAndIdentified(
         statistics(nominal.results[0].residual[rows], noise),
         statistics(identified.results[0].residual[rows], noise),

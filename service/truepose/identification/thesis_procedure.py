@@ -17,7 +17,6 @@ from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegRea
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.domain.results import Anchor, Identification
 from truepose.identification.identify import identify
-from truepose.identification.model.stops import taken
 from truepose.identification.observations.fixture import TOOL_PLACEMENT
 from truepose.identification.problem.setting import known_placement
 from truepose.identification.verdict.lengths_by_positions import judged_by_positions
@@ -158,4 +157,4 @@ def _readings(legs: LegReadings, rows: list[int], position_mm: FloatArray) -> Po
     index = np.repeat(np.array(rows), _NESTS)
     nest: IntArray = np.tile(np.arange(1, _NESTS + 1), len(rows))
     uncertainty = _PROPAGATED * legs.standard_uncertainty_mm[index]
-    return PointReadings(taken(legs.stops, index), nest, position_mm, uncertainty)
+    return PointReadings(legs.stops.taken(index), nest, position_mm, uncertainty)

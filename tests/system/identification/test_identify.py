@@ -21,7 +21,6 @@ from truepose.domain.errors import ConfigurationError, UnknownEffectError
 from truepose.domain.results import Status
 from truepose.domain.robot import FramePlacement, Nest, WorldRegistration
 from truepose.identification import identify, predict
-from truepose.identification.model.stops import taken
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
 
@@ -260,7 +259,7 @@ def test_too_few_data_say_how_many_are_needed(rows, words):
     points = campaign.calibration
     few = replace(
         points,
-        stops=taken(points.stops, np.array(rows)),
+        stops=points.stops.taken(np.array(rows)),
         nest=points.nest[rows],
         position_mm=points.position_mm[rows],
         standard_uncertainty_mm=points.standard_uncertainty_mm[rows],

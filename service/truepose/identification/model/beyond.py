@@ -26,7 +26,6 @@ from truepose.effects.times import SECONDS_PER_HOUR
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import targets_subset
 
 
 def held(structure: Structure, targets: Targets) -> tuple[str, ...]:
@@ -59,7 +58,7 @@ def held_variance(
     hours = np.nan_to_num(_hours_beyond(structure, targets.stops), nan=lasted_h)
     rows = np.flatnonzero(hours > 0.0)
     if rows.size and _going_on(structure):
-        square = _mean_square_per_h(structure, values, covariance, targets_subset(targets, rows))
+        square = _mean_square_per_h(structure, values, covariance, targets.taken(rows))
         variance[rows] = square * hours[rows] * (hours[rows] + lasted_h)
     return variance
 

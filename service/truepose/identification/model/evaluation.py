@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term
 from truepose.effects.registry import effect_named, needs_of
@@ -23,7 +23,7 @@ _BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right
 
 
 @dataclass(frozen=True, slots=True)
-class Targets:
+class Targets(Table):
     """Where a prediction is asked for: n stops and the nest at each, of legs what else they depend on."""
 
     stops: Stops

@@ -20,7 +20,6 @@ from truepose.effects.ports import Need
 from truepose.effects.registry import needs_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import targets_subset
 
 _COLUMNS: dict[Need, str] = {
     "time": "time_s",
@@ -113,7 +112,7 @@ def left_out_variance(
         rows = np.flatnonzero(np.any(masks, axis=0))
         if rows.size == 0:
             continue
-        some = targets_subset(targets, rows)
+        some = targets.taken(rows)
         changes = [
             evaluate(structure, values, replace(some, stops=stops)).position_mm - position_mm[rows]
             for stops in _imagined(structure, effects, need, some.stops, span)

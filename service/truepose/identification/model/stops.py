@@ -1,7 +1,6 @@
-"""Rows of stops: one for each nest."""
+"""Stops as rows: one for each nest, and which of them are the same place."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 
 import numpy as np
 
@@ -9,20 +8,10 @@ from truepose.domain.arrays import IntArray
 from truepose.domain.campaign import Stops
 
 
-def taken(stops: Stops, rows: IntArray) -> Stops:
-    """Return some rows of a table of stops, shape (m,) indices."""
-    optional = {
-        field.name: None if (column := getattr(stops, field.name)) is None else column[rows]
-        for field in fields(stops)
-        if field.name not in ("config", "joints_rad")
-    }
-    return Stops(stops.config[rows], stops.joints_rad[rows], **optional)
-
-
 def each_nest(stops: Stops, nests: IntArray) -> tuple[Stops, IntArray]:
     """Return every stop once per nest, stops in their order, and the nest of each row."""
     rows = np.repeat(np.arange(len(stops)), len(nests))
-    return taken(stops, rows), np.tile(nests, len(stops))
+    return stops.taken(rows), np.tile(nests, len(stops))
 
 
 def sites(stops: Stops) -> IntArray:

@@ -10,10 +10,9 @@ from typing import Protocol
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.identification.model.derivatives import position_jacobian, rotation_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.identification.model.stops import taken
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.whitening import Whitener, whitener
 from truepose.kinematics.frames import cross_matrix, vector_from_rotation
@@ -96,7 +95,7 @@ class Block(Protocol):
         """Return the block with other weights and another discrepancy."""
         ...
 
-    def subset(self, rows: IntArray) -> "Block":
+    def taken(self, rows: IntArray) -> "Block":
         """Return the block with some of its readings."""
         ...
 
@@ -135,7 +134,7 @@ class IndependentReadings:
 
 
 @dataclass(frozen=True, slots=True)
-class PositionBlock:
+class PositionBlock(Table):
     """Measured nest positions."""
 
     targets: Targets
@@ -196,20 +195,13 @@ class PositionBlock:
         """Return the block with other weights and another discrepancy [mm]."""
         return replace(self, weights=weights, discrepancy=discrepancy, whitening=None).prepared()
 
-    def subset(self, rows: IntArray) -> "PositionBlock":
+    def taken(self, rows: IntArray) -> "PositionBlock":
         """Return the block with some of its readings."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            measured_mm=self.measured_mm[rows],
-            covariance_mm2=self.covariance_mm2[rows],
-            weights=self.weights[rows],
-            whitening=None,
-        ).prepared()
+        return Table.taken(replace(self, whitening=None), rows).prepared()
 
 
 @dataclass(frozen=True, slots=True)
-class OrientationBlock(IndependentReadings):
+class OrientationBlock(IndependentReadings, Table):
     """Measured orientations of the tool."""
 
     targets: Targets
@@ -236,16 +228,6 @@ class OrientationBlock(IndependentReadings):
         """Return the block with other weights and another discrepancy [rad]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
 
-    def subset(self, rows: IntArray) -> "OrientationBlock":
-        """Return the block with some of its readings."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            measured=self.measured[rows],
-            uncertainty=self.uncertainty[rows],
-            weights=self.weights[rows],
-        )
-
 
 def _log_gradient(vector: FloatArray) -> FloatArray:
     """Change of log(M P^T) per small turn of P, with its sign: the inverse right Jacobian of SO(3).
@@ -259,18 +241,6 @@ def _log_gradient(vector: FloatArray) -> FloatArray:
     )
     skew = cross_matrix(vector)
     return np.asarray(np.eye(3) + 0.5 * skew + second * (skew @ skew))
-
-
-def targets_subset(targets: Targets, rows: IntArray) -> Targets:
-    """Return some rows of the targets."""
-    return Targets(
-        stops=taken(targets.stops, rows),
-        nest=targets.nest[rows],
-        placement=None if targets.placement is None else targets.placement[rows],
-        initialisation=None if targets.initialisation is None else targets.initialisation[rows],
-        length_mm=None if targets.length_mm is None else targets.length_mm[rows],
-        fixed_mm=None if targets.fixed_mm is None else targets.fixed_mm[rows],
-    )
 
 
 @dataclass(frozen=True, slots=True)

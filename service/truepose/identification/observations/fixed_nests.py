@@ -12,21 +12,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.campaign import Campaign, Stops
 from truepose.effects.reference import NAME, place_name, reference_specs
 from truepose.effects.rigid_motion import COMPONENTS
 from truepose.identification.model.derivatives import seen_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import BlockResult, IndependentReadings, targets_subset
+from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 from truepose.kinematics.frames import cross, turned_axes
 
 _FRAME = tuple(f"frame_{component}" for component in COMPONENTS)
 
 
 @dataclass(frozen=True, slots=True)
-class ReferenceBlock(IndependentReadings):
+class ReferenceBlock(IndependentReadings, Table):
     """Readings of fixed nests, each a stop of its own that it shares with no configuration of the arm."""
 
     targets: Targets
@@ -77,18 +77,6 @@ class ReferenceBlock(IndependentReadings):
     def weighted(self, weights: FloatArray, discrepancy: float) -> "ReferenceBlock":
         """Return the block with other weights and another discrepancy [mm]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
-
-    def subset(self, rows: IntArray) -> "ReferenceBlock":
-        """Return the block with some of its readings."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            fixed_nest=self.fixed_nest[rows],
-            certified_mm=self.certified_mm[rows],
-            measured_mm=self.measured_mm[rows],
-            uncertainty=self.uncertainty[rows],
-            weights=self.weights[rows],
-        )
 
 
 def reference_block(campaign: Campaign) -> ReferenceBlock | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.campaign import CupSetups, FixtureLengths, Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import PortKind
@@ -19,7 +19,7 @@ from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
 from truepose.identification.model.lengths import excess_mm
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import BlockResult, IndependentReadings, targets_subset
+from truepose.identification.observations.blocks import BlockResult, IndependentReadings
 from truepose.identification.observations.legs import anchor_places, first_anchor
 
 TOOL_PLACEMENT = 0  # number of the placement that stands for the tool
@@ -28,7 +28,7 @@ Anchors = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class SideBlock(IndependentReadings):
+class SideBlock(IndependentReadings, Table):
     """Measured sides; a point is an anchor of the structure, or a tool nest counted on after the anchors."""
 
     targets: Targets  # no stop of the arm took part: joints 0, configurations of their own
@@ -77,20 +77,9 @@ class SideBlock(IndependentReadings):
         """Return the block with other weights; no model of an arm is in it that could lack something."""
         return replace(self, weights=weights)
 
-    def subset(self, rows: IntArray) -> "SideBlock":
-        """Return the block with some of its readings."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            ends=self.ends[rows],
-            length_mm=self.length_mm[rows],
-            uncertainty=self.uncertainty[rows],
-            weights=self.weights[rows],
-        )
-
 
 @dataclass(frozen=True, slots=True)
-class ClampBlock(IndependentReadings):
+class ClampBlock(IndependentReadings, Table):
     """Cups that were clamped on the ball which the robot held: three coordinates each."""
 
     targets: Targets  # where the robot stood, configurations of their own
@@ -117,16 +106,6 @@ class ClampBlock(IndependentReadings):
     def weighted(self, weights: FloatArray, discrepancy: float) -> "ClampBlock":
         """Return the block with other weights and another discrepancy [mm]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
-
-    def subset(self, rows: IntArray) -> "ClampBlock":
-        """Return the block with some of its cups."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            anchor=self.anchor[rows],
-            uncertainty=self.uncertainty[rows],
-            weights=self.weights[rows],
-        )
 
 
 def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Robot) -> SideBlock | None:

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import BlockResult, targets_subset
+from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.observations.whitening import Whitener, whitener
 from truepose.kinematics.chain import theta_gradient
 
@@ -37,7 +37,7 @@ def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class LegBlock:
+class LegBlock(Table):
     """Measured lengths from base nests, which are parameters themselves, to tool nests."""
 
     targets: Targets
@@ -118,14 +118,3 @@ class LegBlock:
     def weighted(self, weights: FloatArray, discrepancy: float) -> "LegBlock":
         """Return the block with other weights and another discrepancy [mm]."""
         return replace(self, weights=weights, discrepancy=discrepancy)
-
-    def subset(self, rows: IntArray) -> "LegBlock":
-        """Return the block with some of its readings."""
-        return replace(
-            self,
-            targets=targets_subset(self.targets, rows),
-            anchor=self.anchor[rows],
-            length_mm=self.length_mm[rows],
-            uncertainty_mm=self.uncertainty_mm[rows],
-            weights=self.weights[rows],
-        )

@@ -54,7 +54,7 @@ def _rival(fit: RobustFit, row: int) -> str:
 
 def _fitting_nest(fit: RobustFit, block: PositionBlock, row: int, measured: FloatArray, limit: float) -> int:
     present = int(block.targets.nest[row])
-    one = block.subset(np.array([row])).targets
+    one = block.taken(np.array([row])).targets
     for nest in range(1, len(fit.structure.nests_mm) + 1):
         if nest == present:
             continue

@@ -12,7 +12,6 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings
 from truepose.domain.results import Outlier
-from truepose.identification.model.stops import taken
 from truepose.identification.verdict.conventions import reach_mm
 
 _FAR: Final = 4.0  # reaches; two are possible
@@ -102,33 +101,5 @@ def _with_rows(campaign: Campaign, rows: IntArray) -> Campaign:
     """Return the campaign with some of the readings that identify."""
     points, legs = campaign.calibration, campaign.legs
     if points is not None:
-        return replace(campaign, calibration=_points(points, rows))
-    return campaign if legs is None else replace(campaign, legs=_legs(legs, rows))
-
-
-def _points(points: PointReadings, rows: IntArray) -> PointReadings:
-    return PointReadings(
-        stops=taken(points.stops, rows),
-        nest=points.nest[rows],
-        position_mm=points.position_mm[rows],
-        standard_uncertainty_mm=points.standard_uncertainty_mm[rows],
-        covariance_mm2=_some(points.covariance_mm2, rows),
-        quaternion=_some(points.quaternion, rows),
-        rotation_uncertainty_rad=_some(points.rotation_uncertainty_rad, rows),
-    )
-
-
-def _legs(legs: LegReadings, rows: IntArray) -> LegReadings:
-    return LegReadings(
-        stops=taken(legs.stops, rows),
-        placement=legs.placement[rows],
-        base_point=legs.base_point[rows],
-        nest=legs.nest[rows],
-        length_mm=legs.length_mm[rows],
-        standard_uncertainty_mm=legs.standard_uncertainty_mm[rows],
-        initialisation=None if legs.initialisation is None else legs.initialisation[rows],
-    )
-
-
-def _some(column: FloatArray | None, rows: IntArray) -> FloatArray | None:
-    return None if column is None else column[rows]
+        return replace(campaign, calibration=points.taken(rows))
+    return campaign if legs is None else replace(campaign, legs=legs.taken(rows))

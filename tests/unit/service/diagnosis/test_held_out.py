@@ -126,9 +126,9 @@ def test_a_fold_errs_as_a_fit_that_never_saw_it(start, first):
     errors = Nested(first, parts)
 
     out = np.isin(start.campaign.calibration.stops.config, parts[2])
-    blocks = (start.fit.blocks[0].subset(np.flatnonzero(~out)), *start.fit.blocks[1:])
+    blocks = (start.fit.blocks[0].taken(np.flatnonzero(~out)), *start.fit.blocks[1:])
     again = fit(start.fit.structure, blocks, start.fit.values)
-    held = start.fit.blocks[0].subset(np.flatnonzero(out)).result(start.fit.structure, again.values, None)
+    held = start.fit.blocks[0].taken(np.flatnonzero(out)).result(start.fit.structure, again.values, None)
     # to first order: the parameters move by hundredths of a mm and of a mrad
     assert errors.start[out] == pytest.approx(held.residual, abs=1e-4)
 
@@ -192,9 +192,9 @@ def test_a_model_as_found_errs_without_a_cause_as_a_fit_without_it(start, select
     errors = as_found(selected.fit, parts, [("gain_4",)])[0]
 
     out = np.isin(start.campaign.calibration.stops.config, parts[1])
-    blocks = (selected.fit.blocks[0].subset(np.flatnonzero(~out)), *selected.fit.blocks[1:])
+    blocks = (selected.fit.blocks[0].taken(np.flatnonzero(~out)), *selected.fit.blocks[1:])
     again = fit(start.fit.structure, blocks, start.fit.values)
-    held = selected.fit.blocks[0].subset(np.flatnonzero(out))
+    held = selected.fit.blocks[0].taken(np.flatnonzero(out))
     expected = held.result(start.fit.structure, again.values, None).residual
     # to first order: the gain turns by up to 2.6 mrad and moves derivatives by as much of 0.5 mm
     assert errors.before[out] == pytest.approx(expected, abs=2e-3)

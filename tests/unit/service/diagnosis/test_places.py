@@ -17,7 +17,6 @@ from truepose.diagnosis.places import (
     one_period,
 )
 from truepose.domain.robot import JointRange
-from truepose.identification.model.stops import taken
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.gravity import gravity_torques
 
@@ -82,7 +81,7 @@ def test_the_same_seed_draws_the_same_places(start):
 
 def test_all_else_is_as_at_the_last_reading_in_whichever_order_they_are_listed():
     campaign = telling_campaign(24)
-    listed = taken(campaign.calibration.stops, np.arange(24)[::-1])
+    listed = campaign.calibration.stops.taken(np.arange(24)[::-1])
     start = make_start({})
     start = replace(start, scene=replace(start.scene, stops=listed))
 

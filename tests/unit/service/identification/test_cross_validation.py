@@ -23,9 +23,9 @@ def fitted(n, *, noise_mm=NOISE_MM, **changes):
 
 def refitted(found, held):
     """Residuals and variance of readings, by a fit of the others."""
-    kept = tuple(block.subset(np.flatnonzero(~held)) for block in found.blocks)
+    kept = tuple(block.taken(np.flatnonzero(~held)) for block in found.blocks)
     solution = fit(found.structure, kept, found.values)
-    out = found.blocks[0].subset(np.flatnonzero(held)).result(found.structure, solution.values, None)
+    out = found.blocks[0].taken(np.flatnonzero(held)).result(found.structure, solution.values, None)
     spread = np.einsum("pni,pq,qni->n", out.jacobian, solution.covariance, out.jacobian)
     return out.residual, spread / out.residual.shape[1]
 

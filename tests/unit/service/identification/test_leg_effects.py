@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
 from truepose.effects.registry import CAUSES
 from truepose.identification import identify, predict_lengths
-from truepose.identification.observations.blocks import linearise_blocks, targets_subset
+from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_xyz
 
@@ -92,7 +92,7 @@ def test_a_part_of_the_lengths_keeps_what_their_effects_depend_on():
     targets = extended(telling_legs()).blocks[0].targets
     rows = np.array([3, 40])
 
-    some = targets_subset(targets, rows)
+    some = targets.taken(rows)
 
     assert some.placement.tolist() == [1, 2]
     assert some.initialisation.tolist() == [1, 7]

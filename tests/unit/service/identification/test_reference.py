@@ -164,7 +164,7 @@ def test_a_part_of_the_readings_gives_that_part_of_the_result():
     rows = np.array([2, 7, 16])
 
     whole = block.result(problem.structure, values, None)
-    part = block.subset(rows).result(problem.structure, values, None)
+    part = block.taken(rows).result(problem.structure, values, None)
 
     assert part.residual == pytest.approx(whole.residual[rows])
     assert part.jacobian == pytest.approx(whole.jacobian[:, rows])

@@ -1,25 +1,16 @@
-"""Rows of stops, and which configurations are the same place."""
+"""Every stop for every nest, and which configurations are the same place."""
 
 import numpy as np
 import pytest
 
 from truepose.domain.campaign import Stops
-from truepose.identification.model.stops import each_nest, sites, taken
+from truepose.identification.model.stops import each_nest, sites
 
 STOPS = Stops(np.array([5, 6, 7]), np.arange(6.0).reshape(3, 2), time_s=np.array([0.0, 1.0, 2.0]))
 
 
 def revisits(config, repeat_of):
     return sites(Stops(np.array(config), np.zeros((len(config), 1)), repeat_of=np.array(repeat_of))).tolist()
-
-
-def test_taking_rows_takes_them_from_every_column_that_is_there():
-    chosen = taken(STOPS, np.array([2, 0]))
-
-    assert chosen.config.tolist() == [7, 5]
-    assert chosen.time_s.tolist() == [2.0, 0.0]
-    assert chosen.joints_rad.tolist() == [[4.0, 5.0], [0.0, 1.0]]
-    assert chosen.torque_n_mm is None
 
 
 def test_each_nest_keeps_the_stops_in_their_order():

@@ -5,7 +5,6 @@ import pytest
 
 from tests.helpers.domain.builders import make_pair
 from truepose.domain.results import NominalAndIdentified
-from truepose.identification.model.stops import taken
 from truepose.identification.verdict.statistics import statistics
 from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
@@ -50,7 +49,7 @@ def test_reading_every_configuration_twice_buys_no_certainty(shown, identificati
 
 def read_twice(shown, as_revisits):
     twice = np.tile(np.arange(60), 2)
-    stops = taken(shown.stops, twice)
+    stops = shown.stops.taken(twice)
     if as_revisits:
         first = shown.stops.config
         stops = replace(

@@ -6,7 +6,6 @@ import pytest
 from tests.helpers.domain.builders import make_identification, make_statistics
 from truepose.domain.results import NominalAndIdentified, Status
 from truepose.identification import identify
-from truepose.identification.model.stops import taken
 from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.headline import headline
@@ -73,7 +72,7 @@ def test_a_single_held_out_configuration_tells_no_uncertainty(identification, ca
     points = campaign.validation
     alone = replace(
         points,
-        stops=taken(points.stops, np.array([0])),
+        stops=points.stops.taken(np.array([0])),
         nest=points.nest[:1],
         position_mm=points.position_mm[:1],
         standard_uncertainty_mm=points.standard_uncertainty_mm[:1],
