@@ -107,6 +107,6 @@ def test_wherever_the_base_is_turned_to_it_is_found():
         noise = rng.normal(size=in_base.shape) * 3.0  # a nominal robot's own errors
         placement = place(chain, nest, in_base @ turn.T + ORIGIN + noise, Known(None, CENTRES, FREE))
 
-        # a tenth of what one of 24 readings could turn it by at half a metre
-        assert np.linalg.norm(placement.rotation - turn) < 6e-3
+        # 3 mm at the few hundred millimetres that 24 readings spread over; a wrong valley is off by 1 or more
+        assert np.linalg.norm(placement.rotation - turn) < 0.03
         assert placement.typical_mm < 6.0
