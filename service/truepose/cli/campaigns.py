@@ -11,7 +11,7 @@ from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+    from truepose.domain.campaign import Campaign
     from truepose.domain.results import Identification, Model
     from truepose.exchange.json_text import Json as JsonValue
 
@@ -118,47 +118,22 @@ def predict_command(
 
     Example: truepose predict robot.json points.csv --out predicted.csv
     """
-    import numpy as np
-
     from truepose.exchange.models.file import read_model
     from truepose.exchange.tables.files import read_points_to_predict, write_predictions
-    from truepose.identification import predict, unpredictable
-    from truepose.identification.model.stops import each_nest
+    from truepose.identification import predict
+    from truepose.judgement.cautions import prediction_cautions
 
     require_folders(out)
     identified = read_model(model)
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
     remark(rows.ignored)
-    remark(_unseen_base(identified))
-    stops, nest = (rows.stops, rows.nest) if rows.nest is not None else each_nest(rows.stops, np.array(nests))
+    stops, nest = rows.of_each_nest(nests)
     position, uncertainty = predict(identified, stops, nest)
-    remark(
-        f"{sentence}, and u_mm says how far off that may be."
-        for sentence in unpredictable(identified, rows.stops)
-    )
+    remark(prediction_cautions(identified, rows.stops))
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
-
-
-def _left_out(model: "Model", readings: "PointReadings | LegReadings") -> tuple[str, ...]:
-    from truepose.domain.campaign import LegReadings
-    from truepose.identification import unpredictable, unpredictable_lengths
-
-    if isinstance(readings, LegReadings):
-        return unpredictable_lengths(model, readings)
-    return unpredictable(model, readings.stops)
-
-
-def _unseen_base(model: "Model") -> list[str]:
-    """Say of a model of lengths that its positions stand or fall with the stated base."""
-    if model.nominal_anchors and "base" not in model.effects:
-        return [
-            "The model was made from lengths, which do not see where the robot stands: positions are those "
-            "of the base as the campaign states it, and their uncertainty does not contain its error."
-        ]
-    return []
 
 
 def validate_command(
@@ -174,6 +149,7 @@ def validate_command(
     from truepose.exchange.models.file import read_model
     from truepose.exchange.results.documents import validation_document
     from truepose.exchange.tables.files import read_validation_file
+    from truepose.judgement.cautions import validation_cautions
     from truepose.judgement.held_out import validate
 
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
@@ -184,8 +160,7 @@ def validate_command(
     )
     remark(measured.ignored)
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
-    remark(f"{sentence}." for sentence in _left_out(identified, measured.readings))
-    remark(_unseen_base(identified) if answer.quantity == "position" else ())
+    remark(validation_cautions(identified, measured.readings))
     if json:
         print_json(validation_document(answer))
     else:

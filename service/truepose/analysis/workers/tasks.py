@@ -12,16 +12,14 @@ from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.domain.ballbar import BallbarPlan, PreCalibration
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings
-from truepose.domain.cell import Cell
 from truepose.domain.diagnosis import Diagnosis
-from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionPlan
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
-    from truepose.planning.work_space import WorkSpace
+    pass
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 
@@ -88,23 +86,12 @@ class PlanTask:
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
+        from truepose.planning.cell_space import space_to_measure
         from truepose.planning.session_plans import plan_session
 
         report(0.0, f"choosing {self.n_configurations} configurations")
-        space = _work_space(self.setup.cell, self.template)
+        space = space_to_measure(self.setup.cell, self.template.approach_offset_rad)
         return plan_session(space, self.template, self.n_configurations, self.seed)
-
-
-def _work_space(cell: Cell, template: SessionPlan) -> "WorkSpace":
-    from truepose.planning.cell_space import space_of_cell
-
-    ranges = cell.limits.calibration or cell.robot.calibration_ranges
-    if ranges is None:
-        raise ConfigurationError(
-            f"Neither the cell nor {cell.robot.name} says in which ranges configurations are chosen; "
-            "give them under [limits] of the cell file, or give the stops."
-        )
-    return space_of_cell(cell, ranges, template.approach_offset_rad)
 
 
 @dataclass(frozen=True, slots=True)

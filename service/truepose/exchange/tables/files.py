@@ -1,8 +1,10 @@
 """Tables on their own, outside a campaign: points to predict, points or legs to validate, predictions."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import LegReadings, PointReadings, Stops
@@ -12,6 +14,7 @@ from truepose.exchange.tables.points import ignored_columns, point_columns, read
 from truepose.exchange.tables.stops import stop_columns, stops_to_visit, torque_names
 from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
 from truepose.exchange.tables.text import prediction_text
+from truepose.identification.model.stops import each_nest
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +24,10 @@ class PointsToPredict:
     stops: Stops
     nest: IntArray | None  # (n,)
     ignored: tuple[str, ...]  # one sentence for every column not understood
+
+    def of_each_nest(self, known: Sequence[int]) -> tuple[Stops, IntArray]:
+        """Return the stop and the nest of every prediction that is wanted, in the order of the rows."""
+        return each_nest(self.stops, np.array(known)) if self.nest is None else (self.stops, self.nest)
 
 
 @dataclass(frozen=True, slots=True)

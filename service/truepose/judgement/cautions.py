@@ -1,0 +1,32 @@
+"""What whoever reads a prediction or a judgement of a model must know beside the numbers, as sentences."""
+
+from collections.abc import Iterator
+
+from truepose.domain.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.results import Model
+from truepose.identification import unpredictable, unpredictable_lengths
+
+
+def prediction_cautions(model: Model, stops: Stops) -> Iterator[str]:
+    """Yield what the predictions at these stops do not contain."""
+    yield from _unseen_base(model)
+    for sentence in unpredictable(model, stops):
+        yield f"{sentence}, and u_mm says how far off that may be."
+
+
+def validation_cautions(model: Model, readings: PointReadings | LegReadings) -> Iterator[str]:
+    """Yield what the judgement of a model by these readings does not contain."""
+    if isinstance(readings, LegReadings):
+        yield from (f"{sentence}." for sentence in unpredictable_lengths(model, readings))
+        return
+    yield from (f"{sentence}." for sentence in unpredictable(model, readings.stops))
+    yield from _unseen_base(model)
+
+
+def _unseen_base(model: Model) -> Iterator[str]:
+    """Say of a model of lengths that its positions stand or fall with the stated base."""
+    if model.nominal_anchors and "base" not in model.effects:
+        yield (
+            "The model was made from lengths, which do not see where the robot stands: positions are those "
+            "of the base as the campaign states it, and their uncertainty does not contain its error."
+        )
