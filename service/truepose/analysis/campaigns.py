@@ -9,11 +9,13 @@ from typing import TypeAlias
 from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
 from truepose.analysis.campaign_summary import summary_of
 from truepose.analysis.errors import RoleError
+from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
 from truepose.domain.campaign import Campaign
 from truepose.domain.session import SessionRole
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
+from truepose.storage.columns import pack
 from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import RequestKey
@@ -53,7 +55,8 @@ class CampaignDesk:
         summary = found.summary
         if measured_on is not None:
             summary = replace(summary, measured_on=measured_on.isoformat())
-        return await self._campaigns.add(NewCampaign(name, found.robot, summary, archive), key)
+        stored = NewCampaign(name, found.robot, summary, found.campaign, archive)
+        return await self._campaigns.add(stored, key)
 
     async def from_sessions(
         self, name: str, calibration_id: int, validation_id: int | None, key: RequestKey | None = None
@@ -73,10 +76,15 @@ class CampaignDesk:
             campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
         else:
             campaign = await asyncio.to_thread(assemble_campaign, calibration, validation)
-        archive = await asyncio.to_thread(write_campaign_zip, campaign)
+        packed = await asyncio.to_thread(pack, campaign)
         numbers = (calibration_id,) if validation_id is None else (calibration_id, validation_id)
-        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), archive, numbers)
+        stored = NewCampaign(name, campaign.robot.name, summary_of(campaign), packed, session_ids=numbers)
         return await self._campaigns.add(stored, key)
+
+    async def archive(self, campaign_id: int) -> bytes:
+        """Return the zip of a campaign folder, as it came or else written now; raises NotFoundError."""
+        uploaded = await self._campaigns.archive(campaign_id)
+        return uploaded or await asyncio.to_thread(_zipped, await self._campaigns.content(campaign_id))
 
     async def _check_roles(self, calibration_id: int, validation_id: int | None) -> SessionRole:
         # A calibration session may judge another one's model; what was kept for validation never identifies.
@@ -106,3 +114,7 @@ class CampaignDesk:
             fixed_nests=tuple(await self._readings.fixed_nests(session_id)),
             registration=await self._sessions.registration(session_id),
         )
+
+
+def _zipped(content: bytes) -> bytes:
+    return write_campaign_zip(stored_campaign(content))

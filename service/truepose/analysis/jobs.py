@@ -72,7 +72,7 @@ class JobDesk:
         await self._campaigns.get(campaign_id)
 
         async def load() -> Task:
-            return IdentifyTask(await self._campaigns.archive(campaign_id), effects)
+            return IdentifyTask(await self._campaigns.content(campaign_id), effects)
 
         async def store(job_id: int, found: Identification) -> int:
             return await self._results.keep_identification(job_id, campaign_id, found)
@@ -88,7 +88,7 @@ class JobDesk:
         await self._campaigns.get(campaign_id)
 
         async def load() -> Task:
-            return ValidateTask(await self._campaigns.archive(campaign_id), model, limit_mm)
+            return ValidateTask(await self._campaigns.content(campaign_id), model, limit_mm)
 
         async def store(job_id: int, found: Validation) -> int:
             return await self._results.keep_validation(job_id, model_id, campaign_id, found)
@@ -107,7 +107,7 @@ class JobDesk:
         await self._campaigns.get(campaign_id)
 
         async def load() -> Task:
-            return DiagnoseTask(await self._campaigns.archive(campaign_id), effects)
+            return DiagnoseTask(await self._campaigns.content(campaign_id), effects)
 
         async def store(job_id: int, found: Diagnosis) -> int:
             return await self._diagnoses.keep(job_id, campaign_id, found, measured_on)

@@ -2,43 +2,49 @@
 
 Storage keeps whole nouns (plans, readings, results) in one column each, under their own field
 names. JSON has no word for NaN and infinity: they become null and "inf". A field that an older
-document lacks takes its default, so nouns may grow.
+document lacks takes its default, so nouns may grow. Nouns with long columns: `storage.columns`.
 """
 
 import dataclasses
 import json
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from datetime import date
 from enum import Enum
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeAlias, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from truepose.storage.errors import DamagedDatabaseError
 
 T = TypeVar("T")
+Array: TypeAlias = "np.ndarray[Any, Any]"
 
 
-def to_document(value: object) -> Any:
-    """Return `value` as what `json.dumps` takes; raises TypeError for a type that has no JSON form."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: to_document(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, Mapping):
-        return {str(key): to_document(entry) for key, entry in value.items()}
-    if isinstance(value, np.ndarray):
-        return _array(value)
-    if isinstance(value, (tuple, list)):
-        return [to_document(entry) for entry in value]
-    return _scalar(value)
-
-
-def _array(values: np.ndarray[Any, Any]) -> Any:
+def listed(values: Array) -> Any:
+    """Return an array as lists."""
     # Long columns of ordinary numbers need no look at each; a session under way waits meanwhile.
     plain = values.dtype.kind in "if" and bool(np.all(np.isfinite(values)))
     return values.tolist() if plain else to_document(values.tolist())
+
+
+def to_document(value: object, array: Callable[[Array], Any] = listed) -> Any:
+    """Return `value` as what `json.dumps` takes; raises TypeError for a type that has no JSON form.
+
+    `array` says what stands for an array.
+    """
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: to_document(getattr(value, f.name), array) for f in dataclasses.fields(value)}
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(key): to_document(entry, array) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return array(value)
+    if isinstance(value, (tuple, list)):
+        return [to_document(entry, array) for entry in value]
+    return _scalar(value)
 
 
 def _scalar(value: object) -> Any:
@@ -46,6 +52,8 @@ def _scalar(value: object) -> Any:
         value = value.item()
     if isinstance(value, float):
         return value if math.isfinite(value) else _not_finite(value)
+    if isinstance(value, date):
+        return value.isoformat()
     if value is None or isinstance(value, (str, int, bool)):
         return value
     raise TypeError(f"{type(value).__name__} has no JSON form")
@@ -98,6 +106,8 @@ def _decode_plain(kind: Any, document: Any) -> Any:
         return kind(document)
     if kind is float:
         return math.nan if document is None else float(document)
+    if kind is date:
+        return date.fromisoformat(document)
     return document
 
 
@@ -117,6 +127,8 @@ def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:
 
 def _decode_array(hint: Any, document: Any) -> Any:
     (dtype,) = get_args(get_args(hint)[1])
+    if isinstance(document, np.ndarray):
+        return document.astype(dtype, copy=False)
     entries = np.array(document, dtype=object)
     entries[entries == None] = np.nan  # noqa: E711 - elementwise on an object array
     return entries.astype(dtype)

@@ -150,7 +150,8 @@ campaigns = sa.Table(
     sa.Column("robot", sa.Text, nullable=False),
     sa.Column("summary", sa.JSON, nullable=False),
     sa.Column("session_ids", sa.JSON, nullable=False),  # empty for an uploaded campaign
-    sa.Column("archive", sa.LargeBinary, nullable=False),  # zip of the folder
+    sa.Column("archive", sa.LargeBinary, nullable=False),  # zip of the folder as it came; empty: none did
+    sa.Column("campaign", sa.LargeBinary, nullable=True),  # packed; null in rows of before: see the archive
     sqlite_autoincrement=True,
 )
 

@@ -52,7 +52,7 @@ class Reading:
         except asyncio.CancelledError:
             self.cancelled += 1
             raise
-        return CampaignRead("elbow", None)
+        return CampaignRead("elbow", None, b"")
 
 
 async def soon(condition):

@@ -18,6 +18,7 @@ ROWS = {
 }
 ROWS_AS_NOW = {
     **ROWS,
+    "campaigns": [(*campaign, None) for campaign in ROWS["campaigns"]],
     "models": [(number, at, origin, None, *rest) for number, at, origin, *rest in ROWS["models"]],
 }
 OF_A_DIAGNOSIS = {

@@ -35,7 +35,8 @@ class Records:
         self.jobs = JobRepository(database)
 
     async def campaign(self, session_ids=(), **summary):
-        stored = NewCampaign("left", "elbow", replace(EMPTY, **summary), b"zip", tuple(session_ids))
+        summed = replace(EMPTY, **summary)
+        stored = NewCampaign("left", "elbow", summed, b"columns", session_ids=tuple(session_ids))
         return await self.campaigns.add(stored)
 
     async def diagnosis(self, campaign_id):

@@ -7,8 +7,8 @@ import httpx
 
 from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.conftest import asking
+from truepose.analysis.workers.tasks import stored_campaign
 from truepose.app import create_app
-from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
 
 class Diagnostician:
@@ -21,7 +21,7 @@ class Diagnostician:
     async def __call__(self, task, told):
         self.tasks.append(task)
         await told(0.5, "screening 21 causes")
-        robot = read_campaign_zip(task.archive).robot.name
+        robot = stored_campaign(task.campaign).robot.name
         return replace(self.found.pop(0) if self.found else make_diagnosis(), robot=robot)
 
 

@@ -6,7 +6,7 @@ from tests.helpers.diagnosis.answers import make_diagnosis
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.conftest import asking
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.exchange.campaigns.zip_file import read_campaign_zip
+from truepose.analysis.workers.tasks import stored_campaign
 
 SESSIONS = "/api/v1/sessions"
 MORE = {
@@ -183,7 +183,7 @@ async def test_a_diagnosis_that_asked_for_more_is_run_again_when_the_session_has
     job = await until("/api/v1/jobs/2", "state", "succeeded", "failed")
     again = (await client.get(job["result_url"])).json()
 
-    first, second = (read_campaign_zip(task.archive).calibration for task in worker.tasks)
+    first, second = (stored_campaign(task.campaign).calibration for task in worker.tasks)
     assert again["session_id"] == 1
     assert worker.tasks[1].effects == ("base", "tool", "geometry")
     assert (len(first) < 60, len(second)) == (True, 62)

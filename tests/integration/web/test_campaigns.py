@@ -6,11 +6,13 @@ import io
 import zipfile
 from datetime import date
 
+import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
 from tests.integration.web.bench import session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
+from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
 from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
 
@@ -139,6 +141,28 @@ async def test_a_session_becomes_a_campaign_that_can_be_read(client, until):
     assert (len(campaign.calibration), len(campaign.validation)) == (3, 3)
     assert campaign.registration is not None
     assert len(campaign.reference) >= 6  # three nests, before and after
+
+
+async def test_a_worker_is_handed_the_digits_of_the_readings_and_a_folder_rounds_them(client, until, app):
+    calibration = await measured(client, until, "calibration")
+    made = await client.post(f"/api/v1/sessions/{calibration['id']}/campaign", json={"name": "left arm"})
+    readings = (await client.get("/api/v1/readings", params={"kind": "point"})).json()
+
+    handed = stored_campaign(await app.state.context.campaigns.content(made.json()["id"])).calibration
+    folder = read_campaign_zip((await client.get(made.json()["archive_url"])).content).calibration
+
+    assert handed.position_mm.tolist() == [reading["position_world_mm"] for reading in readings]
+    np.testing.assert_allclose(folder.position_mm, handed.position_mm, rtol=0, atol=0.5001e-5)
+    assert folder.stops.config.tolist() == handed.stops.config.tolist()
+
+
+async def test_the_same_archive_is_written_each_time(client, until):
+    calibration = await measured(client, until, "calibration")
+    made = await client.post(f"/api/v1/sessions/{calibration['id']}/campaign", json={"name": "left arm"})
+
+    first, second = [(await client.get(made.json()["archive_url"])).content for _ in range(2)]
+
+    assert first == second
 
 
 async def test_readings_kept_for_validation_never_identify(client, until):

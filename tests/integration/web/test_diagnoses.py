@@ -6,7 +6,8 @@ from tests.helpers.diagnosis.answers import make_diagnosis, make_finding, make_u
 from tests.helpers.domain.builders import make_campaign, make_robot
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.diagnosing import Diagnostician, served
-from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
+from truepose.analysis.workers.tasks import stored_campaign
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.exchange.results.diagnosis import diagnosis_document
 
 DIAGNOSES = "/api/v1/diagnoses"
@@ -221,7 +222,7 @@ async def test_a_session_that_still_runs_is_diagnosed_with_what_it_has(client, b
     state = (await client.get(path)).json()["state"]
     bench.robot.gate.set()
 
-    measured = read_campaign_zip(worker.tasks[0].archive).calibration
+    measured = stored_campaign(worker.tasks[0].campaign).calibration
     assert state == "running"
     assert 1 <= len(measured) < 60
 

@@ -10,7 +10,7 @@ import pytest
 from tests.helpers.domain.builders import make_campaign
 from truepose.analysis.errors import WorkerDiedError
 from truepose.analysis.workers.process import TaskRefusedError
-from truepose.analysis.workers.tasks import IdentifyTask, PlanTask
+from truepose.analysis.workers.tasks import IdentifyTask, PlanTask, stored_campaign
 from truepose.app import create_app
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import (
@@ -25,7 +25,7 @@ from truepose.domain.results import (
 )
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import PlannedStop
-from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campaign_zip
+from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
 PAIR = NominalAndIdentified(STATISTICS, STATISTICS)
@@ -85,7 +85,7 @@ class FakeWorker:
         if self.error is not None:
             raise self.error
         if isinstance(task, IdentifyTask):
-            return identified(read_campaign_zip(task.archive))
+            return identified(stored_campaign(task.campaign))
         if isinstance(task, PlanTask):
             stops = tuple(PlannedStop(k + 1, (0.0,) * 6, 1) for k in range(task.n_configurations))
             return dataclasses.replace(task.template, stops=stops)

@@ -16,6 +16,7 @@ from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionPlan
+from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
@@ -28,33 +29,31 @@ Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what i
 class IdentifyTask:
     """Identify a campaign; `effects` None chooses them from the campaign."""
 
-    archive: bytes  # zip of the campaign folder
+    campaign: bytes  # as it is stored
     effects: tuple[str, ...] | None
 
     def perform(self, report: Report) -> Identification:
         """Return the identification; raises TrueposeError."""
-        from truepose.exchange.campaigns.zip_file import read_campaign_zip
         from truepose.identification import identify
 
         report(0.0, "reading the campaign")
-        return identify(read_campaign_zip(self.archive), self.effects, progress=report)
+        return identify(stored_campaign(self.campaign), self.effects, progress=report)
 
 
 @dataclass(frozen=True, slots=True)
 class ValidateTask:
     """Judge a model on the validation readings of a campaign."""
 
-    archive: bytes
+    campaign: bytes  # as it is stored
     model: Model
     limit_mm: float | None
 
     def perform(self, report: Report) -> Validation:
         """Return the validation; raises TrueposeError."""
-        from truepose.exchange.campaigns.zip_file import read_campaign_zip
         from truepose.judgement.held_out import validate
 
         report(0.0, "reading the campaign")
-        readings = held_out(read_campaign_zip(self.archive))
+        readings = held_out(stored_campaign(self.campaign))
         report(0.5, f"predicting {len(readings)} readings")
         return validate(self.model, readings, limit_mm=self.limit_mm)
 
@@ -63,16 +62,15 @@ class ValidateTask:
 class DiagnoseTask:
     """Say what the model of a campaign gets wrong; `effects` None starts from the usual ones."""
 
-    archive: bytes  # zip of the campaign folder
+    campaign: bytes  # as it is stored
     effects: tuple[str, ...] | None
 
     def perform(self, report: Report) -> Diagnosis:
         """Return the diagnosis; raises TrueposeError."""
         from truepose.diagnosis.diagnose import diagnose
-        from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
         report(0.0, "reading the campaign")
-        return diagnose(read_campaign_zip(self.archive), self.effects, progress=report)
+        return diagnose(stored_campaign(self.campaign), self.effects, progress=report)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,11 +132,12 @@ class CampaignRead:
 
     robot: str
     summary: CampaignSummary
+    campaign: bytes  # to be stored
 
 
 @dataclass(frozen=True, slots=True)
 class ReadCampaignTask:
-    """Read an archive that somebody sent, to know that it can be read."""
+    """Read an archive that somebody sent; nobody reads it again."""
 
     archive: bytes
     name: str  # what the user calls it
@@ -149,7 +148,7 @@ class ReadCampaignTask:
         from truepose.exchange.campaigns.zip_file import read_campaign_zip
 
         campaign = read_campaign_zip(self.archive, self.name)
-        return CampaignRead(campaign.robot.name, summary_of(campaign))
+        return CampaignRead(campaign.robot.name, summary_of(campaign), pack(campaign))
 
 
 Task: TypeAlias = (
@@ -164,6 +163,15 @@ Task: TypeAlias = (
 Answer: TypeAlias = (
     Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration | CampaignRead
 )
+
+
+def stored_campaign(content: bytes) -> Campaign:
+    """Return a campaign from what the storage keeps; one from before schema 0009 is the zip of its folder."""
+    if is_packed(content):
+        return unpack(Campaign, content)
+    from truepose.exchange.campaigns.zip_file import read_campaign_zip
+
+    return read_campaign_zip(content)
 
 
 def held_out(campaign: Campaign) -> PointReadings | LegReadings:

@@ -1,9 +1,9 @@
-"""Campaigns: the zip of their folder, as it was uploaded or written from sessions."""
+"""Campaigns: as arrays, and the zip that was uploaded."""
 
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, Select, select
+from sqlalchemy import ColumnElement, Connection, Row, Select, func, select
 
 from truepose.storage.calibration.origins import simulated_campaign
 from truepose.storage.database import Database
@@ -15,7 +15,7 @@ from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns
 
-_LISTED = [column for column in campaigns.c if column.name != "archive"]
+_LISTED = [column for column in campaigns.c if column.name not in {"archive", "campaign"}]
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,8 @@ class NewCampaign:
     name: str
     robot: str
     summary: CampaignSummary
-    archive: bytes
+    campaign: bytes  # as `storage.columns` packs it
+    archive: bytes = b""  # as it was uploaded; empty: it was not
     session_ids: tuple[int, ...] = ()
 
 
@@ -44,7 +45,7 @@ class CampaignRepository:
         return await self._database.read(lambda c: answered(c, key, "campaign"))
 
     async def get(self, campaign_id: int) -> CampaignRecord:
-        """Return a campaign without its archive; raises NotFoundError."""
+        """Return what is known of a campaign without reading it; raises NotFoundError."""
         query = _records().where(campaigns.c.id == campaign_id)
         row = await self._database.read(lambda c: c.execute(query).one_or_none())
         if row is None:
@@ -57,8 +58,15 @@ class CampaignRepository:
         return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def archive(self, campaign_id: int) -> bytes:
-        """Return the zip of the folder; raises NotFoundError."""
-        query = select(campaigns.c.archive).where(campaigns.c.id == campaign_id)
+        """Return the zip that was uploaded, empty where none was; raises NotFoundError."""
+        return await self._content(campaigns.c.archive, campaign_id)
+
+    async def content(self, campaign_id: int) -> bytes:
+        """Return a campaign as `storage.columns` packs it, an older one as its zip; raises NotFoundError."""
+        return await self._content(func.coalesce(campaigns.c.campaign, campaigns.c.archive), campaign_id)
+
+    async def _content(self, column: ColumnElement[bytes], campaign_id: int) -> bytes:
+        query = select(column).where(campaigns.c.id == campaign_id)
         found = await self._database.read(lambda c: c.scalar(query))
         if found is None:
             raise NotFoundError("campaign", campaign_id)
@@ -74,6 +82,7 @@ def _add(connection: Connection, campaign: NewCampaign) -> int:
         summary=to_document(campaign.summary),
         session_ids=list(campaign.session_ids),
         archive=campaign.archive,
+        campaign=campaign.campaign,
     )
     add_event(connection, "campaign.stored", {"campaign_id": number, "name": campaign.name})
     return number

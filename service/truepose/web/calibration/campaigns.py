@@ -126,7 +126,7 @@ async def get_campaign(here: Here, id: Id) -> CampaignReply:
 )
 async def download_campaign(here: Here, id: Id) -> Response:
     """Download the zip of a campaign folder: an upload as it came, byte for byte."""
-    archive = await here.campaigns.archive(id)
+    archive = await here.campaign_desk.archive(id)
     saved_as = {"Content-Disposition": f'attachment; filename="campaign-{id}.zip"'}
     return Response(archive, media_type="application/zip", headers=saved_as)
 
