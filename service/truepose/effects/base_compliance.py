@@ -10,6 +10,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.kinematics.frames import cross
+from truepose.kinematics.gravity import centre_of_gravity
 
 NAME = "base_compliance"
 _PARAMETER = "base_c"
@@ -66,8 +67,7 @@ def _overturning_moment(rows: Rows) -> FloatArray:
     chain = rows.chain
     moment = np.zeros((len(rows.stops), 3))
     for mass in rows.robot.masses:
-        joint = mass.frame - 1
-        centre = chain.origin[joint] + chain.rotation[joint] @ np.array(mass.centre_of_gravity_mm)
-        moment += cross(centre - chain.base_origin, mass.mass_kg * rows.gravity_m_s2)
+        arm = centre_of_gravity(chain, mass) - chain.base_origin
+        moment += cross(arm, mass.mass_kg * rows.gravity_m_s2)
     in_base: FloatArray = np.einsum("nij,ni->nj", chain.base_rotation, moment)
     return in_base

@@ -22,8 +22,9 @@ from truepose.domain.robot import LinkMass, Robot
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.effects.stretched_arm import stretched_rows
-from truepose.kinematics.chain import Chain, body_gradients
+from truepose.kinematics.chain import body_gradients
 from truepose.kinematics.frames import cross
+from truepose.kinematics.gravity import centre_of_gravity
 
 NAME = "link_bending"
 _SHORTEST_MM = 100.0  # shorter links do not bend: stiffness falls with the cube of the length
@@ -130,9 +131,8 @@ def _motion(beam: Beam, rows: Rows) -> FloatArray:
     turn, shift = np.zeros_like(along), np.zeros_like(along)
     for mass in rows.robot.masses:
         if mass.frame >= beam.link:
-            turned, moved = _bent(
-                beam, _lever(mass, chain, start), along, mass.mass_kg * rows.gravity_m_s2, mass
-            )
+            lever = centre_of_gravity(chain, mass) - start
+            turned, moved = _bent(beam, lever, along, mass.mass_kg * rows.gravity_m_s2, mass)
             turn, shift = turn + turned, shift + moved
     # The body turns about its origin, at the clamped end, and must bring its far end where the beam's is.
     shift -= cross(turn, beam.length_mm * along)
@@ -143,14 +143,6 @@ def _motion(beam: Beam, rows: Rows) -> FloatArray:
 def _into(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
     turned: FloatArray = np.einsum("nij,nj->ni", rotation, vectors)
     return turned
-
-
-def _lever(mass: LinkMass, chain: Chain, start: FloatArray) -> FloatArray:
-    joint = mass.frame - 1
-    lever: FloatArray = (
-        chain.origin[joint] + chain.rotation[joint] @ np.array(mass.centre_of_gravity_mm) - start
-    )
-    return lever
 
 
 def _bent(

@@ -131,12 +131,26 @@ def cross_matrix(vector: FloatArray) -> FloatArray:
 
 
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return the cross product of (..., 3) arrays; several times faster than numpy's for short axes."""
-    result = np.empty(np.broadcast_shapes(first.shape, second.shape))
-    result[..., 0] = first[..., 1] * second[..., 2] - first[..., 2] * second[..., 1]
-    result[..., 1] = first[..., 2] * second[..., 0] - first[..., 0] * second[..., 2]
-    result[..., 2] = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    return result
+    """Return the cross product of (..., 3) arrays; several times faster than numpy's for short axes.
+
+    In memory the components of the product come first.
+    """
+    shape = np.broadcast_shapes(first.shape, second.shape)
+    result = np.empty((3, *shape[:-1]))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        np.multiply(first[..., i], second[..., j], out=result[k])
+        result[k] -= first[..., j] * second[..., i]
+    return np.moveaxis(result, 0, -1)
+
+
+def turned(rotation: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Return vectors (n, 3), or one (3,), turned by rotations (n, 3, 3), shape (n, 3)."""
+    columns, components = rotation.T, vectors.T
+    result = columns[0] * components[0]
+    for k in (1, 2):
+        result += columns[k] * components[k]
+    return np.asarray(result.T)
 
 
 def rigid_alignment(

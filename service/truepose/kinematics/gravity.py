@@ -9,7 +9,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import LinkMass
 from truepose.kinematics.chain import Chain
-from truepose.kinematics.frames import cross
+from truepose.kinematics.frames import cross, turned
 
 
 def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
@@ -28,7 +28,8 @@ def gravity_torques(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
     ndarray, shape (n, J)
         Torques [N mm].
     """
-    return np.asarray(np.einsum("jni,jni->nj", chain.z, gravity_moments(chain, masses, gravity_m_s2)))
+    product = chain.z * gravity_moments(chain, masses, gravity_m_s2)
+    return np.asarray((product[..., 0] + product[..., 1] + product[..., 2]).T)
 
 
 def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: FloatArray) -> FloatArray:
@@ -48,18 +49,24 @@ def gravity_moments(chain: Chain, masses: tuple[LinkMass, ...], gravity_m_s2: Fl
         In the world frame [N mm].
     """
     joints, n, _ = chain.z.shape
-    moments = np.empty((joints, n, 3))
+    arms = np.empty((joints, 3, n))
     mass_kg, first = 0.0, np.zeros((n, 3))  # of the links beyond the joint [kg, kg mm], from the tip inwards
     for joint in reversed(range(joints)):
         for link in masses:
             if link.frame - 1 == joint:
-                centre = chain.rotation[joint] @ np.array(link.centre_of_gravity_mm)
-                mass_kg, first = (
-                    mass_kg + link.mass_kg,
-                    first + link.mass_kg * (chain.origin[joint] + centre),
+                centre = chain.origin[joint] + turned(
+                    chain.rotation[joint], np.array(link.centre_of_gravity_mm)
                 )
-        moments[joint] = cross(first - mass_kg * chain.origin[joint], gravity_m_s2)
-    return moments
+                mass_kg, first = mass_kg + link.mass_kg, first + link.mass_kg * centre
+        np.subtract(first.T, mass_kg * chain.origin[joint].T, out=arms[joint])
+    return cross(np.swapaxes(arms, 1, 2), gravity_m_s2)
+
+
+def centre_of_gravity(chain: Chain, link: LinkMass) -> FloatArray:
+    """Return where the weight of a link acts in the world [mm], shape (n, 3)."""
+    joint = link.frame - 1
+    arm = turned(chain.rotation[joint], np.array(link.centre_of_gravity_mm))
+    return np.asarray(chain.origin[joint] + arm)
 
 
 def moment_regressor(

@@ -183,7 +183,7 @@ def _rotation_axis(state: State, port: Port) -> FloatArray | None:
         case PortKind.ALPHA:
             axis = chain.x_before[port.number]
         case PortKind.BETA:
-            axis = chain.y_middle[port.number]
+            axis = chain.y_middle(port.number)
         case PortKind.BASE if port.number >= 3:
             axis = state.base_axes[port.number - 3]
         case PortKind.TOOL_ROTATION:
