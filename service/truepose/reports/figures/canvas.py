@@ -1,7 +1,7 @@
-"""Matplotlib figures as inline SVG without a file, a script or a colour of their own.
+"""Matplotlib figures as inline SVG without a file, a script or a colour of their own, or for a program.
 
-Matplotlib knows no CSS variable: figures are drawn in stand-in colours that nothing else uses, and the
-stand-ins are replaced by the page's variables in the finished SVG.
+Matplotlib knows no CSS variable: figures of pages are drawn in stand-in colours that nothing else uses, and
+the stand-ins are replaced by the page's variables in the finished SVG. Plain figures have ordinary colours.
 """
 
 import io
@@ -9,6 +9,7 @@ import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from textwrap import shorten, wrap
 from typing import Final
 
@@ -31,6 +32,24 @@ _VARIABLES = {
     Y: "axis-y",
     Z: "axis-z",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class Colours:
+    """What a figure is drawn in."""
+
+    ink: str
+    muted: str
+    grid: str
+    before: str
+    after: str
+    noise: str
+    paper: str
+
+
+PAGE: Final = Colours(INK, MUTED, GRID, BEFORE, AFTER, NOISE, paper="none")
+# As `style.css` has them on white.
+PLAIN: Final = Colours("#16202b", "#5c6975", "#dde3e8", "#d9822b", "#1f7a8c", "#6b4fa0", paper="#ffffff")
 # Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
 _SETTINGS: Final = threading.Lock()
 _LONGEST_UNIT = 16  # letters
@@ -39,37 +58,65 @@ _STYLE = {
     "svg.hashsalt": "truepose",  # the same figure gives the same ids
     "font.family": "sans-serif",
     "font.size": 9.0,
-    "text.color": INK,
-    "axes.edgecolor": MUTED,
-    "axes.labelcolor": INK,
-    "axes.facecolor": "none",
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 9.0,
-    "axes.titlecolor": INK,
-    "grid.color": GRID,
     "grid.linewidth": 0.6,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
     "legend.frameon": False,
-    "figure.facecolor": "none",
 }
 
 
 @contextmanager
 def page_style() -> Iterator[None]:
     """Draw in the style of the page within this block; one thread at a time."""
-    with _SETTINGS, mpl.rc_context(_STYLE):  # type: ignore[arg-type]  # its stub wants literal keys
+    with _style(PAGE):
         yield
 
 
-def new_figure(width_in: float, height_in: float) -> Figure:
-    """Return a figure that belongs to no window and no global state."""
-    return Figure(figsize=(width_in, height_in), layout="constrained")
+@contextmanager
+def plain_style() -> Iterator[None]:
+    """Draw in ordinary colours within this block; one thread at a time."""
+    with _style(PLAIN):
+        yield
+
+
+@contextmanager
+def _style(colours: Colours) -> Iterator[None]:
+    settings = _STYLE | _coloured(colours)
+    with _SETTINGS, mpl.rc_context(settings):  # type: ignore[arg-type]  # its stub wants literal keys
+        yield
+
+
+def _coloured(colours: Colours) -> dict[str, object]:
+    return {
+        "text.color": colours.ink,
+        "axes.edgecolor": colours.muted,
+        "axes.labelcolor": colours.ink,
+        "axes.facecolor": colours.paper,
+        "axes.titlecolor": colours.ink,
+        "grid.color": colours.grid,
+        "xtick.color": colours.muted,
+        "ytick.color": colours.muted,
+        "xtick.labelcolor": colours.ink,
+        "ytick.labelcolor": colours.ink,
+        "figure.facecolor": colours.paper,
+    }
+
+
+class Drawing(Figure):
+    """A figure that belongs to no window and no global state; a notebook shows it by itself."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
+
+
+def new_figure(width_in: float, height_in: float) -> Drawing:
+    """Return an empty figure."""
+    return Drawing(figsize=(width_in, height_in), layout="constrained")
 
 
 def to_svg(figure: Figure, prefix: str, description: str) -> Markup:

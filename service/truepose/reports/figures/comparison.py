@@ -4,7 +4,16 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import AFTER, BEFORE, NOISE, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
 from truepose.reports.rounding import millimetres
 
 _BINS = 40
@@ -23,25 +32,37 @@ def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> 
         Mean norm that stated noise alone gives; not drawn where it is not within the picture.
     """
     end = _end(np.concatenate([before_mm, after_mm]))
-    edges = np.linspace(0.0, end, _BINS + 1)
     beyond = int((before_mm > end).sum() + (after_mm > end).sum())
     with page_style():
-        figure = new_figure(8.0, 2.9)
-        axes = figure.add_subplot()
-        for norms, colour, name in ((before_mm, BEFORE, "before"), (after_mm, AFTER, "after")):
-            label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
-            inside = np.minimum(norms, end)
-            axes.hist(inside, edges.tolist(), color=colour, alpha=0.5, label=label)
-            axes.hist(inside, edges.tolist(), color=colour, histtype="step", linewidth=1.4)
-        if 0.0 < noise_mm < end:
-            label = f"noise alone: mean {millimetres(noise_mm)} mm"
-            axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
-        axes.set_xlim(0.0, end)
-        axes.grid(axis="x", visible=False)
-        axes.set_xlabel("error [mm]")
-        axes.set_ylabel("readings")
-        figure.legend(loc="outside upper left", ncols=3)
+        figure = _drawn(before_mm, after_mm, noise_mm, PAGE)
         return to_svg(figure, "comparison", "Histogram of held-out errors before and after"), beyond
+
+
+def plain_comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> Drawing:
+    """Return the same histogram as a figure that a program may change; parameters as above."""
+    with plain_style():
+        return _drawn(before_mm, after_mm, noise_mm, PLAIN)
+
+
+def _drawn(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, colours: Colours) -> Drawing:
+    end = _end(np.concatenate([before_mm, after_mm]))
+    edges = np.linspace(0.0, end, _BINS + 1).tolist()
+    figure = new_figure(8.0, 2.9)
+    axes = figure.add_subplot()
+    for norms, colour, name in ((before_mm, colours.before, "before"), (after_mm, colours.after, "after")):
+        label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+        inside = np.minimum(norms, end)
+        axes.hist(inside, edges, color=colour, alpha=0.5, label=label)
+        axes.hist(inside, edges, color=colour, histtype="step", linewidth=1.4)
+    if 0.0 < noise_mm < end:
+        label = f"noise alone: mean {millimetres(noise_mm)} mm"
+        axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
+    axes.set_xlim(0.0, end)
+    axes.grid(axis="x", visible=False)
+    axes.set_xlabel("error [mm]")
+    axes.set_ylabel("readings")
+    figure.legend(loc="outside upper left", ncols=3)
+    return figure
 
 
 def _end(norms: FloatArray) -> float:

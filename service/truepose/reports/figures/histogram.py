@@ -7,7 +7,16 @@ from markupsafe import Markup
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import AFTER, BEFORE, NOISE, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
 from truepose.reports.judged import Judged
 from truepose.reports.rounding import millimetres
 
@@ -29,29 +38,43 @@ def histogram(judged: Judged, noise_mm: float) -> Histogram:
 
     `noise_mm` is the mean that noise alone would show; below the first bin it is not drawn.
     """
-    before = np.linalg.norm(judged.nominal_mm, axis=1)
-    after = np.linalg.norm(judged.identified_mm, axis=1)
+    before, after = _norms(judged)
+    edges = _edges(np.concatenate([before, after]))
     with page_style():
-        figure = new_figure(8.0, 3.0)
-        axes = figure.add_subplot()
-        edges = _edges(np.concatenate([before, after]))
-        for norms, colour, name in ((before, BEFORE, "nominal"), (after, AFTER, "identified")):
-            label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
-            axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
-        noise_drawn = bool(noise_mm > edges[0])
-        if noise_drawn:
-            label = f"noise alone: mean {millimetres(noise_mm)} mm"
-            axes.axvline(noise_mm, color=NOISE, linestyle="--", linewidth=1.4, label=label)
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
-        axes.grid(axis="x", visible=False)
-        axes.set_xlabel("error [mm], logarithmic")
-        axes.set_ylabel("readings")
-        figure.legend(loc="outside upper left", ncols=3)
+        figure = _drawn(before, after, noise_mm, PAGE)
         picture = to_svg(figure, "histogram", "Histogram of errors before and after identification")
-        return Histogram(picture, noise_drawn)
+        return Histogram(picture, noise_drawn=bool(noise_mm > edges[0]))
+
+
+def plain_histogram(judged: Judged, noise_mm: float) -> Drawing:
+    """Return the same histogram as a figure that a program may change."""
+    with plain_style():
+        return _drawn(*_norms(judged), noise_mm, PLAIN)
+
+
+def _norms(judged: Judged) -> tuple[FloatArray, FloatArray]:
+    return np.linalg.norm(judged.nominal_mm, axis=1), np.linalg.norm(judged.identified_mm, axis=1)
+
+
+def _drawn(before: FloatArray, after: FloatArray, noise_mm: float, colours: Colours) -> Drawing:
+    figure = new_figure(8.0, 3.0)
+    axes = figure.add_subplot()
+    edges = _edges(np.concatenate([before, after]))
+    for norms, colour, name in ((before, colours.before, "nominal"), (after, colours.after, "identified")):
+        label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+        axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
+    if noise_mm > edges[0]:
+        label = f"noise alone: mean {millimetres(noise_mm)} mm"
+        axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
+    axes.grid(axis="x", visible=False)
+    axes.set_xlabel("error [mm], logarithmic")
+    axes.set_ylabel("readings")
+    figure.legend(loc="outside upper left", ncols=3)
+    return figure
 
 
 def _edges(norms: FloatArray) -> FloatArray:

@@ -11,7 +11,17 @@ from matplotlib.ticker import MaxNLocator
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Curve
 from truepose.reports.causes import printed_unit
-from truepose.reports.figures.canvas import AFTER, INK, MUTED, NOISE, label, new_figure, page_style, to_svg
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    label,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
@@ -59,33 +69,72 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
     CurveFigure or None
         None where there is no finite reading.
     """
-    shown = _finite(curve)
-    if not shown.x.size:
+    shown = _shown(curve, whole=whole)
+    if shown is None:
         return None
-    means, limit = _means(shown), _limit(shown, whole)
-    unseen = _unseen(curve, limit)
-    blind = shown.standard_uncertainty > limit
-    chosen = _chosen(shown.x, ~blind)
-    beyond = int(((np.abs(shown.residual) > limit) & ~blind).sum())
     with page_style():
-        figure = new_figure(8.0, 3.1)
-        axes = figure.add_subplot()
-        _readings(axes, shown, chosen, faint=means is not None)
-        _line(axes, shown, line)
-        if means is not None:
-            _draw_means(axes, means)
-        if unseen is not None:
-            _draw_unseen(axes, unseen)
-        axes.set_ylim(-limit, limit)
-        axes.set_xlabel(label(shown.variable, _WIDEST_LABEL, printed_unit(shown.variable_unit)))
-        axes.set_ylabel(label(shown.quantity, _TALLEST_LABEL, printed_unit(shown.quantity_unit)))
-        figure.legend(loc="outside upper left", ncols=4)
-        picture = to_svg(figure, prefix, f"{shown.quantity} against {shown.variable}")
-    drawn, counts = bool(shown.line_x.size), _counts(shown)
-    caption = " ".join(_caption(shown, chosen, blind, beyond, means))
-    if unseen is not None:
-        caption = f"{caption} {_unseen_caption(unseen)}"
+        picture = to_svg(_drawn(shown, line, PAGE), prefix, f"{curve.quantity} against {curve.variable}")
+    drawn, counts = bool(shown.curve.line_x.size), _counts(shown.curve)
+    caption = " ".join(_caption(shown))
+    if shown.unseen is not None:
+        caption = f"{caption} {_unseen_caption(shown.unseen)}"
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
+
+
+def plain_residual_curve(curve: Curve, *, line: str) -> Drawing | None:
+    """Return the same as a figure that a program may change; None where there is no finite reading."""
+    shown = _shown(curve, whole=False)
+    if shown is None:
+        return None
+    with plain_style():
+        return _drawn(shown, line, PLAIN)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """What of a curve fits in the picture."""
+
+    curve: Curve  # its finite readings, and its line
+    means: _Means | None
+    unseen: Curve | None
+    limit: float  # half height
+    blind: BoolArray  # (n,) readings that hardly feel the cause
+    chosen: IntArray  # rows that are drawn
+    beyond: int  # readings outside the picture
+
+
+def _shown(curve: Curve, *, whole: bool) -> _Shown | None:
+    finite = _finite(curve)
+    if not finite.x.size:
+        return None
+    limit = _limit(finite, whole)
+    blind = finite.standard_uncertainty > limit
+    return _Shown(
+        finite,
+        _means(finite),
+        _unseen(curve, limit),
+        limit,
+        blind,
+        _chosen(finite.x, ~blind),
+        beyond=int(((np.abs(finite.residual) > limit) & ~blind).sum()),
+    )
+
+
+def _drawn(shown: _Shown, line: str, colours: Colours) -> Drawing:
+    curve = shown.curve
+    figure = new_figure(8.0, 3.1)
+    axes = figure.add_subplot()
+    _readings(axes, curve, shown.chosen, colours, faint=shown.means is not None)
+    _line(axes, curve, line, colours)
+    if shown.means is not None:
+        _draw_means(axes, shown.means, colours)
+    if shown.unseen is not None:
+        _draw_unseen(axes, shown.unseen, colours)
+    axes.set_ylim(-shown.limit, shown.limit)
+    axes.set_xlabel(label(curve.variable, _WIDEST_LABEL, printed_unit(curve.variable_unit)))
+    axes.set_ylabel(label(curve.quantity, _TALLEST_LABEL, printed_unit(curve.quantity_unit)))
+    figure.legend(loc="outside upper left", ncols=4)
+    return figure
 
 
 def _finite(curve: Curve) -> Curve:
@@ -114,19 +163,21 @@ def _unseen(curve: Curve, limit: float) -> Curve | None:
     return shown if shown.x.size else None
 
 
-def _draw_unseen(axes: Axes, unseen: Curve) -> None:
+def _draw_unseen(axes: Axes, unseen: Curve, colours: Colours) -> None:
     rows, means = _chosen(unseen.x, np.ones(len(unseen.x), dtype=bool)), _means(unseen)
     x, y = unseen.x[rows], unseen.residual[rows]
     if means is None:
-        axes.plot(x, y, "x", color=NOISE, markersize=4.0, markeredgewidth=0.9, label="validation readings")
+        axes.plot(
+            x, y, "x", color=colours.noise, markersize=4.0, markeredgewidth=0.9, label="validation readings"
+        )
         return
-    axes.plot(x, y, "x", color=NOISE, markersize=3.0, markeredgewidth=0.7, alpha=0.35)
+    axes.plot(x, y, "x", color=colours.noise, markersize=3.0, markeredgewidth=0.7, alpha=0.35)
     axes.errorbar(
         means.x,
         means.value,
         means.standard_uncertainty,
         fmt="s",
-        color=NOISE,
+        color=colours.noise,
         markerfacecolor="none",
         markersize=5.0,
         linewidth=1.1,
@@ -172,29 +223,31 @@ def _chosen(x: FloatArray, worth: BoolArray) -> IntArray:
     return order[np.linspace(0, len(order) - 1, _MOST_POINTS).astype(np.int64)]
 
 
-def _readings(axes: Axes, curve: Curve, rows: IntArray, *, faint: bool) -> None:
+def _readings(axes: Axes, curve: Curve, rows: IntArray, colours: Colours, *, faint: bool) -> None:
     strength = 0.55 if faint else 0.9
     x, y, u = curve.x[rows], curve.residual[rows], curve.standard_uncertainty[rows]
-    axes.axhline(0.0, color=MUTED, linewidth=0.8)
-    axes.vlines(x, y - u, y + u, color=MUTED, linewidth=0.7, alpha=0.5 * strength)
-    axes.plot(x, y, ".", color=MUTED, markersize=5.0, alpha=strength, markeredgewidth=0.0, label="readings")
+    axes.axhline(0.0, color=colours.muted, linewidth=0.8)
+    axes.vlines(x, y - u, y + u, color=colours.muted, linewidth=0.7, alpha=0.5 * strength)
+    axes.plot(
+        x, y, ".", color=colours.muted, markersize=5.0, alpha=strength, markeredgewidth=0.0, label="readings"
+    )
 
 
-def _line(axes: Axes, curve: Curve, name: str) -> None:
+def _line(axes: Axes, curve: Curve, name: str, colours: Colours) -> None:
     if not curve.line_x.size:
         return
     if _counts(curve):
-        _steps(axes, curve, name)
+        _steps(axes, curve, name, colours)
         return
     low, high = curve.line - curve.line_band, curve.line + curve.line_band
     if (curve.line_band > 0.0).any():
         axes.fill_between(
-            curve.line_x, low, high, color=AFTER, alpha=0.22, linewidth=0.0, label="its 95 % band"
+            curve.line_x, low, high, color=colours.after, alpha=0.22, linewidth=0.0, label="its 95 % band"
         )
-    axes.plot(curve.line_x, curve.line, color=AFTER, linewidth=1.8, label=name)
+    axes.plot(curve.line_x, curve.line, color=colours.after, linewidth=1.8, label=name)
 
 
-def _steps(axes: Axes, curve: Curve, name: str) -> None:
+def _steps(axes: Axes, curve: Curve, name: str, colours: Colours) -> None:
     """Draw a value for each number: between the first mounting and the second there is nothing."""
     numbers, first = np.unique(curve.line_x, return_index=True)
     band = curve.line_band[first]
@@ -204,7 +257,7 @@ def _steps(axes: Axes, curve: Curve, name: str) -> None:
         curve.line[first],
         band,
         fmt="D",
-        color=AFTER,
+        color=colours.after,
         markersize=5.0,
         linewidth=2.0,
         label=label,
@@ -212,13 +265,13 @@ def _steps(axes: Axes, curve: Curve, name: str) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def _draw_means(axes: Axes, means: _Means) -> None:
+def _draw_means(axes: Axes, means: _Means, colours: Colours) -> None:
     axes.errorbar(
         means.x,
         means.value,
         means.standard_uncertainty,
         fmt="o",
-        color=INK,
+        color=colours.ink,
         markersize=4.0,
         linewidth=1.1,
         label="means of readings",
@@ -261,9 +314,8 @@ def _bends(line: FloatArray) -> int:
     return int((slope[1:] != slope[:-1]).sum())
 
 
-def _caption(
-    curve: Curve, chosen: IntArray, blind: BoolArray, beyond: int, means: _Means | None
-) -> Iterator[str]:
+def _caption(shown: _Shown) -> Iterator[str]:
+    curve, chosen, blind = shown.curve, shown.chosen, shown.blind
     worth = int((~blind).sum())
     if worth:
         evenly = "" if len(chosen) == worth else f"{len(chosen)} of "
@@ -271,13 +323,13 @@ def _caption(
         yield f"Dots: {evenly}{worth:,} readings{', evenly chosen,' if evenly else ''}"
         stated = ", with their standard uncertainty" if whiskers else ""
         yield f"as the model without this cause leaves them{stated}."
-    if means is not None:
-        yield f"Large dots: weighted means of up to {means.of} neighbours each, with their own."
-    if beyond:
+    if shown.means is not None:
+        yield f"Large dots: weighted means of up to {shown.means.of} neighbours each, with their own."
+    if shown.beyond:
         farthest = float(np.abs(curve.residual[~blind]).max())
-        lies = "reading lies" if beyond == 1 else "readings lie"
+        lies = "reading lies" if shown.beyond == 1 else "readings lie"
         unit = printed_unit(curve.quantity_unit)
-        yield f"{beyond} {lies} beyond the picture, the farthest at {farthest:.2g} {unit}."
+        yield f"{shown.beyond} {lies} beyond the picture, the farthest at {farthest:.2g} {unit}."
     if blind.any():
         count = int(blind.sum())
         feels = "feels" if count == 1 else "feel"

@@ -1,0 +1,106 @@
+"""Figures that a program gets: those of the pages in ordinary colours, free of any window, to be changed."""
+
+import re
+import subprocess
+import sys
+from importlib.resources import files
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+
+from tests.helpers.diagnosis.diagnosed_cells import make_curve
+from truepose.reports.figures.canvas import PLAIN
+from truepose.reports.figures.comparison import comparison, plain_comparison
+from truepose.reports.figures.histogram import plain_histogram
+from truepose.reports.figures.residual_curve import plain_residual_curve
+from truepose.reports.judged import judged
+
+_PNG = b"\x89PNG\r\n"
+_BEFORE, _AFTER = np.linspace(0.1, 0.5, 40), np.linspace(0.01, 0.06, 40)
+
+
+@pytest.fixture(params=["comparison", "histogram", "curve", "curve of few", "counted curve"])
+def figure(request, identification, campaign):
+    if request.param == "comparison":
+        return plain_comparison(_BEFORE, _AFTER, 0.02)
+    if request.param == "histogram":
+        return plain_histogram(judged(identification, campaign), 0.016)
+    curves = {
+        "curve": make_curve(n=100),
+        "curve of few": make_curve(n=20),
+        "counted curve": make_curve(n=60, variable="mounting", variable_unit="", x=np.arange(60) % 3 + 1.0),
+    }
+    return plain_residual_curve(curves[request.param], line="fitted effect")
+
+
+def test_a_notebook_shows_it_by_itself(figure):
+    assert figure._repr_png_().startswith(_PNG)
+
+
+def test_no_stand_in_colour_of_the_pages_is_left(figure, tmp_path):
+    figure.savefig(tmp_path / "figure.svg")
+
+    assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", (tmp_path / "figure.svg").read_text())
+
+
+def test_it_can_be_changed(figure):
+    axes = figure.axes[0]
+
+    axes.set_title("Cell 3")
+    axes.set_xlabel("error of the left arm [mm]")
+
+    assert (axes.get_title(), axes.get_xlabel()) == ("Cell 3", "error of the left arm [mm]")
+
+
+def test_the_settings_of_the_program_stay_as_they_were():
+    before = _settings()
+
+    plain_comparison(_BEFORE, _AFTER, 0.02)
+
+    assert _settings() == before
+
+
+def _settings():
+    """All but the backend, which is chosen by being asked for."""
+    return {name: mpl.rcParams[name] for name in mpl.rcParams if name != "backend"}
+
+
+def test_no_window_and_no_global_state_is_needed():
+    code = (
+        "import sys, numpy as np; from truepose.reports.figures.comparison import plain_comparison;"
+        "plain_comparison(np.ones(5), np.ones(5), 0.5)._repr_png_();"
+        "print('matplotlib.pyplot' in sys.modules)"
+    )
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert done.stdout == "False\n"
+
+
+def test_its_colours_are_those_of_a_white_page():
+    style = (files("truepose.reports") / "templates" / "style.css").read_text(encoding="utf-8")
+    light = dict(re.findall(r"--([\w-]+): (#\w{6})", style[: style.index("@media")]))
+
+    assert {name: light[name] for name in ("ink", "muted", "grid", "before", "after", "noise")} == {
+        name: getattr(PLAIN, name) for name in ("ink", "muted", "grid", "before", "after", "noise")
+    }
+    assert PLAIN.paper == light["page"]
+
+
+def test_it_shows_what_the_page_shows():
+    _, beyond = comparison(_BEFORE, _AFTER, 0.02)
+
+    axes = plain_comparison(_BEFORE, _AFTER, 0.02).axes[0]
+
+    counted = sum(patch.get_height() for patch in axes.containers[0].patches)
+    assert (counted, beyond) == (len(_BEFORE), 0)
+    assert to_hex(axes.containers[0].patches[0].get_facecolor()) == PLAIN.before
+
+
+def test_a_curve_without_a_finite_reading_is_not_drawn():
+    blank = make_curve(n=20)
+
+    assert plain_residual_curve(make_curve(n=20, residual=np.full(20, np.nan)), line="fitted effect") is None
+    assert plain_residual_curve(blank, line="fitted effect") is not None
