@@ -19,7 +19,7 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.stops import sites
 from truepose.identification.model.trial import trial_derivatives, tried
-from truepose.identification.problem.build import position_block
+from truepose.identification.observations.positions import position_block
 from truepose.kinematics.chain import theta_gradient
 
 _STEPS_DEG = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
@@ -70,7 +70,7 @@ def _scattered(points: PointReadings, campaign: Campaign, fit: RobustFit, step_d
     state = evaluate(fit.structure, fit.values, Targets(points.stops, points.nest))
     moves = _spread_rad(step_deg) * theta_gradient(state.chain, state.unscaled_mm)
     added = np.einsum("jni,jnk->nik", moves, moves)
-    covariance = position_block(points, campaign).covariance_mm2 + added
+    covariance = position_block(points, campaign.scatter_mm).covariance_mm2 + added
     return replace(points, covariance_mm2=covariance)
 
 

@@ -49,7 +49,6 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
 from truepose.identification.identify import nominal_fit
 from truepose.identification.models import Fits, model_of
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 from truepose.identification.verdict.statistics import statistics
 from truepose.version import __version__
 
@@ -262,7 +261,7 @@ def _model(answer: _Answer) -> Model:
     """Return the extended model, fitted without what only the diagnosis needed."""
     start, full = answer.start, answer.end
     structure = full.structure.without(NUISANCE)
-    blocks = tuple(block for block in full.blocks if not isinstance(block, ReferenceBlock))
+    blocks = tuple(block for block in full.blocks if block.table != "reference")
     if _acts_on_instrument(structure.effects):
         structure, blocks = full.structure.without((CERTIFICATE,)), full.blocks
     values = np.array([full.values[full.structure.index_of(name)] for name in structure.names])
@@ -288,14 +287,14 @@ def _discrepancy_mm(answer: _Answer) -> float:
 
 def unanswerable(campaign: Campaign, effects: tuple[str, ...], sentence: str) -> Diagnosis:
     """Return what is said where the present model cannot even be fitted."""
-    position = campaign.calibration is not None
+    readings = campaign.readings
     return Diagnosis(
         robot=campaign.robot.name,
         verdict=Verdict.UNEXPLAINED,
         message=sentence,
         start_effects=effects,
         findings=(),
-        quantity="position" if position else "length",
+        quantity="length" if readings is None else readings.quantity,
         before=None,
         after=None,
         held_out="validation",

@@ -26,7 +26,6 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Candidate
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.stops import sites
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 
 _CHANCE = 0.05  # of noise alone, for one candidate
 _FOLDS = 5  # four fifths of the configurations choose: nearly as well as all
@@ -160,7 +159,6 @@ def _others(fit: RobustFit, held: IntArray) -> BoolArray:
     """Return the stacked observations that are not of the configurations held out, shape (m,)."""
     kept = []
     for block, result in zip(fit.blocks, fit.results, strict=True):
-        of_arm = not isinstance(block, ReferenceBlock)
-        out = np.isin(sites(block.targets.stops), held) & of_arm
+        out = np.isin(sites(block.targets.stops), held) & block.of_arm
         kept.append(np.repeat(~out, result.residual.shape[1]))
     return np.concatenate(kept)

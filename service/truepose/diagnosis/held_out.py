@@ -23,8 +23,7 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
-from truepose.identification.problem.build import position_block
-from truepose.identification.problem.legs import leg_block
+from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.statistics import expected_noise_mm
 
 Groups = tuple[tuple[Candidate, ...], ...]
@@ -110,7 +109,7 @@ def on_validation(
     campaign: Campaign, fits: tuple[RobustFit, RobustFit], selected: Selected, groups: Groups
 ) -> Judged | None:
     """Judge the start and the model in the end, and single causes; None without validation readings."""
-    block = validation_block(campaign)
+    block = validation_block(campaign, selected.fit.structure)
     if block is None:
         return None
     start, end = (block.result(fit.structure, fit.values, None) for fit in fits)
@@ -133,16 +132,10 @@ def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:
     return float(np.sqrt(np.median(squared) / chi2_median(components)))
 
 
-def validation_block(campaign: Campaign) -> Block | None:
+def validation_block(campaign: Campaign, structure: Structure) -> Block | None:
     """Return the validation readings; None where there are none."""
-    if campaign.calibration is not None:
-        points = campaign.validation
-        return None if points is None or len(points) == 0 else position_block(points, campaign)
-    legs = campaign.validation_legs
-    if legs is None or len(legs) == 0:
-        return None
-    anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
-    return leg_block(legs, campaign, anchors)
+    readings = campaign.held_out
+    return None if readings is None else observed(readings, campaign.scatter_mm, structure)
 
 
 def _residual(block: Block, structure: Structure, values: FloatArray) -> FloatArray:

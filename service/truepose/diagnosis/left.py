@@ -23,7 +23,6 @@ from truepose.effects.names import joint_of_subject
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_log_density, chi2_median
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.observations.blocks import PositionBlock
 from truepose.identification.verdict.pure_error import pure_error
 
 _STRUCTURE_LEVEL = 0.003  # chance that noise alone gives any dependence, over everything tried
@@ -179,7 +178,5 @@ def _noise(selected: Selected, parameters: int) -> tuple[float, bool]:
 
 def _repeats_scatter_as_much(selected: Selected) -> bool:
     block, result = selected.fit.blocks[0], selected.fit.results[0]
-    if not isinstance(block, PositionBlock):
-        return False
     pure = pure_error(block, result.residual, len(selected.fit.structure.specs))
     return pure is not None and pure.revisits >= _FEW_REVISITS and pure.p_value > _AS_REPEATED

@@ -19,8 +19,7 @@ from truepose.effects.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.fit.robust import fit
-from truepose.identification.observations.blocks import PositionBlock
-from truepose.identification.problem.build import position_block
+from truepose.identification.observations.positions import position_block
 
 _FAR_MM = 10.0  # further than a bad reading goes: another nest or another row was read
 
@@ -53,8 +52,8 @@ def _swap_gain(start: Start, selected: Selected) -> Gain | None:
     written, right = start.written.validation, start.campaign.validation
     if written is None or right is None or np.array_equal(written.nest, right.nest):
         return None
-    before = position_block(written, start.campaign)
-    after = position_block(right, start.campaign)
+    before = position_block(written, start.campaign.scatter_mm)
+    after = position_block(right, start.campaign.scatter_mm)
     structure, values = selected.fit.structure, selected.fit.values
     return gain_of(
         before.result(structure, values, None).residual,
@@ -99,7 +98,7 @@ def _bad_gain(start: Start, selected: Selected, judged: Judged) -> Gain | None:
     full = selected.fit
     trusting = tuple(block.weighted(np.ones(len(block.weights)), 0.0) for block in full.blocks)
     plain = fit(full.structure, trusting, full.values)
-    block: PositionBlock = position_block(points, start.campaign)
+    block = position_block(points, start.campaign.scatter_mm)
     before = block.result(full.structure, plain.values, None).residual
     return gain_of(before, judged.errors.after_mm, judged.site)
 

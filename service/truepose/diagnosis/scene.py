@@ -7,13 +7,12 @@ from truepose.effects.causes import Scene
 from truepose.effects.names import joint_name
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import State, rows_of
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 from truepose.identification.problem.build import Problem
 
 
 def scene_of(problem: Problem, fit: RobustFit) -> Scene:
     """Return the scene of a fitted problem."""
-    fixed = [block.targets.stops.time_s for block in fit.blocks if isinstance(block, ReferenceBlock)]
+    fixed = [block.targets.stops.time_s for block in fit.blocks if block.table == "reference"]
     times = [time_s for time_s in fixed if time_s is not None]
     return scene_at(problem, fit.results[0].state, np.concatenate(times) if times else np.zeros(0))
 

@@ -8,7 +8,7 @@ References
 K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. American Statistical Association 84, 1989, 881-896.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
@@ -19,7 +19,6 @@ from truepose.domain.campaign import PointReadings
 from truepose.identification.distributions import chi2_log_density
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.observations.blocks import PositionBlock
 
 _FITS = 0.2  # another nest must leave less than this share of the residual
 _CLEARLY = 5.0  # in log likelihood
@@ -58,16 +57,9 @@ def swapped_labels(points: PointReadings, suspect: BoolArray, model: RobustFit) 
 
 
 def _distance(points: PointReadings, rows: IntArray, number: int, model: RobustFit) -> FloatArray:
-    block = PositionBlock(
-        Targets(points.stops, points.nest),
-        points.position_mm,
-        np.broadcast_to(np.eye(3), (len(points), 3, 3)),
-        0.0,
-        np.ones(len(points)),
-    ).taken(rows)
-    targets = replace(block.targets, nest=np.full(rows.size, number))
-    predicted = evaluate(model.structure, model.values, targets).position_mm
-    return np.asarray(np.linalg.norm(block.measured_mm - predicted, axis=1))
+    asked = Targets(points.stops.taken(rows), np.full(rows.size, number))
+    predicted = evaluate(model.structure, model.values, asked).position_mm
+    return np.asarray(np.linalg.norm(points.position_mm[rows] - predicted, axis=1))
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ class Unseen:
 
 def unseen_of(start: Start, selected: Selected) -> Unseen | None:
     """Return the extended model at the validation readings; None where there are none."""
-    block = validation_block(start.campaign)
+    block = validation_block(start.campaign, selected.fit.structure)
     if block is None:
         return None
     fit = selected.fit

@@ -7,9 +7,7 @@ a joint over time may be that. Such a finding is not certain, and the same of th
 from truepose.diagnosis.selection import Selected
 from truepose.domain.diagnosis import Cause
 from truepose.effects.cells import Cell, cell_of
-from truepose.identification.fit.looks import contradiction
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 
 CONTRADICTED = "The readings of the fixed nests contradict it: they moved as nothing that was found explains."
 LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
@@ -23,12 +21,7 @@ def speak_against(fit: RobustFit, cell: Cell) -> bool:
 
 def chance_of_nests(fit: RobustFit) -> float:
     """Return the chance that nests which stand still read as they do; 1 where none was read."""
-    chances = (
-        contradiction(block, result)
-        for block, result in zip(fit.blocks, fit.results, strict=True)
-        if isinstance(block, ReferenceBlock)
-    )
-    return min(chances, default=1.0)
+    return min(block.contradiction(result) for block, result in zip(fit.blocks, fit.results, strict=True))
 
 
 def accused(selected: Selected, cell: Cell) -> tuple[Cause, ...]:

@@ -1,10 +1,15 @@
 """A campaign: one robot measured with one set-up, as tables of equal-length arrays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
+from typing import ClassVar, Literal, TypeAlias
+
+import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
+
+Quantity = Literal["position", "length"]  # what the readings of a campaign are of
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +38,8 @@ class Stops(Table):
 class PointReadings(Table):
     """Positions of tool nests in the world frame; n rows."""
 
+    quantity: ClassVar[Quantity] = "position"
+
     stops: Stops
     nest: IntArray  # (n,) 1-based
     position_mm: FloatArray  # (n, 3)
@@ -44,10 +51,27 @@ class PointReadings(Table):
     def __len__(self) -> int:
         return len(self.stops)
 
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 3)."""
+        return self.position_mm
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 1)."""
+        return self.nest[:, None]
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the place that each was read from, shape (n,): one instrument stands in one place."""
+        return np.zeros(len(self), dtype=np.int64)
+
 
 @dataclass(frozen=True, slots=True)
 class LegReadings(Table):
     """Lengths between a base nest and a tool nest; n rows."""
+
+    quantity: ClassVar[Quantity] = "length"
 
     stops: Stops
     placement: IntArray  # (n,) of the base fixture, from 1
@@ -59,6 +83,30 @@ class LegReadings(Table):
 
     def __len__(self) -> int:
         return len(self.stops)
+
+    @property
+    def observed_mm(self) -> FloatArray:
+        """What was read, shape (n, 1)."""
+        return self.length_mm[:, None]
+
+    @property
+    def ends(self) -> IntArray:
+        """What tells the readings of one stop apart, shape (n, 2)."""
+        return np.column_stack([self.nest, self.base_point])
+
+    @property
+    def cups(self) -> list[tuple[int, int]]:
+        """Placement and base point of each leg."""
+        return list(zip(self.placement.tolist(), self.base_point.tolist(), strict=True))
+
+    @property
+    def seen_from(self) -> IntArray:
+        """Number of the cup that each was read from, shape (n,)."""
+        cups = np.column_stack([self.placement, self.base_point])
+        return np.unique(cups, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+Readings: TypeAlias = PointReadings | LegReadings
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,3 +179,24 @@ class Campaign:
     measured_on: date | None = None  # None: nobody said
     notes: tuple[str, ...] = ()
     ignored: tuple[str, ...] = ()  # columns and keys kept but not understood, one sentence each
+
+    @property
+    def readings(self) -> Readings | None:
+        """What the robot is identified from: positions where there are any, else legs."""
+        return self.calibration or self.legs
+
+    @property
+    def held_out(self) -> Readings | None:
+        """What judges a model of these readings: others of the same kind; None where there are none."""
+        return (self.validation if self.calibration is not None else self.validation_legs) or None
+
+    @property
+    def scatter_mm(self) -> float:
+        """Scatter of the arm per axis beside the stated uncertainties; 0 where they contain it."""
+        return 0.0 if self.repeatability_in_uncertainty else self.robot.repeatability_mm
+
+    def of_rows(self, rows: IntArray) -> "Campaign":
+        """Return the campaign with some of the readings that identify, shape (m,) indices."""
+        if self.calibration is not None:
+            return replace(self, calibration=self.calibration.taken(rows))
+        return self if self.legs is None else replace(self, legs=self.legs.taken(rows))

@@ -24,16 +24,15 @@ from truepose.identification.fit.solver import posterior_covariance
 from truepose.identification.model.prediction import predict, predict_lengths, predict_nominal
 from truepose.identification.model.stops import sites
 from truepose.identification.models import Fits, model_of
-from truepose.identification.observations.blocks import PositionBlock
+from truepose.identification.observations.legs import leg_block
+from truepose.identification.observations.positions import position_block
 from truepose.identification.problem.build import (
     NOMINAL_EFFECTS,
     NUISANCE,
     Problem,
     automatic_effects,
     build,
-    position_block,
 )
-from truepose.identification.problem.legs import leg_block
 from truepose.identification.verdict import status as verdict
 from truepose.identification.verdict.identifiability import not_identifiable
 from truepose.identification.verdict.lengths_by_positions import judged_by_positions
@@ -197,7 +196,7 @@ def _validation(campaign: Campaign, model: Model) -> _HeldOut | None:
 def _point_validation(campaign: Campaign, model: Model, points: PointReadings | None) -> _HeldOut | None:
     if points is None or len(points) == 0:
         return None
-    block = position_block(points, campaign)
+    block = position_block(points, campaign.scatter_mm)
     noise = expected_noise_mm(block)
     predicted, uncertainty = predict(replace(model, repeatability_mm=0.0), points.stops, points.nest)
     residual = points.position_mm - predicted
@@ -210,7 +209,7 @@ def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) 
     if legs is None or len(legs) == 0:
         return None
     anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
-    block = leg_block(legs, campaign, anchors)
+    block = leg_block(legs, campaign.scatter_mm, anchors)
     noise = expected_noise_mm(block)
     residual = (legs.length_mm - predict_lengths(model, legs))[:, None]
     nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
@@ -242,10 +241,7 @@ def _discrepancy_mm(held_out: _HeldOut, identified: RobustFit) -> float:
 
 
 def _pure_error(identified: RobustFit) -> PureError | None:
-    block = identified.blocks[0]
-    if not isinstance(block, PositionBlock):
-        return None
-    return pure_error(block, identified.results[0].residual, len(identified.structure.specs))
+    return pure_error(identified.blocks[0], identified.results[0].residual, len(identified.structure.specs))
 
 
 def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdentifiable, ...]:
@@ -257,19 +253,18 @@ def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdent
 
 
 def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: str) -> Identification:
-    readings = campaign.calibration or campaign.legs
-    rows = 0 if readings is None else len(readings)
+    readings = campaign.readings
+    observations = 0 if readings is None else readings.observed_mm.size
     configurations = 0 if readings is None else len(np.unique(readings.stops.config))
-    position = campaign.calibration is not None
     return Identification(
         status=status,
         message=message,
         effects=effects,
-        counts=Counts(configurations, 3 * rows if position else rows, 0, 0),
+        counts=Counts(configurations, observations, 0, 0),
         parameters=(),
         not_identifiable=(),
         outliers=(),
-        quantity="position" if position else "length",
+        quantity="length" if readings is None else readings.quantity,
         calibration=None,
         validation=None,
         cross_validation=None,

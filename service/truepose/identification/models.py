@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.campaign import Campaign
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
@@ -96,18 +96,13 @@ def _anchors(fit: RobustFit) -> tuple[Anchor, ...]:
 
 
 def _origin(fits: Fits) -> dict[str, str | int | float]:
-    stops = fits.identified.blocks[0].targets.stops
+    stops, held_out = fits.identified.blocks[0].targets.stops, fits.campaign.held_out
+    judging = () if held_out is None else (held_out.stops,)
     return {
         "robot": fits.campaign.robot.name,
         "configurations": len(np.unique(sites(stops))),
         "readings": len(stops),
         "readings_without_weight": int(fits.identified.gross[0].sum()),
         "chi2_per_dof": fits.identified.chi2_per_dof,
-        **spanned((stops, *_judging(fits.campaign)), fits.identified.structure.origin_s),
+        **spanned((stops, *judging), fits.identified.structure.origin_s),
     }
-
-
-def _judging(campaign: Campaign) -> tuple[Stops, ...]:
-    """Return the stops of the readings that judge a model, where the campaign has any."""
-    validation = campaign.validation if campaign.calibration is not None else campaign.validation_legs
-    return () if validation is None else (validation.stops,)

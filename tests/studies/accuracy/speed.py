@@ -12,7 +12,8 @@ from truepose.domain.robot import FramePlacement
 from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.identification.fit.robust import fit
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.problem.build import automatic_effects, build, position_block
+from truepose.identification.observations.positions import position_block
+from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import nominal_chain
 
 _SIZES: Final = (50, 1000, 10000)
@@ -28,7 +29,7 @@ def main() -> None:
 def _median_ms(n: int) -> float:
     campaign = _campaign(n)
     problem = build(campaign, automatic_effects(campaign))
-    block = position_block(campaign.calibration, campaign) if campaign.calibration else None
+    block = position_block(campaign.calibration, campaign.scatter_mm) if campaign.calibration else None
     blocks = (block,) if block else ()
     taken = []
     for _ in range(_RUNS):

@@ -13,8 +13,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, FixedNestReadings
 from truepose.domain.robot import FixedNest, WorldRegistration
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.observations.blocks import Block, BlockResult, OrientationBlock, PositionBlock
-from truepose.identification.observations.fixed_nests import ReferenceBlock
+from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.kinematics.frames import cross_matrix
 
 
@@ -34,18 +33,13 @@ class Considered:
 
 def considered(campaign: Campaign, fit: RobustFit) -> Considered:
     """Carry the certified uncertainties into the covariance of the parameters."""
-    covariance = fit.solution.covariance
-    nothing = np.zeros_like(covariance)
-    if not isinstance(fit.blocks[0], PositionBlock):
-        return Considered(covariance, nothing, nothing)
-    gain = _Gain(fit)
-    nests = gain(_nest_sensitivities(campaign, fit))
+    covariance, gain = fit.solution.covariance, _Gain(fit)
+    each = list(zip(fit.blocks, fit.results, strict=True))
+    nests = gain([_nest_sensitivity(campaign, block, result) for block, result in each])
     registration = world_registration(campaign)
     if registration is None:
-        return Considered(covariance, nests @ nests.T, nothing)
-    frame = gain([
-        _frame_sensitivity(result, block) for result, block in zip(fit.results, fit.blocks, strict=True)
-    ])
+        return Considered(covariance, nests @ nests.T, np.zeros_like(covariance))
+    frame = gain([block.moved_by_world(result) for block, result in each])
     return Considered(covariance, nests @ nests.T, frame @ registration.covariance @ frame.T)
 
 
@@ -65,41 +59,14 @@ class _Gain:
         return gain
 
 
-def _nest_sensitivities(campaign: Campaign, fit: RobustFit) -> list[FloatArray]:
-    """Return the motion of each prediction per standard uncertainty of each certified nest coordinate.
-
-    One array of shape (S, n, 3) per block; where a nest sits does not turn the tool.
-    """
-    position = _nest_sensitivity(campaign, fit.results[0])
-    others = [np.zeros((len(position), *result.residual.shape)) for result in fit.results[1:]]
-    return [position, *others]
-
-
-def _nest_sensitivity(campaign: Campaign, result: BlockResult) -> FloatArray:
-    last = result.state.chain.end_rotation
-    rows = []
-    for number, nest in enumerate(campaign.nests, start=1):
-        if nest.centre_mm is None or not nest.standard_uncertainty_mm:
-            continue
-        here = (result.state.targets.nest == number)[:, None]
-        rows += [np.where(here, last[:, :, k], 0.0) * nest.standard_uncertainty_mm for k in range(3)]
-    return np.array(rows).reshape(-1, len(last), 3)
-
-
-def _frame_sensitivity(result: BlockResult, block: Block) -> FloatArray:
-    """Return the motion of each prediction, in the frame of the readings, per small motion of the world.
-
-    Shape (6, n, 3): three shifts, three turns; a turn moves positions and turns orientations. The readings
-    of fixed nests have the world's error among their own parameters and carry nothing into the others.
-    """
-    if isinstance(block, ReferenceBlock):
-        return np.zeros((6, *result.residual.shape))
-    points = result.state.position_mm
-    shifts = np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3))
-    if isinstance(block, OrientationBlock):
-        return np.concatenate([np.zeros_like(shifts), shifts])
-    turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
-    return np.concatenate([shifts, turns])
+def _nest_sensitivity(campaign: Campaign, block: Block, result: BlockResult) -> FloatArray:
+    """Return how predictions move per standard uncertainty of each certified coordinate, (S, n, d)."""
+    moved = [
+        nest.standard_uncertainty_mm * block.moved_by_nest(result, number)
+        for number, nest in enumerate(campaign.nests, start=1)
+        if nest.centre_mm is not None and nest.standard_uncertainty_mm
+    ]
+    return np.concatenate([np.zeros((0, *result.residual.shape)), *moved])
 
 
 def world_registration(campaign: Campaign) -> WorldRegistration | None:

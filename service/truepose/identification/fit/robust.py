@@ -31,11 +31,9 @@ from scipy.optimize import brentq
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.geometry import GEOMETRY_EFFECTS
 from truepose.identification.distributions import chi2_limit, chi2_median
-from truepose.identification.fit.looks import gross_looks, own_discrepancy_mm
 from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 
 _SOFT_ROUNDS = 40
 _SETTLED = 1e-3  # relative change of the typical residual
@@ -230,11 +228,8 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     scale = max(1.0, float(np.median(squared) / chi2_median(d)))
     lacking = block.discrepancy**2 / float(np.mean(spread))
     limit = (1.0 + lacking) * scale * chi2_limit(_FALSE_ALARM / n, d)
-    gross = squared > limit
-    if isinstance(block, ReferenceBlock):
-        gross = gross_looks(block, gross)
-        return gross, np.where(gross, 0.0, 1.0)
-    if lacking < _MOSTLY_LACKING:
+    gross = block.bad_among(squared > limit)
+    if lacking < _MOSTLY_LACKING or not block.of_arm:
         return gross, np.where(gross, 0.0, 1.0)
     return gross, np.clip(_TAPER * (1.0 - squared / limit), 0.0, 1.0)
 
@@ -249,8 +244,9 @@ def _with_discrepancy(
 
 
 def _discrepancy(structure: Structure, block: Block, result: BlockResult, solution: Solution[Joint]) -> float:
-    if isinstance(block, ReferenceBlock):
-        return own_discrepancy_mm(block)
+    own = block.own_discrepancy()
+    if own is not None:
+        return own
     dof = _degrees_of_freedom(block, result, solution.covariance)
 
     def excess(extra: float) -> float:

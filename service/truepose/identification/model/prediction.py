@@ -16,9 +16,8 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.lengths import excess_mm, moved_feet
 from truepose.identification.model.missing import left_out, left_out_variance, span_of
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.legs import LEG_OFFSET, anchor_name
+from truepose.identification.observations.legs import LEG_OFFSET, anchor_name, leg_targets
 from truepose.identification.problem.build import NOMINAL_EFFECTS
-from truepose.identification.problem.legs import leg_targets
 from truepose.kinematics.frames import placement_rotation, placement_translation, rotation_xyz
 
 

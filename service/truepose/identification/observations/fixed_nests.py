@@ -8,39 +8,45 @@ motion about the world's origin, and then seen as the instrument sees everything
 The registration is that of the start; of the readings of the arm the base takes it.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
 from truepose.effects.reference import NAME, place_name, reference_specs
 from truepose.effects.rigid_motion import COMPONENTS
 from truepose.identification.model.derivatives import seen_jacobian
-from truepose.identification.model.evaluation import State, Targets, evaluate
+from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
+from truepose.identification.observations.looks import Looks
 from truepose.kinematics.frames import cross, turned_axes
 
 _FRAME = tuple(f"frame_{component}" for component in COMPONENTS)
 
 
-@dataclass(frozen=True, slots=True)
-class ReferenceBlock(IndependentReadings, Table):
-    """Readings of fixed nests, each a stop of its own that it shares with no configuration of the arm."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReferenceBlock(IndependentReadings):
+    """Readings of fixed nests, each a stop of its own that it shares with no configuration of the arm.
 
-    targets: Targets
+    A model that they contradict does not judge them: they judge one another (`looks`). What the world is off
+    by is among their own parameters and carries nothing into the others.
+    """
+
+    quantity: ClassVar[str] = "position"
+    table: ClassVar[str] = "reference"
+    components: ClassVar[int] = 3
+    of_arm: ClassVar[bool] = False
+
     fixed_nest: IntArray  # (n,) 1-based
     certified_mm: FloatArray  # (n, 3) place of the nest of each reading
     measured_mm: FloatArray  # (n, 3)
-    uncertainty: FloatArray  # (n,) per axis [mm]
-    weights: FloatArray  # (n,)
-    discrepancy: float = 0.0  # mm per axis
-    scatter_mm: float = 0.0  # the arm takes no part
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
-        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        state = self.evaluated(structure, values, previous)
         residual = self.measured_mm - state.seen(self._registered(state)[0])
         return BlockResult(residual, self.derivatives(state), state, self.whitening())
 
@@ -74,9 +80,25 @@ class ReferenceBlock(IndependentReadings, Table):
         arms = places @ turn[0].T
         return arms + frame[:3], turn[0], axes[:, 0], arms
 
-    def weighted(self, weights: FloatArray, discrepancy: float) -> "ReferenceBlock":
-        """Return the block with other weights and another discrepancy [mm]."""
-        return replace(self, weights=weights, discrepancy=discrepancy)
+    def ends(self) -> tuple[IntArray, ...]:
+        """Return the fixed nests."""
+        return (self.fixed_nest,)
+
+    def own_discrepancy(self) -> float | None:
+        """Return by how much looks scatter beyond what is stated, per axis [mm]."""
+        return self._looks().discrepancy_mm(self.stated_sigma() ** 2)
+
+    def bad_among(self, off: BoolArray) -> BoolArray:
+        """Return which readings that are off the model are bad ones; the others speak against it."""
+        return self._looks().bad_among(off)
+
+    def contradiction(self, result: BlockResult) -> float:
+        """Return the chance that readings without a bad one lie so far off the model by scatter alone."""
+        squared = float((self.weights * self.squared(result)).sum())
+        return self._looks().chance_of(squared, 3.0 * float(self.weights.sum()))
+
+    def _looks(self) -> Looks:
+        return Looks(self.targets.stops.time_s, self.fixed_nest, self.measured_mm, self.component_variance())
 
 
 def reference_block(campaign: Campaign) -> ReferenceBlock | None:

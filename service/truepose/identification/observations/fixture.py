@@ -8,15 +8,16 @@ Source of the procedure: A. Nubiola, thesis, 2014, sections 3.5 and 4.1.
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import CupSetups, FixtureLengths, Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import PortKind
 from truepose.identification.model.derivatives import position_jacobian
-from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
+from truepose.identification.model.evaluation import State, Targets, nest_centres
 from truepose.identification.model.lengths import excess_mm
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import BlockResult, IndependentReadings
@@ -27,21 +28,24 @@ BALL_NEST = 1  # tool nest that holds the setting ball
 Anchors = tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class SideBlock(IndependentReadings, Table):
-    """Measured sides; a point is an anchor of the structure, or a tool nest counted on after the anchors."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SideBlock(IndependentReadings):
+    """Measured sides; a point is an anchor of the structure, or a tool nest counted on after the anchors.
 
-    targets: Targets  # no stop of the arm took part: joints 0, configurations of their own
-    ends: IntArray  # (n, 2) points that each side joins
+    The targets are no stops of the arm: joints 0, configurations of their own.
+    """
+
+    quantity: ClassVar[str] = "length"
+    table: ClassVar[str] = "fixture"
+    components: ClassVar[int] = 1
+    of_arm: ClassVar[bool] = False
+
+    points: IntArray  # (n, 2) that each side joins
     length_mm: FloatArray  # (n,)
-    uncertainty: FloatArray  # (n,) [mm]
-    weights: FloatArray  # (n,)
-    discrepancy: float = 0.0  # mm
-    scatter_mm: float = 0.0  # the arm takes no part
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
-        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        state = self.evaluated(structure, values, previous)
         distance = np.linalg.norm(self._joined(state), axis=1)
         residual = (self.length_mm - distance - excess_mm(state))[:, None]
         return BlockResult(residual, self.derivatives(state), state, self.whitening())
@@ -54,14 +58,14 @@ class SideBlock(IndependentReadings, Table):
         rows = np.arange(len(direction))
         jacobian = np.zeros((len(state.structure.names), len(direction)))
         for end, sign in ((0, -1.0), (1, 1.0)):
-            base = self.ends[:, end] < n_anchors
+            base = self.points[:, end] < n_anchors
             for component in range(3):
-                parameter = first + 3 * self.ends[base, end] + component
+                parameter = first + 3 * self.points[base, end] + component
                 jacobian[parameter, rows[base]] += sign * direction[base, component]
         for term in state.terms:
             if term.port.kind is PortKind.NEST:
                 nest, component = divmod(term.port.number, 3)
-                moves = (self.ends == n_anchors + nest).astype(float) @ np.array([-1.0, 1.0])
+                moves = (self.points == n_anchors + nest).astype(float) @ np.array([-1.0, 1.0])
                 jacobian[term.parameter] += term.weight * moves * direction[:, component]
             elif term.port.kind is PortKind.LENGTH:
                 jacobian[term.parameter] += term.weight
@@ -71,27 +75,34 @@ class SideBlock(IndependentReadings, Table):
         """Return the vector from the first to the second end of each side, shape (n, 3)."""
         anchors = anchor_places(state.structure, state.values)
         points = np.concatenate([anchors, nest_centres(state.structure, state.moved)])
-        return np.asarray(points[self.ends[:, 1]] - points[self.ends[:, 0]])
+        return np.asarray(points[self.points[:, 1]] - points[self.points[:, 0]])
 
-    def weighted(self, weights: FloatArray, discrepancy: float) -> "SideBlock":
+    def own_discrepancy(self) -> float | None:
+        """Return none: sides are as good as they are stated to be."""
+        return 0.0
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> Self:
         """Return the block with other weights; no model of an arm is in it that could lack something."""
         return replace(self, weights=weights)
 
 
-@dataclass(frozen=True, slots=True)
-class ClampBlock(IndependentReadings, Table):
-    """Cups that were clamped on the ball which the robot held: three coordinates each."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClampBlock(IndependentReadings):
+    """Cups that were clamped on the ball which the robot held: three coordinates each.
 
-    targets: Targets  # where the robot stood, configurations of their own
+    The uncertainty is of cup against ball and of the arm's stop: each cup is clamped at a stop of its own,
+    which shares its configuration with no other.
+    """
+
+    quantity: ClassVar[str] = "position"
+    table: ClassVar[str] = "setup"
+    components: ClassVar[int] = 3
+
     anchor: IntArray  # (n,) index in the structure's anchors
-    uncertainty: FloatArray  # (n,) per axis, of cup against ball and of the arm's stop [mm]
-    weights: FloatArray  # (n,)
-    discrepancy: float = 0.0  # mm per axis
-    scatter_mm: float = 0.0  # part of the uncertainty: each cup is clamped at a stop of its own
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
-        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        state = self.evaluated(structure, values, previous)
         residual = anchor_places(structure, values)[self.anchor] - state.position_mm
         return BlockResult(residual, self.derivatives(state), state, self.whitening())
 
@@ -102,10 +113,6 @@ class ClampBlock(IndependentReadings, Table):
         for component in range(3):
             jacobian[first + 3 * self.anchor + component, rows, component] -= 1.0
         return jacobian
-
-    def weighted(self, weights: FloatArray, discrepancy: float) -> "ClampBlock":
-        """Return the block with other weights and another discrepancy [mm]."""
-        return replace(self, weights=weights, discrepancy=discrepancy)
 
 
 def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Robot) -> SideBlock | None:
@@ -129,7 +136,13 @@ def side_block(fixture: FixtureLengths, anchors: Anchors, nests: int, robot: Rob
     length = fixture.length_mm[rows]
     stops = Stops(-1 - np.arange(len(rows)), np.zeros((len(rows), robot.n_joints)))
     targets = Targets(stops, np.ones(len(rows), dtype=np.int64), length_mm=length)
-    return SideBlock(targets, ends[rows], length, fixture.standard_uncertainty_mm[rows], np.ones(len(rows)))
+    return SideBlock(
+        targets=targets,
+        points=ends[rows],
+        length_mm=length,
+        uncertainty=fixture.standard_uncertainty_mm[rows],
+        weights=np.ones(len(rows)),
+    )
 
 
 def _point(fixture: FixtureLengths, row: int, end: str, anchors: Anchors, nests: int) -> int:
@@ -159,4 +172,9 @@ def clamp_block(setup: CupSetups, anchors: Anchors, uncertainty_mm: float) -> Cl
     numbers = -1 - 10_000 - np.arange(len(rows))  # apart from those of the sides
     targets = Targets(Stops(numbers, setup.joints_rad[rows]), np.full(len(rows), BALL_NEST))
     index = np.array([anchors.index(pairs[row]) for row in rows])
-    return ClampBlock(targets, index, np.full(len(rows), uncertainty_mm), np.ones(len(rows)))
+    return ClampBlock(
+        targets=targets,
+        anchor=index,
+        uncertainty=np.full(len(rows), uncertainty_mm),
+        weights=np.ones(len(rows)),
+    )

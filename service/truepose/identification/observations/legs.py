@@ -1,14 +1,17 @@
 """Legs as observations: measured lengths from base nests, which are parameters themselves, to tool nests."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
-from truepose.identification.model.evaluation import State, Targets, evaluate
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.campaign import LegReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import BlockResult
+from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.whitening import Whitener, whitener
 from truepose.kinematics.chain import theta_gradient
 
@@ -36,21 +39,25 @@ def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
     return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
 
 
-@dataclass(frozen=True, slots=True)
-class LegBlock(Table):
-    """Measured lengths from base nests, which are parameters themselves, to tool nests."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LegBlock(Block):
+    """Measured lengths from base nests, which are parameters themselves, to tool nests.
 
-    targets: Targets
+    The discrepancy [mm] is at an arm's length from the joints. Certified tool nests are parameters too, and
+    cups of unknown place see no world: nothing moves these lengths that is held.
+    """
+
+    quantity: ClassVar[str] = "length"
+    table: ClassVar[str] = "legs"
+    components: ClassVar[int] = 1
+
     anchor: IntArray  # (n,) index in the structure's anchors
     length_mm: FloatArray  # (n,)
     uncertainty_mm: FloatArray  # (n,)
-    scatter_mm: float
-    weights: FloatArray  # (n,)
-    discrepancy: float = 0.0  # mm, at an arm's length from the joints
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals [mm] and derivatives."""
-        state = evaluate(structure, values, self.targets, previous.state if previous else None)
+        state = self.evaluated(structure, values, previous)
         arm = state.position_mm - moved_feet(state, self._feet(state))
         distance = np.linalg.norm(arm, axis=1)
         direction = arm / distance[:, None]
@@ -79,6 +86,14 @@ class LegBlock(Table):
         """Return the anchor of each leg, shape (n, 3)."""
         return np.asarray(anchor_places(state.structure, state.values)[self.anchor])
 
+    def ends(self) -> tuple[IntArray, ...]:
+        """Return the two nests of each leg."""
+        return self.targets.nest, self.anchor
+
+    def covariance(self) -> FloatArray:
+        """Return the variance of each length, shape (n, 1, 1) [mm2]."""
+        return np.asarray(self.uncertainty_mm[:, None, None] ** 2)
+
     def component_variance(self) -> FloatArray:
         """Variance of each length [mm2], shape (n,)."""
         return np.asarray(self.uncertainty_mm**2 + self.discrepancy**2)
@@ -93,10 +108,6 @@ class LegBlock(Table):
         direction = np.zeros((n, 3)) if result.direction is None else result.direction
         lever = np.zeros((n, joints)) if result.lever_mm is None else result.lever_mm
         return replace(result, whitening=self._whitening(direction, lever))
-
-    def whitened(self, result: BlockResult) -> FloatArray:
-        """Return residuals with this block's weights, shape (n,)."""
-        return self.rewhitened(result).white_residual
 
     def squared(self, result: BlockResult) -> FloatArray:
         """Return each length's squared residual over its variance, scatter included, shape (n,)."""
@@ -115,6 +126,31 @@ class LegBlock(Table):
         _, stop, legs = np.unique(self.targets.stops.config, return_inverse=True, return_counts=True)
         return np.asarray(legs[stop] > 1)
 
-    def weighted(self, weights: FloatArray, discrepancy: float) -> "LegBlock":
-        """Return the block with other weights and another discrepancy [mm]."""
-        return replace(self, weights=weights, discrepancy=discrepancy)
+
+def leg_targets(legs: LegReadings) -> Targets:
+    """Return where lengths were read, with what effects of ballbar and fixture depend on."""
+    return Targets(legs.stops, legs.nest, legs.placement, legs.initialisation, legs.length_mm)
+
+
+def leg_block(legs: LegReadings, scatter_mm: float, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
+    """Return the block of leg readings for a structure with these anchors.
+
+    Raises
+    ------
+    ConfigurationError
+        A leg is from a cup that the structure does not know.
+    """
+    missing = sorted(set(legs.cups) - set(anchors))
+    if missing:
+        raise ConfigurationError(
+            f"Placement {missing[0][0]}, base point {missing[0][1]} was not among the legs "
+            "that the model was made from."
+        )
+    return LegBlock(
+        targets=leg_targets(legs),
+        anchor=np.array([anchors.index(cup) for cup in legs.cups]),
+        length_mm=legs.length_mm,
+        uncertainty_mm=legs.standard_uncertainty_mm,
+        scatter_mm=scatter_mm,
+        weights=np.ones(len(legs)),
+    )

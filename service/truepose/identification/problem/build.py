@@ -1,21 +1,20 @@
 """From a campaign to a least-squares problem: structure, blocks of observations, start values."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Stops
+from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.effects.ports import Setting
 from truepose.effects.reference import NAME as REFERENCE
 from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
-from truepose.identification.model.evaluation import Targets
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block, OrientationBlock, PositionBlock
+from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
-from truepose.identification.observations.legs import LegBlock
+from truepose.identification.observations.orientations import orientation_block
+from truepose.identification.observations.positions import position_block
 from truepose.identification.problem.legs import leg_structure
 from truepose.identification.problem.placement import Placement, place
 from truepose.identification.problem.setting import (
@@ -33,7 +32,6 @@ from truepose.kinematics.frames import (
     vector_from_rotation,
 )
 
-_UNSTATED_RAD = 1e-3  # first guess of an orientation's uncertainty; the residuals replace it
 NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
 NUISANCE = (
     REFERENCE,
@@ -54,9 +52,9 @@ class Problem:
     setting: Setting  # from which the effects chose their parameters
 
     @property
-    def quantity(self) -> Literal["position", "length"]:
-        """What the first block observes."""
-        return "length" if isinstance(self.blocks[0], LegBlock) else "position"
+    def quantity(self) -> Quantity:
+        """What the campaign's readings are of."""
+        return "length" if self.setting.lengths else "position"
 
 
 def automatic_effects(campaign: Campaign) -> tuple[str, ...]:
@@ -87,7 +85,7 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
     ConfigurationError
         The campaign has nothing to identify from, or the effects leave open what it does not know.
     """
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     if readings is None:
         raise ConfigurationError(
             "The campaign has neither calibration points nor legs: give one of them under `files`."
@@ -148,11 +146,11 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     setting = setting_of(campaign, points.stops, found)
     tool = _tool_rotation(chain, placement, points)
     structure, start = started_structure(campaign, effects, placement, tool, setting)
-    blocks: list[Block] = [position_block(points, campaign)]
+    positions: Block = position_block(points, campaign.scatter_mm)
     # Without the tool's orientation as a parameter, measured orientations say nothing.
-    if points.quaternion is not None and "tool" in effects:
-        blocks.append(_orientation_block(points, points.quaternion))
-    return Problem(structure, tuple(blocks), start, placement.residual_mm, setting)
+    orientations = orientation_block(points) if "tool" in effects else None
+    blocks = (positions,) if orientations is None else (positions, orientations)
+    return Problem(structure, blocks, start, placement.residual_mm, setting)
 
 
 def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) -> FloatArray:
@@ -168,33 +166,6 @@ def _tool_rotation(chain: Chain, placement: Placement, points: PointReadings) ->
 
 def _mean_turn(turns: FloatArray) -> FloatArray:
     return rotation_from_vector(np.median(vector_from_rotation(turns), axis=0))
-
-
-def position_block(points: PointReadings, campaign: Campaign) -> PositionBlock:
-    """Return the block of position readings, weighted as the campaign states."""
-    covariance = points.covariance_mm2
-    if covariance is None:
-        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
-    scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
-    targets = Targets(points.stops, points.nest)
-    block = PositionBlock(targets, points.position_mm, covariance, scatter, np.ones(len(points)))
-    return block.prepared()
-
-
-def _orientation_block(points: PointReadings, quaternion: FloatArray) -> OrientationBlock:
-    stated = points.rotation_uncertainty_rad
-    known = np.zeros(0) if stated is None else stated[np.isfinite(stated)]
-    if stated is None or known.size == 0:
-        uncertainty, extra = np.zeros(len(points)), _UNSTATED_RAD
-    else:  # one instrument measured them all: where it says nothing, it is as good as elsewhere
-        uncertainty, extra = np.where(np.isfinite(stated), stated, np.median(known)), 0.0
-    return OrientationBlock(
-        targets=Targets(points.stops, points.nest),
-        measured=rotation_from_quaternion(quaternion),
-        uncertainty=uncertainty,
-        weights=np.ones(len(points)),
-        discrepancy=extra,
-    )
 
 
 def _leg_problem(campaign: Campaign, legs: LegReadings, effects: tuple[str, ...]) -> Problem:

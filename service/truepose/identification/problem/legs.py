@@ -12,11 +12,10 @@ from truepose.effects.ports import ParameterSpec, Setting
 from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit
-from truepose.identification.model.evaluation import Targets
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixture import BALL_NEST, TOOL_PLACEMENT, clamp_block, side_block
-from truepose.identification.observations.legs import LEG_OFFSET, LegBlock, anchor_name
+from truepose.identification.observations.legs import LEG_OFFSET, anchor_name, leg_block
 from truepose.identification.problem.leg_placement import LegPlacement, place_legs
 from truepose.identification.problem.placement import Known, Placement
 from truepose.identification.problem.setting import known_placement, unknown_nests
@@ -34,24 +33,8 @@ _CONTRADICTION_LEVEL = 1e-3  # at which a measured triangle is found to contradi
 
 def leg_anchors(legs: LegReadings) -> tuple[tuple[tuple[int, int], ...], IntArray]:
     """Return the distinct (placement, base point) pairs and the index of each reading among them."""
-    pairs = list(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))
-    distinct = sorted(set(pairs))
-    return tuple(distinct), np.array([distinct.index(pair) for pair in pairs])
-
-
-def leg_targets(legs: LegReadings) -> Targets:
-    """Return where lengths were read, with what effects of ballbar and fixture depend on."""
-    return Targets(legs.stops, legs.nest, legs.placement, legs.initialisation, legs.length_mm)
-
-
-def leg_block(legs: LegReadings, campaign: Campaign, anchors: tuple[tuple[int, int], ...]) -> LegBlock:
-    """Return the block of leg readings for a structure with these anchors."""
-    scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
-    pairs = zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True)
-    index = np.array([anchors.index(pair) for pair in pairs])
-    return LegBlock(
-        leg_targets(legs), index, legs.length_mm, legs.standard_uncertainty_mm, scatter, np.ones(len(legs))
-    )
+    distinct = sorted(set(legs.cups))
+    return tuple(distinct), np.array([distinct.index(cup) for cup in legs.cups])
 
 
 def leg_structure(
@@ -90,7 +73,11 @@ def leg_structure(
     anchors_mm = found.anchors_mm @ placement.rotation.T + placement.origin_mm
     offset_mm = found.offset_mm if with_offset else None
     structure, start = _with_anchors(structure, start, anchors, anchors_mm, offset_mm)
-    return structure, (leg_block(legs, campaign, anchors), *_fixture_blocks(campaign, anchors)), start
+    return (
+        structure,
+        (leg_block(legs, campaign.scatter_mm, anchors), *_fixture_blocks(campaign, anchors)),
+        start,
+    )
 
 
 def _clamped(campaign: Campaign, anchors: tuple[tuple[int, int], ...], known: Known) -> FloatArray:

@@ -13,7 +13,7 @@ from truepose.kinematics.gravity import gravity_torques
 
 def torque_source(campaign: Campaign) -> str:
     """Where joint torques come from: `measured`, `masses` or `unknown`."""
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     torque = None if readings is None else readings.stops.torque_n_mm
     if torque is not None and np.isfinite(torque).any():
         return "measured"
@@ -78,7 +78,7 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
 
 
 def _certified_nests(campaign: Campaign) -> tuple[int, ...]:
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     unknown = unknown_nests(campaign)
     measured = () if readings is None else _numbers(readings.nest)
     return tuple(nest for nest in measured if nest not in unknown)

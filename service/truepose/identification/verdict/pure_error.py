@@ -11,18 +11,18 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.results import PureError
 from truepose.identification.distributions import f_exceeded
 from truepose.identification.model.stops import sites
-from truepose.identification.observations.blocks import PositionBlock
+from truepose.identification.observations.blocks import Block
 
 _NOTHING_MM2 = 1e-12  # readings of a simulator without noise: there is no pure error to compare with
 
 
-def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
+def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> PureError | None:
     """Compare lack of fit with pure error; None without revisits.
 
     Parameters
     ----------
-    block : PositionBlock
-    residual_mm : ndarray, shape (n, 3)
+    block : Block
+    residual_mm : ndarray, shape (n, d)
         Of the identified model.
     n_parameters : int
     """
@@ -31,13 +31,13 @@ def pure_error(block: PositionBlock, residual_mm: FloatArray, n_parameters: int)
         return None
     site = sites(block.targets.stops)
     kept = block.weights > 0.5
-    keys = np.stack([site, block.targets.nest], axis=1)[kept]
+    keys = np.stack([site, *block.ends()], axis=1)[kept]
     _, group, sizes = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     residual = residual_mm[kept]
-    means = np.stack([np.bincount(group.ravel(), residual[:, k]) / sizes for k in range(3)], axis=1)
+    means = np.stack([np.bincount(group.ravel(), column) / sizes for column in residual.T], axis=1)
     within = float(((residual - means[group.ravel()]) ** 2).sum())
-    pure_dof = 3 * int((sizes - 1).sum())
-    lack_dof = 3 * len(residual) - n_parameters - pure_dof
+    pure_dof = block.components * int((sizes - 1).sum())
+    lack_dof = block.components * len(residual) - n_parameters - pure_dof
     if pure_dof < 3 or lack_dof < 1 or within < _NOTHING_MM2:
         return None
     lack = float((residual**2).sum()) - within

@@ -10,12 +10,16 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+from truepose.domain.campaign import Campaign, Quantity, Readings
 from truepose.domain.results import Outlier
 from truepose.identification.verdict.conventions import reach_mm
 
 _FAR: Final = 4.0  # reaches; two are possible
 _TOOL_MM: Final = 2000.0  # no unknown nest is further from the last frame
+_COMPARED: Final[dict[Quantity, str]] = {
+    "position": "from the middle of all readings",
+    "length": "off the other lengths from its cup",
+}
 _ACCIDENTS: Final = 0.2  # share of the readings beyond which they are none: the table is of another robot
 
 
@@ -48,7 +52,7 @@ class WithinReach:
 
 def within_reach(campaign: Campaign) -> WithinReach:
     """Set aside the readings that identify and that the arm cannot have reached, where they are few."""
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     if readings is None:
         return WithinReach(campaign, (), np.zeros(0, dtype=np.int64))
     reach = _with_tool_mm(campaign)
@@ -60,7 +64,7 @@ def within_reach(campaign: Campaign) -> WithinReach:
     if not beyond.any():
         return WithinReach(campaign, (), rows)
     found = tuple(_outlier(readings, int(row), float(away_mm[row]), reach) for row in np.flatnonzero(beyond))
-    return WithinReach(_with_rows(campaign, rows), found, rows)
+    return WithinReach(campaign.of_rows(rows), found, rows)
 
 
 def _with_tool_mm(campaign: Campaign) -> float:
@@ -70,36 +74,22 @@ def _with_tool_mm(campaign: Campaign) -> float:
     return reach_mm(campaign.robot) + max(longest, _TOOL_MM if unknown else 0.0)
 
 
-def _away_mm(readings: PointReadings | LegReadings) -> FloatArray:
+def _away_mm(readings: Readings) -> FloatArray:
     """Return how far each reading is from the middle one of all it can be compared with [mm], shape (n,)."""
-    if isinstance(readings, PointReadings):
-        middle = np.nanmedian(readings.position_mm, axis=0)
-        return np.asarray(np.abs(readings.position_mm - middle).max(axis=1))
-    away = np.empty(len(readings))
-    cup = np.column_stack([readings.placement, readings.base_point])
-    _, which = np.unique(cup, axis=0, return_inverse=True)
-    for number in np.unique(which):
-        here = which.reshape(-1) == number
-        away[here] = np.abs(readings.length_mm[here] - np.nanmedian(readings.length_mm[here]))
+    away, seen_from = np.empty(len(readings)), readings.seen_from
+    for number in np.unique(seen_from):
+        here = seen_from == number
+        seen = readings.observed_mm[here]
+        away[here] = np.abs(seen - np.nanmedian(seen, axis=0)).max(axis=1)
     return away
 
 
-def _outlier(readings: PointReadings | LegReadings, row: int, away_mm: float, reach: float) -> Outlier:
-    of_points = isinstance(readings, PointReadings)
-    what = "from the middle of all readings" if of_points else "off the other lengths from its cup"
+def _outlier(readings: Readings, row: int, away_mm: float, reach: float) -> Outlier:
     return Outlier(
         row=row,
         config=int(readings.stops.config[row]),
         nest=int(readings.nest[row]),
         residual_mm=away_mm,
-        reason=f"{away_mm:.3g} mm {what}, where this arm with its tool reaches {reach:.0f} mm: "
-        "no place of the arm gives that, it was set aside before the fit",
+        reason=f"{away_mm:.3g} mm {_COMPARED[readings.quantity]}, where this arm with its tool reaches "
+        f"{reach:.0f} mm: no place of the arm gives that, it was set aside before the fit",
     )
-
-
-def _with_rows(campaign: Campaign, rows: IntArray) -> Campaign:
-    """Return the campaign with some of the readings that identify."""
-    points, legs = campaign.calibration, campaign.legs
-    if points is not None:
-        return replace(campaign, calibration=points.taken(rows))
-    return campaign if legs is None else replace(campaign, legs=legs.taken(rows))

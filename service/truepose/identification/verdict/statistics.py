@@ -6,8 +6,7 @@ from scipy.special import elliprg
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import PointReadings
 from truepose.domain.results import Statistics
-from truepose.identification.observations.blocks import Block, PositionBlock
-from truepose.identification.observations.legs import LegBlock
+from truepose.identification.observations.blocks import Block
 
 
 def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
@@ -32,13 +31,7 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
 
 def expected_noise_mm(block: Block) -> float:
     """Mean norm of the residuals that readings and the arm's scatter alone would give [mm]."""
-    scatter = block.scatter_mm**2
-    if isinstance(block, PositionBlock):
-        return mean_norm(block.covariance_mm2 + scatter * np.eye(3))
-    if isinstance(block, LegBlock):
-        sigma = np.sqrt(block.uncertainty_mm**2 + scatter)
-        return float(np.sqrt(2.0 / np.pi) * sigma.mean())
-    return 0.0
+    return mean_norm(block.covariance() + block.scatter_mm**2 * np.eye(block.components))
 
 
 def covariance_with_scatter_mm2(points: PointReadings, scatter_mm: float) -> FloatArray:
@@ -50,11 +43,13 @@ def covariance_with_scatter_mm2(points: PointReadings, scatter_mm: float) -> Flo
 
 
 def mean_norm(covariance: FloatArray) -> float:
-    r"""Mean length of normal vectors, averaged over n covariances (n, 3, 3).
+    r"""Mean length of normal vectors, averaged over n covariances, shape (n, d, d) with d of 1 or 3.
 
     E|x| = sqrt(8 / pi) R_G(l1, l2, l3) with the eigenvalues l of the covariance and Carlson's
     completely symmetric integral of the second kind (NIST DLMF 19.16.3: R_G is the mean of
-    sqrt(u^T L u) over the unit sphere).
+    sqrt(u^T L u) over the unit sphere); of a single component sqrt(2 l / pi).
     """
+    if covariance.shape[-1] == 1:
+        return float(np.sqrt(2.0 / np.pi) * np.sqrt(covariance[:, 0, 0]).mean())
     eigenvalues = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
     return float(np.sqrt(8.0 / np.pi) * elliprg(*eigenvalues.T).mean())

@@ -9,7 +9,6 @@ from truepose.effects.base import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.geometry import GEOMETRY_EFFECTS
 from truepose.effects.registry import effect_named
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.observations.fixed_nests import ReferenceBlock
 from truepose.identification.problem.build import NOMINAL_EFFECTS, NUISANCE, Problem
 from truepose.identification.problem.setting import known_placement, setting_of
 from truepose.identification.verdict.conventions import Evidence, change_that_fits, plausible_mm, reach_mm
@@ -30,23 +29,22 @@ _FAR_WIDTHS = 3.0  # of the base's prior
 
 def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
     """Return the sentence that says what is missing, None where there is enough to fit."""
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     if readings is None:
         return None
     parameters = sum(len(effect_named(name).specs(setting_of(campaign, readings.stops))) for name in effects)
     configurations = len(np.unique(np.round(readings.stops.joints_rad / _SAME_RAD), axis=0))
-    per_reading = 3 if isinstance(readings, PointReadings) else 1
-    ends = [readings.nest] if isinstance(readings, PointReadings) else [readings.nest, readings.base_point]
-    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), *ends])
+    per_reading = readings.observed_mm.shape[1]
+    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), readings.ends])
     observations = per_reading * len(np.unique(pairs, axis=0))
     if configurations == 1:
         return (
             f"All {len(readings)} readings were taken in one configuration: "
             "move every joint between readings."
         )
-    if isinstance(readings, PointReadings) and np.ptp(readings.position_mm, axis=0).max() < _SAME_MM:
+    if np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
         return (
-            f"All {len(readings)} readings show the same position although the joints moved: "
+            f"All {len(readings)} readings show the same {readings.quantity} although the joints moved: "
             "the instrument did not follow the robot."
         )
     if observations < parameters:
@@ -130,7 +128,7 @@ def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit)
     learnt = float(np.clip(1.0 - left[wanted], 0.0, 1.0).sum())
     if learnt >= min(_ONE_PARAMETER, 0.5 * wanted.sum()):
         return None
-    readings = campaign.calibration or campaign.legs
+    readings = campaign.readings
     u_mm = float("nan") if readings is None else float(np.median(readings.standard_uncertainty_mm))
     return (
         f"The readings say nothing of {', '.join(asked or NOMINAL_EFFECTS)} that was not known before: with "
@@ -234,7 +232,7 @@ def _bad_looks(identified: RobustFit) -> int:
     return sum(
         int(flags.sum())
         for block, flags in zip(identified.blocks, identified.gross, strict=True)
-        if isinstance(block, ReferenceBlock)
+        if block.table == "reference"
     )
 
 

@@ -19,7 +19,7 @@ from truepose.diagnosis.scene import scene_of
 from truepose.diagnosis.selection import chosen
 from truepose.diagnosis.start import started
 from truepose.identification.fit.robust import fit
-from truepose.identification.problem.build import position_block
+from truepose.identification.observations.positions import position_block
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 
@@ -217,7 +217,11 @@ def test_validation_readings_judge_in_the_end_where_there_are_some():
     # without its only finding: what a fit of the start would give that weighs the readings alike
     structure = start.fit.structure
     again = fit(structure, selected.fit.blocks, start.fit.values)
-    without = position_block(campaign.validation, campaign).result(structure, again.values, None).residual
+    without = (
+        position_block(campaign.validation, campaign.scatter_mm)
+        .result(structure, again.values, None)
+        .residual
+    )
     expected_mm = float(np.sqrt((without**2).sum(axis=1).mean()))
     # to first order, as above
     assert judged.gains[0].rms_before_mm == pytest.approx(expected_mm, abs=2e-3)

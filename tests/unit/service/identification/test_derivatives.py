@@ -10,7 +10,8 @@ from tests.helpers.identification.synthetic import leg_campaign, nominal_campaig
 from truepose.domain.campaign import LegReadings
 from truepose.domain.robot import Nest
 from truepose.identification.model.evaluation import evaluate
-from truepose.identification.observations.blocks import OrientationBlock, linearise_blocks
+from truepose.identification.observations.blocks import linearise_blocks
+from truepose.identification.observations.orientations import OrientationBlock
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
 
@@ -112,7 +113,9 @@ def test_orientations():
     )
     state = evaluate(problem.structure, problem.start, problem.blocks[0].targets)
     turned = state.orientation @ rotation_xyz(0.02, -0.01, 0.03)
-    block = OrientationBlock(problem.blocks[0].targets, turned, np.full(12, 1e-3), np.ones(12), 0.0)
+    block = OrientationBlock(
+        targets=problem.blocks[0].targets, measured=turned, uncertainty=np.full(12, 1e-3), weights=np.ones(12)
+    )
 
     compare(replace(problem, blocks=(block,)), displaced(problem), rel=1e-6)
 

@@ -7,7 +7,6 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import FIXED_MM, telling_campaign
 from truepose.domain.campaign import FixedNestReadings
-from truepose.identification.fit.looks import contradiction, gross_looks, own_discrepancy_mm
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.observations.fixed_nests import reference_block
 from truepose.identification.problem.build import build
@@ -62,7 +61,7 @@ def off(move, **changes):
 
 @pytest.mark.parametrize("move", [None, kicked, drifted, displaced, one_bad])
 def test_what_moves_in_time_is_no_scatter(move):
-    found = [own_discrepancy_mm(reference_block(looked(move, seed=seed))) for seed in range(20)]
+    found = [reference_block(looked(move, seed=seed)).own_discrepancy() for seed in range(20)]
 
     # the limit is meant to be passed by one median in a thousand; a kick brings it a little nearer
     assert sum(value > 0.0 for value in found) <= 1
@@ -74,11 +73,11 @@ def test_more_scatter_than_stated_is_seen_whatever_moved(move):
     block = reference_block(looked(move, looks=200, noise_mm=3.0 * U_MM))
 
     # a median of 600 squares is good for 5 %, its root for half of that; what drifts adds a hundredth
-    assert own_discrepancy_mm(block) == pytest.approx(U_MM * np.sqrt(8.0), rel=0.1)
+    assert block.own_discrepancy() == pytest.approx(U_MM * np.sqrt(8.0), rel=0.1)
 
 
 def test_of_two_looks_nothing_is_known_of_the_scatter():
-    assert own_discrepancy_mm(reference_block(looked(looks=2, noise_mm=10.0 * U_MM))) == 0.0
+    assert reference_block(looked(looks=2, noise_mm=10.0 * U_MM)).own_discrepancy() == 0.0
 
 
 @pytest.mark.parametrize(
@@ -88,25 +87,25 @@ def test_readings_are_bad_that_stand_alone_in_their_look_or_in_time(move, bad):
     there = off(move)
 
     assert there.any()
-    assert np.array_equal(gross_looks(reference_block(looked(move)), there), there & bad)
+    assert np.array_equal(reference_block(looked(move)).bad_among(there), there & bad)
 
 
 def test_the_only_nest_is_bad_where_the_next_readings_say_so():
     for move, bad in ((kicked, False), (bad_look, True)):
         there = off(move, nests=1)
-        assert np.array_equal(gross_looks(reference_block(looked(move, nests=1)), there), there & bad)
+        assert np.array_equal(reference_block(looked(move, nests=1)).bad_among(there), there & bad)
 
 
 def test_the_first_and_last_looks_may_differ():
     campaign = looked(lambda look, nest: kicked(look + LOOKS // 2 - 1, nest), looks=2)
 
-    assert not gross_looks(reference_block(campaign), np.arange(6) >= 3).any()
+    assert not reference_block(campaign).bad_among(np.arange(6) >= 3).any()
 
 
 def fitted(campaign):
     problem = build(campaign, ("base", "joint_offset"), with_reference=True)
     fit = robust_fit(problem.structure, problem.blocks, problem.start)
-    return fit, contradiction(fit.blocks[1], fit.results[1])
+    return fit, fit.blocks[1].contradiction(fit.results[1])
 
 
 @pytest.mark.parametrize("looks", [2, LOOKS])

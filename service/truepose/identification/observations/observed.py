@@ -1,0 +1,28 @@
+"""The readings of a campaign as observations: the one place that asks which kind they are."""
+
+from truepose.domain.campaign import PointReadings, Readings
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block
+from truepose.identification.observations.legs import leg_block
+from truepose.identification.observations.positions import position_block
+
+
+def observed(readings: Readings, scatter_mm: float, structure: Structure) -> Block:
+    """Return readings as observations of a model.
+
+    Parameters
+    ----------
+    readings : PointReadings or LegReadings
+    scatter_mm : float
+        Of the arm per axis, beside what the readings state.
+    structure : Structure
+        Of the model that they are held against.
+
+    Raises
+    ------
+    ConfigurationError
+        A leg is from a cup that the model does not know.
+    """
+    if isinstance(readings, PointReadings):
+        return position_block(readings, scatter_mm)
+    return leg_block(readings, scatter_mm, structure.anchors)

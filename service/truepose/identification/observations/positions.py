@@ -1,0 +1,112 @@
+"""Positions of tool nests as observations."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.campaign import PointReadings
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import State, Targets
+from truepose.identification.model.structure import Structure
+from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.observations.whitening import Whitener, whitener
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PositionBlock(Block):
+    """Measured nest positions."""
+
+    quantity: ClassVar[str] = "position"
+    table: ClassVar[str] = "calibration"
+    components: ClassVar[int] = 3
+
+    measured_mm: FloatArray  # (n, 3)
+    covariance_mm2: FloatArray  # (n, 3, 3) of the readings alone
+    ready: Whitener | None = None  # the whitening, computed once
+
+    def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
+        """Return residuals [mm] and derivatives."""
+        state = self.evaluated(structure, values, previous)
+        residual = self.measured_mm - state.position_mm
+        return BlockResult(residual, self.derivatives(state), state, self._whitening())
+
+    def rewhitened(self, result: BlockResult) -> BlockResult:
+        """Return a result with this block's weights."""
+        return replace(result, whitening=self._whitening())
+
+    def derivatives(self, state: State) -> FloatArray:
+        """Return the motions of the predictions, shape (P, n, 3)."""
+        return position_jacobian(state)
+
+    def covariance(self) -> FloatArray:
+        """Return the covariance of each reading, shape (n, 3, 3) [mm2]."""
+        return self.covariance_mm2
+
+    def component_variance(self) -> FloatArray:
+        """Mean variance over the three axes, shape (n,)."""
+        return np.asarray(np.trace(self.covariance_mm2, axis1=1, axis2=2) / 3.0 + self.discrepancy**2)
+
+    def stated_sigma(self) -> float:
+        """Root mean variance per axis with the arm's scatter [mm]."""
+        mean = float(np.trace(self.covariance_mm2, axis1=1, axis2=2).mean()) / 3.0
+        return float(np.sqrt(mean + self.scatter_mm**2))
+
+    def squared(self, result: BlockResult) -> FloatArray:
+        """Return each reading's squared residual in its own covariance, scatter included, shape (n,)."""
+        covariance = self._lacking() + self.scatter_mm**2 * np.eye(3)
+        whitened = np.linalg.solve(covariance, result.residual[:, :, None])[:, :, 0]
+        return np.asarray(np.einsum("ni,ni->n", result.residual, whitened))
+
+    @property
+    def place_mm(self) -> FloatArray | None:
+        """Where the instrument saw each nest, shape (n, 3)."""
+        return self.measured_mm
+
+    def moved_by_nest(self, result: BlockResult, nest: int) -> FloatArray:
+        """Return the axes of the last frame for readings of that nest, shape (3, n, 3)."""
+        here = (self.targets.nest == nest)[:, None]
+        last = result.state.chain.end_rotation
+        return np.stack([np.where(here, last[:, :, k], 0.0) for k in range(3)])
+
+    def moved_by_world(self, result: BlockResult) -> FloatArray:
+        """Return three shifts, and three turns about the origin, shape (6, n, 3)."""
+        points = result.state.position_mm
+        turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
+        return np.concatenate([np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)), turns])
+
+    def prepared(self) -> Self:
+        """Return the block with its whitening computed once."""
+        shared = np.broadcast_to(self.scatter_mm * np.eye(3), self.covariance_mm2.shape)
+        built = whitener(self._lacking(), self.weights, self.targets.stops.config, shared)
+        return replace(self, ready=built)
+
+    def weighted(self, weights: FloatArray, discrepancy: float) -> Self:
+        """Return the block with other weights and another discrepancy [mm]."""
+        return replace(self, weights=weights, discrepancy=discrepancy, ready=None).prepared()
+
+    def taken(self, rows: IntArray) -> Self:
+        """Return the block with some of its readings."""
+        return Table.taken(replace(self, ready=None), rows).prepared()
+
+    def _lacking(self) -> FloatArray:
+        """Return each reading's covariance with discrepancy, without the arm's scatter, shape (n, 3, 3)."""
+        return self.covariance_mm2 + self.discrepancy**2 * np.eye(3)
+
+    def _whitening(self) -> Whitener:
+        return self.ready or self.prepared().ready or Whitener((), None)
+
+
+def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
+    """Return the block of position readings, the arm's scatter [mm] per axis beside what they state."""
+    covariance = points.covariance_mm2
+    if covariance is None:
+        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
+    return PositionBlock(
+        targets=Targets(points.stops, points.nest),
+        measured_mm=points.position_mm,
+        covariance_mm2=covariance,
+        scatter_mm=scatter_mm,
+        weights=np.ones(len(points)),
+    ).prepared()
