@@ -230,7 +230,7 @@ def _context(
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     work = BallbarWork(perform)
     ballbar_desk = BallbarDesk(
-        sessions, BallbarLedger(database), rack, work.foresight, work.choose, present=present
+        sessions, BallbarLedger(database), rack, work.precalibrator, work.choose, present=present
     )
     campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)

@@ -7,7 +7,6 @@ from typing import Literal, TypeAlias
 from truepose.domain.artefacts import Artefact as Artefact
 from truepose.domain.artefacts import BallbarKit as BallbarKit
 from truepose.domain.artefacts import Bars as Bars
-from truepose.domain.identities import IdentityTaken
 from truepose.domain.robot import FramePlacement
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -105,21 +104,6 @@ class BallbarStep:
     attempt: int = 1  # of the pose: 2 when it is tried again after the targets were aimed anew
 
 
-class EntryKind(StrEnum):
-    """What a line of the ledger says."""
-
-    SHOWN = "shown"  # a prompt was shown
-    CONFIRMED = "confirmed"  # a person did what was asked, or confirmed that the cell is clear
-    MEASURED = "measured"  # a length was stored
-    MOVED = "moved"  # the robot arrived
-    SKIPPED = "skipped"  # with a reason; of a step in a pose: the whole rest of the pose
-    REOPENED = "reopened"  # what was kept of this step counts no more
-    COMPUTED = "computed"  # the pre-calibration ended
-    SUSPECTED = "suspected"  # a reading contradicts the pair that was asked for; it was not stored
-    ANSWERED = "answered"  # what a person said to a suspicion
-    CONTROL = "control"  # pause, resume, stop, abort, hand-over; which device answered
-
-
 @dataclass(frozen=True, slots=True)
 class LengthTaken:
     """A length as it was stored, with everything that it rests on."""
@@ -168,24 +152,6 @@ class PreCalibration:
     rms_mm: float  # of the legs it rests on
     configurations: int
     exchanged: tuple[int, ...] = ()  # measured configurations whose legs were confused: to be measured again
-
-
-@dataclass(frozen=True, slots=True)
-class LedgerEntry:
-    """One line of what happened; appended, never changed. The session is what its ledger says."""
-
-    step_id: str
-    kind: EntryKind
-    time_s: float  # cell clock; the storage adds the time of day
-    person: str | None = None
-    tablet: str | None = None
-    key: str | None = None  # idempotency key of the request
-    text: str = ""  # reason, answer, or what was asked of the session
-    length: LengthTaken | None = None
-    arrival: ArrivalTaken | None = None
-    precalibration: PreCalibration | None = None
-    suspicion: "Suspicion | None" = None
-    identity: IdentityTaken | None = None
 
 
 SuspicionKind: TypeAlias = Literal[

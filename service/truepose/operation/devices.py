@@ -9,8 +9,8 @@ from truepose.domain.cell import DeviceEntry
 from truepose.domain.identities import IdentityOf
 from truepose.operation.errors import DeviceInUseError, MissingDeviceError, UnknownDeviceError
 from truepose.sequencing.engine.identities import same_number, told
+from truepose.sequencing.engine.identity_check import Expected
 from truepose.sequencing.engine.notices import motion_notice
-from truepose.sequencing.tracker.identity_check import Expected
 from truepose_drivers.api import (
     AnyDevice,
     Ballbar,

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
-from truepose.domain.ballbar import LedgerEntry
 from truepose.domain.cell import Cell
 from truepose.domain.diagnosis import Diagnosis
+from truepose.domain.ledger import LedgerEntry
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionRole, SessionState
 

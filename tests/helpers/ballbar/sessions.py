@@ -3,13 +3,12 @@
 from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
-    EntryKind,
-    LedgerEntry,
     LengthTaken,
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
 )
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FramePlacement
 
 LEGS = ((1, 1), (1, 2), (2, 2), (2, 3), (3, 3), (3, 1))

@@ -9,16 +9,15 @@ from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.integration.web.bench import Bench
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import EntryKind, LedgerEntry
 from truepose.domain.cell import DeviceEntry
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.operation.ballbar.plans import BallbarWish
-from truepose.operation.ballbar.sessions import BallbarDesk
+from truepose.operation.ballbar.sessions import NOBODY_RUNS, BallbarDesk
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.errors import DeviceInUseError
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from truepose.sequencing.ballbar.situation import situation
+from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.measurement.ballbar_ledger import BallbarLedger
@@ -172,8 +171,8 @@ async def test_a_runner_that_fails_gives_the_devices_back(scene):
 async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
     session_id = await scene.planned()
     await scene.act(session_id)
-    entry = LedgerEntry("", EntryKind.CONTROL, 2.0, "Ada", text=control.state_text(state, "Ada asked."))
-    await scene.ledger.append(session_id, entry, (state, "Ada asked."))
+    entry = LedgerEntry("", EntryKind.CONTROL, 2.0, "Ada", text="Ada asked.", entered=state)
+    await scene.ledger.append(session_id, entry)
 
     scene.runners[0].failure.set()
     while scene.desk.runner(session_id) is not None:
@@ -181,7 +180,7 @@ async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
 
     found = (await scene.desk.view(session_id)).situation
     assert found.state is SessionState.AWAITING_CONFIRMATION
-    assert found.reason == control.NOBODY_RUNS
+    assert found.reason == NOBODY_RUNS
     assert ActName.CONFIRM in found.acts
     await scene.act(session_id, ActName.CONFIRM, key="k2")  # somebody runs it again
     assert scene.desk.runner(session_id) is scene.runners[1]

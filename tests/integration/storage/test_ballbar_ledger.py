@@ -7,13 +7,8 @@ from sqlalchemy import text
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from tests.helpers.domain.tracker_sessions import make_plan, make_setup
-from truepose.domain.ballbar import (
-    EntryKind,
-    LedgerEntry,
-    PoseForecast,
-    PreCalibration,
-    Suspicion,
-)
+from truepose.domain.ballbar import PoseForecast, PreCalibration, Suspicion
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.errors import ConflictError, KeyReusedError
@@ -171,10 +166,47 @@ async def test_an_answer_is_kept_for_its_request(ledger, session_id):
 
 
 async def test_a_state_is_entered_with_the_entry_that_says_so(ledger, sessions, session_id):
-    entry = LedgerEntry("tool/initialise", EntryKind.CONTROL, 5.0, person="Ada", text="running: started")
+    entry = LedgerEntry(
+        "", EntryKind.CONTROL, 5.0, person="Ada", text="started", entered=SessionState.RUNNING
+    )
 
-    await ledger.append(session_id, entry, (SessionState.RUNNING, "started"))
+    await ledger.append(session_id, entry)
 
     record = await sessions.get(session_id)
     assert (record.state, record.reason, record.person) == (SessionState.RUNNING, "started", "Ada")
     assert await ledger.newest(session_id) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "now"),
+    [
+        ("paused: Lunch: an hour.", {"entered": SessionState.PAUSED, "text": "Lunch: an hour."}),
+        ("hand_over", {"control": Control.HAND_OVER}),
+        ("zero_lost", {"control": Control.ZERO_LOST}),
+        (
+            "awaiting_confirmation: The service was started anew.",
+            {
+                "entered": SessionState.AWAITING_CONFIRMATION,
+                "control": Control.RESTARTED,
+                "text": "The service was started anew.",
+            },
+        ),
+        ("The ballbar B1 answers again.", {"text": "The ballbar B1 answers again."}),
+    ],
+)
+async def test_a_line_whose_text_said_what_it_means_is_read_as_one_of_today(ledger, session_id, before, now):
+    await ledger.append(session_id, LedgerEntry("", EntryKind.CONTROL, 5.0, text=before))
+
+    (record,) = await ledger.page(session_id)
+
+    assert record.entry == LedgerEntry("", EntryKind.CONTROL, 5.0, **now)
+    assert record.entry.told == before
+
+
+async def test_a_reason_that_begins_like_a_state_is_none(ledger, session_id):
+    kept = LedgerEntry("tool/detach", EntryKind.SKIPPED, 5.0, text="paused: nobody was there")
+    await ledger.append(session_id, kept)
+
+    (record,) = await ledger.page(session_id)
+
+    assert record.entry == kept

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, EntryKind, LedgerEntry, StepKind
+from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation, situation
 

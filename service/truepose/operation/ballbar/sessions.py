@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias
 
 from truepose.analysis.ballbar.assembly import assemble_ballbar_campaign
-from truepose.domain.ballbar import BallbarPlan, EntryKind, LedgerEntry
+from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.campaign import Campaign
 from truepose.domain.errors import TrueposeError
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import readable_name
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
@@ -27,13 +28,13 @@ from truepose.operation.present_cell import PresentCell, speed_limits
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_ledger import SessionLedger
 from truepose.operation.watching import Watching
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.plan.dry_run import check_plan, motion_limits
-from truepose.sequencing.ballbar.precalibration import Foresight
+from truepose.sequencing.ballbar.precalibration import PreCalibrator
 from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose.sequencing.ballbar.situation import Situation, situation
+from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
+from truepose.sequencing.engine.halts import ENDED_AT_REST
 from truepose.sequencing.engine.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
@@ -46,8 +47,10 @@ _LOG: Final = logging.getLogger(__name__)
 _UNDER_WAY: Final = tuple(
     state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
 )
+NOBODY_RUNS: Final = "The program failed and does not run this session now; nothing moves."
+_END_ASKED_FOR: Final = "The end was asked for; nothing was in motion."
 _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
-MakeForesight: TypeAlias = Callable[[SessionSetup], Foresight]
+MakePreCalibrator: TypeAlias = Callable[[SessionSetup], PreCalibrator]
 ChoosePoses: TypeAlias = Callable[[SessionSetup, BallbarWish], Awaitable[BallbarPlan]]
 MakeRunner: TypeAlias = Callable[..., BallbarRunner]
 
@@ -68,7 +71,7 @@ class BallbarDesk:
         sessions: SessionRepository,
         ledger: BallbarLedger,
         rack: Rack,
-        make_foresight: MakeForesight,
+        make_precalibrator: MakePreCalibrator,
         choose: ChoosePoses,
         make_runner: MakeRunner = BallbarRunner,
         present: PresentCell | None = None,
@@ -76,7 +79,7 @@ class BallbarDesk:
         self._sessions = sessions
         self._ledger = ledger
         self._rack = rack
-        self._make_foresight = make_foresight
+        self._make_precalibrator = make_precalibrator
         self._choose = choose
         self._make_runner = make_runner
         self._present = present or PresentCell()
@@ -259,12 +262,12 @@ class BallbarDesk:
             self._release(under_way.task)
 
     async def _end_unstarted(self, session_id: int, act: Act) -> ActAnswer:
-        text = control.state_text(SessionState.ABORTED, "The end was asked for; nothing was in motion.")
         now_s = await self._rack.clock.now_s()
-        entry = LedgerEntry("", EntryKind.CONTROL, now_s, act.person, act.tablet, act.key, text)
+        entry = LedgerEntry("", EntryKind.CONTROL, now_s, act.person, act.tablet, act.key, _END_ASKED_FOR)
+        entry = replace(entry, entered=SessionState.ABORTED)
         number = await SessionLedger(session_id, self._ledger, None).append(entry)
         self.watching.tell()
-        return ActAnswer("The session has ended; nothing was in motion.", number)
+        return ActAnswer(ENDED_AT_REST, number)
 
     async def _refuse_beside_another(self, session_id: int) -> None:
         for other in await self._sessions.in_state(*_UNDER_WAY):
@@ -283,7 +286,7 @@ class BallbarDesk:
             kit_of(fixed.setup),
             self._cell(fixed.setup),
             ledger,
-            self._make_foresight(fixed.setup),
+            self._make_precalibrator(fixed.setup),
             entries=tuple(record.entry for record in kept),
             judges=fixed.sight.judges,
         )
@@ -379,10 +382,8 @@ def _run_by_nobody(fixed: Fixed, entries: list[LedgerEntry]) -> Situation:
     if found.state not in {SessionState.RUNNING, SessionState.PAUSING, SessionState.ABORTING}:
         return found
     # Also of one whose end was asked for: it can be asked for again, and any other act has it take place.
-    text = control.state_text(SessionState.AWAITING_CONFIRMATION, control.NOBODY_RUNS)
-    return situation(
-        fixed.plan, kit, [*entries, LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=text)]
-    )
+    waits = LedgerEntry("", EntryKind.CONTROL, entries[-1].time_s, text=NOBODY_RUNS)
+    return situation(fixed.plan, kit, [*entries, replace(waits, entered=SessionState.AWAITING_CONFIRMATION)])
 
 
 async def _change(news: asyncio.Event, under_way: _UnderWay | None, version: int | None) -> None:

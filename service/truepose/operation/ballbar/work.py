@@ -5,7 +5,8 @@ from typing import Final, cast
 from truepose.analysis.jobs import Perform
 from truepose.analysis.workers.tasks import BallbarPlanTask, PrecalibrateTask
 from truepose.analysis.workers.turns import Turns
-from truepose.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from truepose.domain.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.ledger import LedgerEntry
 from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.storage.records import SessionSetup
@@ -30,12 +31,12 @@ class BallbarWork:
         async with self._plans.taken():
             return cast(BallbarPlan, await self._perform(task, _nobody))
 
-    def foresight(self, setup: SessionSetup) -> "WorkerForesight":
+    def precalibrator(self, setup: SessionSetup) -> "WorkerPreCalibrator":
         """Return who pre-calibrates a session."""
-        return WorkerForesight(setup, self._perform)
+        return WorkerPreCalibrator(setup, self._perform)
 
 
-class WorkerForesight:
+class WorkerPreCalibrator:
     """Pre-calibrates one session; what `truepose.sequencing.ballbar` asks for."""
 
     def __init__(self, setup: SessionSetup, perform: Perform) -> None:

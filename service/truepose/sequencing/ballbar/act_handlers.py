@@ -8,15 +8,17 @@ import contextlib
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, TypeAlias
 
-from truepose.domain.ballbar import EntryKind, StepKind, Suspicion, SuspicionKind
+from truepose.domain.ballbar import StepKind, Suspicion, SuspicionKind
 from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import HALTS, Act, ActName, ActOutcome, Answer
+from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.doubts.assignments import leg_taken_for, legs_to_read_again
 from truepose.sequencing.ballbar.measuring.attachment import NOTHING_KNOWN, STILL_ON
-from truepose.sequencing.ballbar.transitions import Floor
+from truepose.sequencing.ballbar.transitions import Transitions
+from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.prompts import require_person
 from truepose.sequencing.engine.states import words
 from truepose.sequencing.errors import NotNowError, ReasonMissingError, WatchingTabletError
@@ -49,10 +51,11 @@ _SUSPICIONS: Final[dict[SuspicionKind, str]] = {
 
 
 class ActHandlers:
-    """Does what acts ask for; called with `floor.changing` held, after `require` let the act pass."""
+    """Does what acts ask for; called with `changing` held, after `require` let the act pass."""
 
-    def __init__(self, floor: Floor, clock: Clock) -> None:
-        self._floor = floor
+    def __init__(self, session: Transitions, halts: Halts, clock: Clock) -> None:
+        self._session = session
+        self._halts = halts
         self._clock = clock
         self._handlers: Mapping[ActName, Handler] = {
             ActName.START: self._start,
@@ -62,10 +65,10 @@ class ActHandlers:
             ActName.RETRY: self._retry,
             ActName.SKIP: self._skip,
             ActName.BACK: self._back,
-            ActName.PAUSE: self._pause,
+            ActName.PAUSE: halts.halt,
             ActName.RESUME: self._resume,
-            ActName.STOP: self._stop,
-            ActName.ABORT: self._abort,
+            ActName.STOP: halts.halt,
+            ActName.ABORT: halts.halt,
             ActName.HAND_OVER: self._hand_over,
         }
 
@@ -73,7 +76,7 @@ class ActHandlers:
         """Raise PersonMissingError, WatchingTabletError or NotNowError where the act is not allowed now."""
         if act.name not in HALTS:
             require_person(act.person)
-        now = self._floor.now
+        now = self._session.now
         if now.acting is not None and act.tablet != now.acting.tablet and act.name not in FROM_ANY_TABLET:
             raise WatchingTabletError(f"{now.acting.person} acts on another tablet; take over there first.")
         present = now.step.id if now.step else None
@@ -87,15 +90,19 @@ class ActHandlers:
         """Do what an act asks for; raises NotNowError, ReasonMissingError, PlanRefusedError."""
         outcome = await self._handlers[act.name](act)
         with contextlib.suppress(RecordRefusedError):  # the act is kept; the run settles as soon as it can
-            await self._floor.settle()
+            await self._session.settle()
         return outcome
 
     # the course of the session
 
     async def _start(self, act: Act) -> ActOutcome:
-        self._floor.motion.require_plan_within_limits()
-        text = control.state_text(SessionState.RUNNING, f"{tidy_name(act.person)} started the session.")
-        number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=text)
+        self._session.motion.require_plan_within_limits()
+        number = await self._session.logbook.append(
+            EntryKind.CONTROL,
+            act=act,
+            entered=SessionState.RUNNING,
+            text=f"{tidy_name(act.person)} started the session.",
+        )
         return ActOutcome("The session has begun.", number)
 
     async def _resume(self, act: Act) -> ActOutcome:
@@ -103,77 +110,48 @@ class ActHandlers:
 
     async def _go_on(self, act: Act, what: str) -> ActOutcome:
         self._require_may_go_on()
-        number = await self._floor.book.enter(SessionState.RUNNING, f"{tidy_name(act.person)} {what}.", act)
-        self._floor.motion.wish = None
-        self._floor.motion.forget()
+        number = await self._session.logbook.enter(
+            SessionState.RUNNING, f"{tidy_name(act.person)} {what}.", act
+        )
+        self._halts.forget()
+        self._session.motion.forget()
         return ActOutcome("The session goes on at the step where it was.", number)
 
     def _require_may_go_on(self) -> None:
-        if self._floor.motion.moving:
-            raise NotNowError(f"The robot still moves; {self._floor.motion.end}.")
-        self._floor.motion.require_plan_within_limits()
-
-    async def _pause(self, act: Act) -> ActOutcome:
-        return await self._halt(act, SessionState.PAUSED, "A pause was asked for.", "The session pauses")
-
-    async def _stop(self, act: Act) -> ActOutcome:
-        awaiting = SessionState.AWAITING_CONFIRMATION
-        return await self._halt(act, awaiting, "Stop was pressed.", "The session has stopped")
-
-    async def _abort(self, act: Act) -> ActOutcome:
-        return await self._halt(act, SessionState.ABORTED, "The end was asked for.", "The session ends")
-
-    async def _halt(self, act: Act, state: SessionState, reason: str, sentence: str) -> ActOutcome:
-        """Enter `state`, or have it entered when the motion under way has ended."""
-        book, motion = self._floor.book, self._floor.motion
-        reason = f"{reason} {act.reason.strip()}".strip()
-        before = self._floor.now.state
-        ends = state is SessionState.ABORTED
-        if motion.moving:
-            motion.wish = state
-            between = SessionState.ABORTING if ends else SessionState.PAUSING
-            text = control.state_text(between, reason)
-            return ActOutcome(
-                f"{sentence}; {motion.end}.", await book.append(EntryKind.CONTROL, act=act, text=text)
-            )
-        if ends and before in {SessionState.RUNNING, SessionState.PAUSING}:
-            number = await book.enter(SessionState.ABORTING, reason, act)
-            await book.enter(state, reason)
-        else:
-            number = await book.enter(state, reason, act)
-        motion.wish = None  # on record from here on
-        return ActOutcome(f"{sentence}; nothing is in motion.", number)
+        if self._halts.moving:
+            raise NotNowError(f"The robot still moves; {self._halts.end}.")
+        self._session.motion.require_plan_within_limits()
 
     async def _hand_over(self, act: Act) -> ActOutcome:
-        number = await self._floor.book.append(EntryKind.CONTROL, act=act, text=control.HAND_OVER)
+        number = await self._session.logbook.append(EntryKind.CONTROL, act=act, control=Control.HAND_OVER)
         return ActOutcome(f"{tidy_name(act.person)} acts on this tablet from now on.", number)
 
     # the present step
 
     async def _confirm(self, act: Act) -> ActOutcome:
-        now = self._floor.now
+        now = self._session.now
         if now.state is SessionState.AWAITING_CONFIRMATION:
             await self._require_present_look(act)
             self._require_may_go_on()
-            await self._floor.answer_about_ballbar(act.accepted_serial, tidy_name(act.person))
+            await self._session.answer_about_ballbar(act.accepted_serial, tidy_name(act.person))
             return await self._go_on(act, "confirmed that the cell is clear")
         step = now.step
         if step is not None and step.kind is StepKind.CLAMP_CUP:  # the cup is where the arm holds the ball
-            await self._floor.require_stop("The cup does not count as clamped")
+            await self._session.require_stop("The cup does not count as clamped")
         if step is None or step.kind not in NEEDS_BALLBAR_OFF:
             return ActOutcome("Done.", await self._keep_confirmed(act))
         word = await self._word_that_it_is_off(act)
         if step.kind is not StepKind.MOVE:
             return ActOutcome("Done.", await self._keep_confirmed(act, word))
-        self._floor.motion.require_within_limits(step)
+        self._session.motion.require_within_limits(step)
         await self._require_present_look(act)
-        self._floor.motion.confirmed_s = await self._clock.now_s()
+        self._session.motion.confirmed_s = await self._clock.now_s()
         return ActOutcome("Confirmed; the robot moves.", await self._keep_confirmed(act, word))
 
     async def _keep_confirmed(self, act: Act, word: str = "") -> int:
-        number = await self._floor.book.append(EntryKind.CONFIRMED, act.step_id or "", act, text=word)
+        number = await self._session.logbook.append(EntryKind.CONFIRMED, act.step_id or "", act, text=word)
         if word:
-            self._floor.readings.evidence.believe()
+            self._session.readings.evidence.believe()
         return number
 
     async def _word_that_it_is_off(self, act: Act) -> str:
@@ -181,7 +159,7 @@ class ActHandlers:
 
         Raises NotNowError where it reads a length, ReasonMissingError.
         """
-        evidence, now_s = self._floor.readings.evidence, await self._clock.now_s()
+        evidence, now_s = self._session.readings.evidence, await self._clock.now_s()
         if evidence.says(now_s) == "connected":
             raise NotNowError(STILL_ON)
         if not evidence.needs_reason(now_s):
@@ -201,22 +179,22 @@ class ActHandlers:
             )
 
     async def _store(self, act: Act) -> ActOutcome:
-        await self._floor.require_stop()
-        taken = self._floor.readings.length(self._floor.now, await self._clock.now_s(), by_hand=True)
-        number, suspicion = await self._floor.store(taken, act)
+        await self._session.require_stop()
+        taken = self._session.readings.length(self._session.now, await self._clock.now_s(), by_hand=True)
+        number, suspicion = await self._session.store(taken, act)
         if suspicion is None:
             return ActOutcome(f"Stored: {taken.length_mm:.4f} mm.", number)
         return ActOutcome(f"Not stored yet: {_SUSPICIONS[suspicion.kind]}.", number)
 
     async def _answer(self, act: Act) -> ActOutcome:
-        suspected = self._floor.now.suspicion
+        suspected = self._session.now.suspicion
         if suspected is None or act.answer not in set(Answer):
             raise NotNowError("The answer must be one of right_pair, reconnected, exchanged.")
         if act.answer != Answer.RIGHT_PAIR:
             return await self._read_again(act, suspected.suspicion)
-        for step_id in leg_taken_for(self._floor.now, suspected.suspicion):
-            await self._floor.book.append(EntryKind.REOPENED, step_id, text=_ITS_PAIR_CAME)
-        number = await self._floor.book.append(
+        for step_id in leg_taken_for(self._session.now, suspected.suspicion):
+            await self._session.logbook.append(EntryKind.REOPENED, step_id, text=_ITS_PAIR_CAME)
+        number = await self._session.logbook.append(
             EntryKind.MEASURED,
             suspected.step_id,
             act,
@@ -227,38 +205,38 @@ class ActHandlers:
         return ActOutcome(f"Stored as asked for: {suspected.length.length_mm:.4f} mm.", number)
 
     async def _read_again(self, act: Act, suspicion: Suspicion) -> ActOutcome:
-        book, step = self._floor.book, self._floor.now.step
+        logbook, step = self._session.logbook, self._session.now.step
         answer = act.answer or act.name.value
         of_another_leg = step is not None and step.points not in {None, suspicion.asked}
         if answer == Answer.EXCHANGED or suspicion.kind == "exchanged" or of_another_leg:
-            for step_id in legs_to_read_again(self._floor.now, suspicion):
-                await book.append(EntryKind.REOPENED, step_id, text=answer)
-        number = await book.append(
+            for step_id in legs_to_read_again(self._session.now, suspicion):
+                await logbook.append(EntryKind.REOPENED, step_id, text=answer)
+        number = await logbook.append(
             EntryKind.ANSWERED, step.id if step else "", act, text=answer, suspicion=suspicion
         )
         return ActOutcome("Not stored; it is read again.", number)
 
     async def _retry(self, act: Act) -> ActOutcome:
-        suspected = self._floor.now.suspicion
+        suspected = self._session.now.suspicion
         if suspected is not None:
             return await self._read_again(act, suspected.suspicion)
-        number = await self._floor.show(act, text=ActName.RETRY.value)
-        self._floor.readings.let_read_again(act.step_id or "")
+        number = await self._session.show(act, text=ActName.RETRY.value)
+        self._session.readings.let_read_again(act.step_id or "")
         return ActOutcome("The step begins again.", number)
 
     async def _skip(self, act: Act) -> ActOutcome:
         reason = act.reason.strip()
         if not reason:
             raise ReasonMissingError("A skip needs its reason: it is kept in place of the reading.")
-        number = await self._floor.book.append(EntryKind.SKIPPED, act.step_id or "", act, text=reason)
+        number = await self._session.logbook.append(EntryKind.SKIPPED, act.step_id or "", act, text=reason)
         return ActOutcome("Skipped; what is read already stays.", number)
 
     async def _back(self, act: Act) -> ActOutcome:
-        floor, left = self._floor, act.step_id or ""
-        sample, contact = floor.readings.sample, floor.readings.contact
+        session, left = self._session, act.step_id or ""
+        sample, contact = session.readings.sample, session.readings.contact
         connected_mm = sample.deviation_mm if sample else None
-        number = await floor.book.append(
-            EntryKind.REOPENED, floor.now.back_to or "", act, text=act.reason.strip()
+        number = await session.logbook.append(
+            EntryKind.REOPENED, session.now.back_to or "", act, text=act.reason.strip()
         )
         if connected_mm is not None:  # what is connected now is not what the reopened step asks for
             held_for = contact.held_for(connected_mm)

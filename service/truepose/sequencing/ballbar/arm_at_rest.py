@@ -13,7 +13,7 @@ from truepose_drivers.api import DeviceIdentity, JointReading
 _RECENT_S: Final = 2.0  # an older statement says nothing of now
 
 
-class Stand:
+class RestMonitor:
     """Asks the robot where it is, one question at a time."""
 
     def __init__(self, cell: BallbarCell, plan: BallbarPlan) -> None:

@@ -8,20 +8,23 @@ joints and limits, before every segment of the way.
 
 from typing import Final
 
+from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan, BallbarStep, StepKind
 from truepose.domain.robot import JointRange
-from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.arm_at_rest import Stand, joint_away
+from truepose.sequencing.ballbar.arm_at_rest import RestMonitor, joint_away
 from truepose.sequencing.ballbar.cell import BallbarCell
-from truepose.sequencing.ballbar.logbook import Book
 from truepose.sequencing.ballbar.measuring.readings import Readings
+from truepose.sequencing.ballbar.plan.agenda import steps
 from truepose.sequencing.ballbar.plan.dry_run import check_motion
 from truepose.sequencing.ballbar.plan.way import rest_of_way
+from truepose.sequencing.ballbar.situation import Situation
 from truepose.sequencing.engine.arm import Arm, Permission
-from truepose.sequencing.engine.identities import judge, sentence
+from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.identities import sentence
+from truepose.sequencing.engine.identity_check import IdentityCheck
 from truepose.sequencing.engine.limits import binding_speed
-from truepose.sequencing.engine.motion_segments import Joints, Pieces
-from truepose.sequencing.engine.notices import end_of_motion
+from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.motion_segments import Joints, MotionSegments
 from truepose.sequencing.errors import ForeignRobotError, MotionForbiddenError
 
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again
@@ -33,19 +36,24 @@ class Motion:
     def __init__(
         self,
         plan: BallbarPlan,
+        kit: BallbarKit,
         cell: BallbarCell,
         limits: tuple[JointRange, ...],
-        book: Book,
-        stand: Stand,
+        logbook: Logbook[Situation],
+        halts: Halts,
+        identities: IdentityCheck,
+        rest: RestMonitor,
         readings: Readings,
     ) -> None:
         self._plan = plan
+        self._kit = kit
         self._robot = cell.robot
         self._limits = limits
-        self._expected = cell.expected
         self._clock = cell.clock
-        self._book = book
-        self._stand = stand
+        self._logbook = logbook
+        self._halts = halts
+        self._identities = identities
+        self._rest = rest
         self._readings = readings
         self._arm = Arm(
             cell.robot_controller,
@@ -54,30 +62,22 @@ class Motion:
             plan.joint_tolerance_rad,
             self._permission,
             plan.state_age_s,
-            Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
+            MotionSegments(cell.robot, binding_speed(plan, cell.speed_limits)),
             before_piece=readings.settle,  # a piece may last longer than a sample of the ballbar counts
         )
-        self._controller = cell.robot_controller
-        self.moving = False
         self.saw_ballbar = False  # it read a length when the last motion ended, or was to begin
         self.confirmed_s: float | None = None  # when a person last allowed a motion, cell clock
-        self.wish: SessionState | None = None  # what was asked for, from the moment it is asked
-
-    @property
-    def end(self) -> str:
-        """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
-        return end_of_motion(self._controller)
 
     def forget(self) -> None:
         """Forget where the arm was left: a person had it since, and confirmed."""
         self._arm.forget()
-        self._stand.forget()
+        self._rest.forget()
         self.confirmed_s = None
 
     def require_plan_within_limits(self) -> None:
         """Raise PlanRefusedError for the first planned motion that is left and leaves what binds it now."""
-        now = self._book.situation
-        for step in self._book.planned:
+        now = self._logbook.situation
+        for step in steps(self._plan, self._kit):
             outcome = now.outcomes.get(step.id)
             if outcome is not None and outcome.kind == "open":
                 self.require_within_limits(step)
@@ -90,13 +90,13 @@ class Motion:
         """Move along the way of a step and come to rest; raises MotionForbiddenError, the driver's errors."""
         if step.target_rad is None:
             raise MotionForbiddenError(f"The step {step.id} has no target.")
-        self.moving = True  # before anything is awaited: who asks for a pause now waits for its end
-        self._book.tell()
+        self._halts.moving = True  # before anything is awaited: who asks for a pause now waits for its end
+        self._logbook.tell()
         try:
             await self._require_fresh_confirmation()
             await self._require_same_robot()
             left = await self._left_of((*step.via_rad, step.target_rad))
-            self._stand.forget()
+            self._rest.forget()
             await self._require_ballbar_off()
             self._readings.evidence.watch_motion()
             for joints in left:
@@ -107,24 +107,22 @@ class Motion:
         finally:
             self.saw_ballbar = self._readings.evidence.proves_attached
             self._readings.evidence.end_motion()
-            self.moving = False
+            self._halts.moving = False
             self.confirmed_s = None
 
     async def _require_same_robot(self) -> None:
         """Ask the robot again who it is: raises ForeignRobotError, the driver's errors."""
-        now = self._book.situation
-        answered = (await self._stand.who()).serial
-        found = judge("robot", answered, self._expected.serials.get("robot", ""), now.robot)
+        found = self._identities.news("robot", await self._rest.who())
         if found is not None and found.finding == "foreign":
             raise ForeignRobotError(sentence(found))
 
     async def _left_of(self, way: tuple[Joints, ...]) -> tuple[Joints, ...]:
         """Return what is left of a way on which the arm was halted: none back to its begin is planned."""
-        reading = await self._stand.look()
+        reading = await self._rest.look()
         return rest_of_way(way, reading.joints_rad, self._plan.joint_tolerance_rad + reading.resolution_rad)
 
     async def _arrival(self, target_rad: tuple[float, ...]) -> ArrivalTaken:
-        reading = await self._stand.look()
+        reading = await self._rest.look()
         away = joint_away(
             reading.joints_rad, target_rad, self._plan.joint_tolerance_rad + 0.5 * reading.resolution_rad
         )
@@ -145,12 +143,14 @@ class Motion:
             raise MotionForbiddenError(seen)
 
     def _permission(self, now_s: float) -> Permission:
-        return Permission(self._book.situation.state, self.wish is not None, None, self._obstacle(now_s))
+        return Permission(
+            self._logbook.situation.state, self._halts.wish is not None, None, self._obstacle(now_s)
+        )
 
     def _obstacle(self, now_s: float) -> str | None:
-        now = self._book.situation
-        if self._book.trouble is not None:
-            return self._book.trouble
+        now = self._logbook.situation
+        if self._logbook.trouble is not None:
+            return self._logbook.trouble
         if now.ballbar.foreign is not None:
             return sentence(now.ballbar.foreign)
         if now.attached:

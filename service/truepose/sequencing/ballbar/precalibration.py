@@ -3,12 +3,13 @@
 from typing import Protocol
 
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, LedgerEntry, PreCalibration
+from truepose.domain.ballbar import BallbarPlan, PreCalibration
 from truepose.domain.errors import TrueposeError
+from truepose.domain.ledger import LedgerEntry
 from truepose.sequencing.ballbar.plan.dry_run import check_pose
 
 
-class Foresight(Protocol):
+class PreCalibrator(Protocol):
     """Computes where to aim and which lengths to expect there."""
 
     async def precalibrate(self, plan: BallbarPlan, entries: tuple[LedgerEntry, ...]) -> PreCalibration:
@@ -16,12 +17,12 @@ class Foresight(Protocol):
         ...
 
 
-async def foreseen(
-    foresight: Foresight, plan: BallbarPlan, kit: BallbarKit, entries: tuple[LedgerEntry, ...]
+async def precalibrated(
+    precalibrator: PreCalibrator, plan: BallbarPlan, kit: BallbarKit, entries: tuple[LedgerEntry, ...]
 ) -> PreCalibration | str:
     """Return what was found, or the sentence that says why nothing was."""
     try:
-        found = await foresight.precalibrate(plan, entries)
+        found = await precalibrator.precalibrate(plan, entries)
         for pose in found.poses:
             check_pose(pose, kit)
     except TrueposeError as error:

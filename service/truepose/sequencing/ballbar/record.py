@@ -13,21 +13,11 @@ confirmed that it is off.
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.ballbar import (
-    ArrivalTaken,
-    EntryKind,
-    LedgerEntry,
-    LengthTaken,
-    PreCalibration,
-    StepKind,
-    Suspicion,
-)
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, StepKind, Suspicion
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.plan.pace import StepTimes
-from truepose.sequencing.engine.identities import Acquaintance
+from truepose.sequencing.engine.record import ActingTablet, Record
 
 OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skipped", "computed"]
 
@@ -61,14 +51,6 @@ class OpenSuspicion:
 
 
 @dataclass(frozen=True, slots=True)
-class ActingTablet:
-    """The one tablet whose acts count, and who holds it."""
-
-    tablet: str
-    person: str
-
-
-@dataclass(frozen=True, slots=True)
 class _PoseSkip:
     step_id: str  # where the person skipped
     reason: str
@@ -76,11 +58,9 @@ class _PoseSkip:
 
 
 @dataclass(slots=True)
-class Record:
-    """The ledger so far; `apply` takes the next line."""
+class BallbarRecord(Record):
+    """The ledger of a ballbar session so far."""
 
-    state: SessionState = SessionState.PLANNED
-    reason: str = ""  # why this state was entered
     attached: bool = False
     ball_fitted: bool = False
     arm_at: str | None = None  # the motion that brought the arm where it stands; None: not known
@@ -89,32 +69,20 @@ class Record:
     shown: str | None = None  # the step whose prompt was shown since anything else happened
     confirmed: str | None = None  # the motion that a person has just allowed
     suspicion: OpenSuspicion | None = None
-    acting: ActingTablet | None = None
     initialisations: int = 0
     zeros: dict[str, LengthTaken] = field(
         default_factory=dict
     )  # group of readings -> its last initialisation
     last_zero: tuple[str, LengthTaken] | None = None  # by step, whatever became of it
     zero_lost: bool = False  # the ballbar was without supply since, or is another one
-    ballbar: Acquaintance = field(default_factory=Acquaintance)
-    robot: Acquaintance = field(default_factory=Acquaintance)
-    identities: list[IdentityTaken] = field(default_factory=list)
     found: dict[str, PreCalibration | None] = field(default_factory=dict)  # by step; None: left out
     stood_at: dict[str, str | None] = field(default_factory=dict)  # pre-calibration -> last stop by then
     last: tuple[str, Outcome] | None = None
-    keys: dict[str, int] = field(default_factory=dict)  # idempotency key -> place in the ledger, from 0
-    times: StepTimes = field(default_factory=StepTimes)
     _outcomes: dict[str, Outcome] = field(default_factory=dict)
     _skips: dict[str, _PoseSkip] = field(default_factory=dict)
-    _lines: int = 0
 
-    def apply(self, entry: LedgerEntry) -> None:
-        """Take the next line of the ledger."""
-        was_off = control.reason_in(entry.text).startswith(control.RESTARTED)
-        self.times.tick(entry.time_s, running=self.state is SessionState.RUNNING and not was_off)
-        if entry.key is not None:
-            self.keys.setdefault(entry.key, self._lines)
-        self._lines += 1
+    def take(self, entry: LedgerEntry) -> None:
+        """Take what a line says of the steps of the session."""
         self._note_person(entry)
         match entry.kind:
             case EntryKind.SHOWN:
@@ -174,25 +142,13 @@ class Record:
             self.attached = True
 
     def _control(self, entry: LedgerEntry) -> None:
-        if entry.tablet is not None and (self.acting is None or entry.text == control.HAND_OVER):
+        if entry.tablet is not None and (self.acting is None or entry.control is Control.HAND_OVER):
             self.acting = ActingTablet(entry.tablet, entry.person or "")
-        if entry.text == control.ZERO_LOST:
+        if entry.control is Control.ZERO_LOST:
             self._lose_zero()
-        if entry.identity is not None:
-            self._identify(entry.identity)
-        state = control.state_in(entry.text)
-        if state is not None:
-            self.enter(state, control.reason_in(entry.text))
-
-    def _identify(self, taken: IdentityTaken) -> None:
-        """Take what a device answered; whoever comes, goes or falls silent has a zero of its own."""
-        self.identities.append(taken)
-        if taken.device == "robot":
-            self.robot = self.robot.after(taken)
-            return
-        self.ballbar = self.ballbar.after(taken)
-        if self.initialisations:
-            self._lose_zero()
+        taken = entry.identity
+        if taken is not None and taken.device == "ballbar" and self.initialisations:
+            self._lose_zero()  # whoever comes, goes or falls silent has a zero of its own
 
     def _lose_zero(self) -> None:
         self.zero_lost, self.last_zero, self.shown = True, None, None

@@ -16,21 +16,23 @@ from truepose.domain.ballbar import (
     BallbarPlan,
     BallbarStep,
     BarSet,
-    LedgerEntry,
     LengthTaken,
     PoseForecast,
     StepKind,
 )
 from truepose.domain.identities import IdentityTaken
+from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acts import ActName, acts_allowed
+from truepose.sequencing.ballbar.acts import acts_allowed
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.plan.agenda import MAX_ATTEMPTS, Course, forecast_of, steps
-from truepose.sequencing.ballbar.plan.pace import BallbarProgress
+from truepose.sequencing.ballbar.plan.pace import BallbarProgress, pace_s_per_reading, remaining_s
 from truepose.sequencing.ballbar.plan.way import ways
-from truepose.sequencing.ballbar.record import READINGS, ActingTablet, OpenSuspicion, Outcome, Record
-from truepose.sequencing.engine.identities import Acquaintance, sentence
+from truepose.sequencing.ballbar.record import READINGS, BallbarRecord, OpenSuspicion, Outcome
+from truepose.sequencing.engine.acts import ActName
+from truepose.sequencing.engine.identities import KnownDevice, sentence
 from truepose.sequencing.engine.prompts import CELL_CLEAR
+from truepose.sequencing.engine.record import ActingTablet
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +63,8 @@ class Situation:
     acts: frozenset[ActName]
     progress: BallbarProgress
     last: tuple[str, Outcome] | None  # the step that ended last, and how
-    ballbar: Acquaintance
-    robot: Acquaintance
+    ballbar: KnownDevice
+    robot: KnownDevice
     identities: tuple[IdentityTaken, ...]  # which devices answered, oldest first
 
     @property
@@ -114,13 +116,13 @@ class Situation:
 
 def situation(plan: BallbarPlan, kit: BallbarKit, entries: Iterable[LedgerEntry]) -> Situation:
     """Return where a session stands after these lines of its ledger, oldest first."""
-    record = Record()
+    record = BallbarRecord()
     for entry in entries:
         record.apply(entry)
     return situation_of(plan, kit, record)
 
 
-def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situation:
+def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> Situation:
     """Return where a session stands after what is on record."""
     agenda = tuple(steps(plan, kit, _course(record)))
     outcomes = {step.id: record.outcome(step.id) for step in agenda}
@@ -158,18 +160,20 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: Record) -> Situatio
         ),
         progress=_progress(agenda, outcomes, record),
         last=record.last,
-        ballbar=record.ballbar,
-        robot=record.robot,
+        ballbar=record.known("ballbar"),
+        robot=record.known("robot"),
         identities=tuple(record.identities),
     )
 
 
-def _course(record: Record) -> Course:
+def _course(record: BallbarRecord) -> Course:
     """Return what of the past shapes the agenda."""
     return Course(record.skipped_poses, record.found)
 
 
-def _present_index(agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record) -> int:
+def _present_index(
+    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: BallbarRecord
+) -> int:
     """Return the place of the first open step, or of the one whose reading is under suspicion."""
     if record.suspicion is not None:
         suspected = step_ids.listed(record.suspicion.step_id)  # a zero in between is no step of the agenda
@@ -178,7 +182,7 @@ def _present_index(agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outco
 
 
 def _present(
-    plan: BallbarPlan, agenda: tuple[BallbarStep, ...], index: int, record: Record
+    plan: BallbarPlan, agenda: tuple[BallbarStep, ...], index: int, record: BallbarRecord
 ) -> BallbarStep | None:
     if index == len(agenda):
         return None
@@ -203,7 +207,7 @@ def _before(step: BallbarStep, step_id: str, kind: StepKind) -> BallbarStep:
     return BallbarStep(step_id, kind, step.placement, step.config, attempt=step.attempt)
 
 
-def _back_to(agenda: tuple[BallbarStep, ...], index: int, record: Record) -> str | None:
+def _back_to(agenda: tuple[BallbarStep, ...], index: int, record: BallbarRecord) -> str | None:
     """Return the step that Back reopens: the last one a person ended, or the motion to its stop.
 
     There is no way back behind a pre-calibration, which rests on what came before it, nor to a placement
@@ -227,7 +231,7 @@ def _begins_a_later_placement(step: BallbarStep, agenda: tuple[BallbarStep, ...]
     return any(other.placement not in {None, step.placement} for other in agenda[: agenda.index(step)])
 
 
-def _with_its_stop(step_id: str, record: Record) -> str:
+def _with_its_stop(step_id: str, record: BallbarRecord) -> str:
     """Return the step, or the motion to its stop where the arm stands elsewhere by now."""
     group = step_ids.group_of(step_id)
     needs_stop = step_ids.is_of_a_stop(step_id)
@@ -237,13 +241,13 @@ def _with_its_stop(step_id: str, record: Record) -> str:
     return motion
 
 
-def _zero(step: BallbarStep | None, record: Record) -> LengthTaken | None:
+def _zero(step: BallbarStep | None, record: BallbarRecord) -> LengthTaken | None:
     if step is None or step.kind not in READINGS or step.kind is StepKind.INITIALISE:
         return None
     return record.zeros.get(step_ids.group_of(step.id))
 
 
-def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None:
+def _zero_before(step: BallbarStep | None, record: BallbarRecord) -> LengthTaken | None:
     zeroed = _zeroed(record)
     if step is None or step.kind is not StepKind.INITIALISE or zeroed is None:
         return None
@@ -251,7 +255,7 @@ def _zero_before(step: BallbarStep | None, record: Record) -> LengthTaken | None
     return taken if bars == _bars_at(step.id) else None
 
 
-def _zeroed(record: Record) -> tuple[BarSet, LengthTaken] | None:
+def _zeroed(record: BallbarRecord) -> tuple[BarSet, LengthTaken] | None:
     if record.last_zero is None:
         return None
     step_id, taken = record.last_zero
@@ -262,7 +266,7 @@ def _bars_at(step_id: str) -> BarSet:
     return "tool" if step_id.startswith(step_ids.TOOL) else "base"
 
 
-def _skipped_poses(agenda: tuple[BallbarStep, ...], record: Record) -> int:
+def _skipped_poses(agenda: tuple[BallbarStep, ...], record: BallbarRecord) -> int:
     """Return how many poses there are whose last attempt ended with a skip."""
     return sum(group in record.skipped_poses for group in _last_attempts(agenda))
 
@@ -273,7 +277,7 @@ def _last_attempts(agenda: tuple[BallbarStep, ...]) -> set[str]:
     return set({step.config: step_ids.group_of(step.id) for step in motions}.values())
 
 
-def _has_no_way(step: BallbarStep, record: Record) -> bool:
+def _has_no_way(step: BallbarStep, record: BallbarRecord) -> bool:
     found = record.precalibration
     if found is None or step.kind is not StepKind.MOVE or step.config is None:
         return False
@@ -281,7 +285,7 @@ def _has_no_way(step: BallbarStep, record: Record) -> bool:
 
 
 def _progress(
-    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record
+    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: BallbarRecord
 ) -> BallbarProgress:
     """Return how far the session is: what was left out for good is planned no longer."""
     measured = sum(outcomes[step.id].kind == "measured" for step in agenda if step.kind in READINGS)
@@ -292,13 +296,13 @@ def _progress(
         planned=measured + sum(kind in READINGS for kind in ahead),
         skipped_poses=_skipped_poses(agenda, record),
         elapsed_s=record.times.elapsed_s,
-        remaining_s=record.times.remaining_s(ahead),
-        pace_s_per_reading=record.times.pace_s_per_reading(),
+        remaining_s=remaining_s(record.times, ahead),
+        pace_s_per_reading=pace_s_per_reading(record.times),
     )
 
 
 def _to_be_tried_again(
-    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: Record
+    agenda: tuple[BallbarStep, ...], outcomes: Mapping[str, Outcome], record: BallbarRecord
 ) -> list[StepKind]:
     """Return the steps of skipped poses that the next pre-calibration will bring back."""
     due = {

@@ -4,27 +4,23 @@ Every method that appends is called with `changing` held, so that lines reach th
 and `note_failure` take it themselves.
 """
 
-import asyncio
-import contextlib
-from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import EntryKind, LengthTaken, StepKind, Suspicion
-from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ballbar import LengthTaken, StepKind, Suspicion
 from truepose.domain.identities import IdentityTaken
+from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import Act
-from truepose.sequencing.ballbar.arm_at_rest import Stand
+from truepose.sequencing.ballbar.arm_at_rest import RestMonitor
 from truepose.sequencing.ballbar.doubts.assignments import Judges, doubt
-from truepose.sequencing.ballbar.identity_check import Acquaintances
-from truepose.sequencing.ballbar.logbook import Book
 from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.motion import Motion
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.situation import Situation
+from truepose.sequencing.engine.acts import Act
 from truepose.sequencing.engine.identities import accepted, same_number, sentence
+from truepose.sequencing.engine.identity_check import IdentityCheck
+from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import ForeignRobotError, NotNowError
 from truepose_drivers.errors import DriverError
 
@@ -34,31 +30,22 @@ _NO_WAY = "The pre-calibration found no clear way to this pose."
 
 
 @dataclass(slots=True)
-class Floor:
-    """The session between its loops and its acts."""
+class Transitions:
+    """Every way from one situation to the next that is not a reading's or a motion's own."""
 
     kit: BallbarKit
     judges: Judges
-    book: Book
+    logbook: Logbook[Situation]
     readings: Readings
-    stand: Stand
+    rest: RestMonitor
     motion: Motion
-    acquaintances: Acquaintances
-    changing: asyncio.Lock = field(default_factory=asyncio.Lock)
+    identities: IdentityCheck
     entered: bool = False  # the robot was found where it should be since the session last began to run
 
     @property
     def now(self) -> Situation:
         """The situation as the ledger has it."""
-        return self.book.situation
-
-    async def keep(self, work: Callable[[], Awaitable[None]]) -> None:
-        """Do what appends lines, again where one was refused; nothing moves in between."""
-        while True:
-            with contextlib.suppress(RecordRefusedError):
-                async with self.changing:
-                    return await work()
-            await self.book.accepted()
+        return self.logbook.situation
 
     async def settle(self) -> None:
         """Bring the session to where it waits again: robot looked at, next prompt on record, or finished."""
@@ -71,16 +58,16 @@ class Floor:
         if not self.entered and not await self._enter_cell():
             return
         while self.now.has_no_way and self.now.step is not None:
-            await self.book.append(EntryKind.SKIPPED, self.now.step.id, text=_NO_WAY)
+            await self.logbook.append(EntryKind.SKIPPED, self.now.step.id, text=_NO_WAY)
         if self.now.step is None:
-            await self.book.enter(SessionState.FINISHED, "Every step is done or was skipped.")
+            await self.logbook.enter(SessionState.FINISHED, "Every step is done or was skipped.")
         elif self._prompt_is_due():
             await self.show()
 
     async def show(self, act: Act | None = None, text: str = "") -> int:
         """Put the present prompt, on record first; returns the number of its line."""
         step = self.now.step
-        number = await self.book.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
+        number = await self.logbook.append(EntryKind.SHOWN, step.id if step else "", act, text=text)
         self.readings.begin_anew()
         return number
 
@@ -93,7 +80,7 @@ class Floor:
         held_for = self.readings.contact.held_for(taken.deviation_mm)
         suspicion = doubt(taken, now, step, self.kit, self.judges, held_for)
         kind = EntryKind.MEASURED if suspicion is None else EntryKind.SUSPECTED
-        number = await self.book.append(kind, step.id, act, length=taken, suspicion=suspicion)
+        number = await self.logbook.append(kind, step.id, act, length=taken, suspicion=suspicion)
         self.readings.contact.take(taken.deviation_mm, step.id if suspicion is None else held_for or "")
         self.readings.begin_anew()
         return number, suspicion
@@ -106,20 +93,20 @@ class Floor:
         """Put a failure on record once lines are taken; else whoever shows it says that nobody runs it."""
         reason = f"The program failed ({type(error).__name__}): {error}"
         try:
-            await self.keep(lambda: self.hold(reason))
+            await self.logbook.keep(lambda: self.hold(reason))
         except Exception as second:  # the run ends with the first one: the log must not name another instead
             error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
 
     async def _await_person(self, reason: str) -> None:
         if self.now.state in {SessionState.RUNNING, SessionState.PAUSING}:
-            await self.book.enter(SessionState.AWAITING_CONFIRMATION, reason)
+            await self.logbook.enter(SessionState.AWAITING_CONFIRMATION, reason)
         elif self.now.state is SessionState.ABORTING:
-            await self.book.enter(SessionState.ABORTED, reason)
+            await self.logbook.enter(SessionState.ABORTED, reason)
         self.entered = False
 
     def ballbar_news(self) -> IdentityTaken | None:
         """Return what is new about the ballbar; None where it is the one that is expected."""
-        return self.acquaintances.news("ballbar", self.readings.identity)
+        return self.identities.news("ballbar", self.readings.identity)
 
     async def note_ballbar(self) -> None:
         """Put on record which ballbar answers; what it showed before, and from where it counts, is void."""
@@ -127,13 +114,13 @@ class Floor:
         if found is None:
             return
         asked = self.now.ballbar.foreign is not None
-        await self.acquaintances.keep(found)
+        await self.identities.keep(found)
         self.readings.begin_anew()
         if self.now.initialisations:
             self.readings.take_note_of_lost_zero()
         if self.now.state is SessionState.AWAITING_CONFIRMATION and (asked or found.finding == "foreign"):
-            text = control.state_text(SessionState.AWAITING_CONFIRMATION, sentence(found))
-            await self.book.append(EntryKind.CONTROL, text=text)  # another question from now on
+            state = SessionState.AWAITING_CONFIRMATION  # another question from now on
+            await self.logbook.append(EntryKind.CONTROL, entered=state, text=sentence(found))
 
     async def answer_about_ballbar(self, serial: str, person: str) -> None:
         """Accept the ballbar of this serial number where it is in question.
@@ -147,7 +134,7 @@ class Floor:
             raise NotNowError(f"Nobody asks whether the ballbar {serial} may measure; nothing was accepted.")
         if not serial:
             raise NotNowError(sentence(foreign))
-        await self.acquaintances.keep(accepted(foreign, person))
+        await self.identities.keep(accepted(foreign, person))
 
     async def _require_same_ballbar(self) -> None:
         """See that what a length was read with is still the expected ballbar; raises NotNowError."""
@@ -166,26 +153,26 @@ class Floor:
         """Reopen that the ballbar is off, where a length was seen against it: it is asked for again."""
         step = self.now.step
         if step is not None and step.kind is StepKind.MOVE and not self.now.attached:
-            await self.book.append(EntryKind.REOPENED, step_ids.detach(step.id), text=_SEEN_ON)
+            await self.logbook.append(EntryKind.REOPENED, step_ids.detach(step.id), text=_SEEN_ON)
 
     async def lose_stop(self, reason: str) -> None:
         """Reopen what was done at a stop where the arm no longer stands."""
         if self.now.stop is not None:
-            await self.book.append(EntryKind.REOPENED, self.now.stop, text=reason)
+            await self.logbook.append(EntryKind.REOPENED, self.now.stop, text=reason)
 
     async def note_lost_power(self) -> None:
         """Record that the ballbar was without supply, so that its zero is read anew."""
         if self.now.initialisations:
-            await self.book.append(EntryKind.CONTROL, text=control.ZERO_LOST)
+            await self.logbook.append(EntryKind.CONTROL, control=Control.ZERO_LOST)
         self.readings.take_note_of_lost_zero()
 
     async def look_at_robot(self) -> str | None:
         """Return why the present stop is lost, None where the arm is as it was left; raises driver errors."""
-        reading = await self.stand.look()
+        reading = await self.rest.look()
         arrival = self.now.arrival
         if self.now.stop is None or arrival is None:
             return None
-        return self.stand.moved_from(arrival, reading)
+        return self.rest.moved_from(arrival, reading)
 
     async def require_stop(self, otherwise: str = "Nothing was stored") -> None:
         """See for oneself that the arm still is where it came to rest; raises NotNowError."""
@@ -194,7 +181,7 @@ class Floor:
         try:
             moved = await self.look_at_robot()
         except DriverError as error:
-            await self.stand.close()
+            await self.rest.close()
             await self.hold(str(error))
             raise NotNowError(f"{otherwise}: {error}") from error
         if moved is not None:
@@ -205,11 +192,11 @@ class Floor:
     async def _enter_cell(self) -> bool:
         """Open the robot and see whether it stands where the session left it; returns whether it answers."""
         try:
-            await self.stand.open()
+            await self.rest.open()
             await self._meet_robot()
             moved = await self.look_at_robot()
         except DriverError as error:
-            await self.stand.close()
+            await self.rest.close()
             await self.hold(str(error))
             return False
         except ForeignRobotError as error:
@@ -222,11 +209,11 @@ class Floor:
 
     async def _meet_robot(self) -> None:
         """Ask the robot who it is; raises ForeignRobotError, the driver's errors."""
-        identity = await self.stand.who()
-        self.acquaintances.hear("robot", identity)
-        found = self.acquaintances.news("robot", identity)
+        identity = await self.rest.who()
+        self.identities.hear("robot", identity)
+        found = self.identities.news("robot", identity)
         if found is not None:
-            await self.acquaintances.keep(found)
+            await self.identities.keep(found)
         if self.now.robot.foreign is not None:
             raise ForeignRobotError(sentence(self.now.robot.foreign))
 

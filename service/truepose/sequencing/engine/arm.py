@@ -10,7 +10,7 @@ from typing import Final, TypeAlias
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
 from truepose.sequencing.engine.interlocks import MAX_STATE_AGE_S, MotionConditions, what_forbids_motion
-from truepose.sequencing.engine.motion_segments import Joints, Pieces, WallPace
+from truepose.sequencing.engine.motion_segments import Joints, MotionSegments, WallPace
 from truepose.sequencing.errors import MotionForbiddenError
 from truepose_drivers.api import Clock, JointReading, RobotController, motion_guard
 from truepose_drivers.errors import TargetRefusedError
@@ -43,7 +43,7 @@ class Arm:
         tolerance_rad: float,
         ask_permission: AskPermission,
         max_state_age_s: float = MAX_STATE_AGE_S,
-        pieces: Pieces | None = None,
+        pieces: MotionSegments | None = None,
         wall_s: Callable[[], float] = time.monotonic,
         before_piece: BeforePiece | None = None,
     ) -> None:

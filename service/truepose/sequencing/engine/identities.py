@@ -22,7 +22,7 @@ _LOST: Final = {
 
 
 @dataclass(frozen=True, slots=True)
-class Acquaintance:
+class KnownDevice:
     """What a session knows of one of its devices; the default is that they have not met."""
 
     serial: str = ""  # of the one that it measures with
@@ -31,13 +31,13 @@ class Acquaintance:
     silent: bool = False  # it has not told its number lately, although it did before
     foreign: IdentityTaken | None = None  # waits for a person
 
-    def after(self, taken: IdentityTaken) -> "Acquaintance":
+    def after(self, taken: IdentityTaken) -> "KnownDevice":
         """Return what is known after one more line of the session's record."""
         match taken.finding:
             case "first":
-                return Acquaintance(taken.serial, self.first or taken.serial)
+                return KnownDevice(taken.serial, self.first or taken.serial)
             case "accepted":
-                return Acquaintance(taken.serial, self.first, by_person=True)
+                return KnownDevice(taken.serial, self.first, by_person=True)
             case "same":
                 return replace(self, silent=False, foreign=None)
             case "silent":
@@ -46,9 +46,9 @@ class Acquaintance:
                 return replace(self, foreign=taken)
 
 
-def acquaintance(device: IdentityOf, record: Iterable[IdentityTaken]) -> Acquaintance:
+def known_device(device: IdentityOf, record: Iterable[IdentityTaken]) -> KnownDevice:
     """Return what a session knows of a device after these lines of its record, oldest first."""
-    known = Acquaintance()
+    known = KnownDevice()
     for taken in record:
         if taken.device == device:
             known = known.after(taken)
@@ -61,7 +61,7 @@ def told(serial: str) -> str:
     return "" if plain.lower() in _SAYS_NOTHING else plain
 
 
-def judge(device: IdentityOf, answered: str, expected: str, known: Acquaintance) -> IdentityTaken | None:
+def judge(device: IdentityOf, answered: str, expected: str, known: KnownDevice) -> IdentityTaken | None:
     """Return what an answer says that is new, None where it is what was to be expected.
 
     Parameters
@@ -71,7 +71,7 @@ def judge(device: IdentityOf, answered: str, expected: str, known: Acquaintance)
         Serial number as the device tells it; "unknown" and nothing are no number.
     expected : str
         Serial number that the cell file names now; empty where it names none.
-    known : Acquaintance
+    known : KnownDevice
         From the session's record.
     """
     serial, named = told(answered), expected.strip()

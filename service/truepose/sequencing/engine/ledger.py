@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from truepose.domain.ballbar import LedgerEntry
+from truepose.domain.ledger import LedgerEntry
 
 
 class Ledger(Protocol):

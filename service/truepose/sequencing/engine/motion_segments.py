@@ -25,7 +25,7 @@ _MOST_PIECES: Final = 200  # of a way that takes minutes: finer makes no sense
 Joints = tuple[float, ...]
 
 
-class Pieces:
+class MotionSegments:
     """Cuts motions of one robot at one speed; the flange is what its controller counts as the tool."""
 
     def __init__(self, robot: Robot, speed: MotionLimits) -> None:

@@ -10,7 +10,7 @@ from truepose.sequencing.engine.arm import Arm
 from truepose.sequencing.engine.limits import binding_speed, speed_sentence
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.identity_check import Acquaintances
+from truepose.sequencing.tracker.identity_check import DeviceIdentities
 from truepose.sequencing.tracker.journal import SessionJournal
 from truepose.sequencing.tracker.steps import (
     CheckFaces,
@@ -42,7 +42,7 @@ class Execution:
         arm: Arm,
         journal: SessionJournal,
         registration: Registration | None,
-        acquaintances: Acquaintances,
+        acquaintances: DeviceIdentities,
     ) -> None:
         tracker = WatchfulTracker(cell.tracker, acquaintances)
         self._acquaintances = acquaintances

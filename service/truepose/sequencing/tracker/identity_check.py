@@ -1,32 +1,15 @@
 """The devices of a tracker session as it knows them: asked again and again, questioned where they differ."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TypeAlias
-
 from truepose.domain.identities import IdentityOf, IdentityTaken
 from truepose.domain.session import Registration
-from truepose.sequencing.engine.identities import accepted, acquaintance, judge, same_number, sentence, told
+from truepose.sequencing.engine.identities import accepted, judge, known_device, same_number, sentence, told
+from truepose.sequencing.engine.identity_check import Expected
 from truepose.sequencing.errors import ForeignInstrumentError, ForeignRobotError, NotNowError
 from truepose.sequencing.tracker.journal import SessionJournal
 from truepose_drivers.api import Device, DeviceIdentity
 
-Heard: TypeAlias = Callable[[IdentityOf, DeviceIdentity], None]
 
-
-def _nobody_listens(device: IdentityOf, identity: DeviceIdentity) -> None:
-    pass
-
-
-@dataclass(frozen=True, slots=True)
-class Expected:
-    """What the cell file says now of its devices, and who wants to hear what they answer."""
-
-    serials: Mapping[IdentityOf, str] = field(default_factory=dict)  # what it does not name may be any
-    heard: Heard = _nobody_listens
-
-
-class Acquaintances:
+class DeviceIdentities:
     """Asks devices who they are and keeps what is new about it."""
 
     def __init__(
@@ -35,7 +18,7 @@ class Acquaintances:
         self._expected = expected
         self._journal = journal
         devices: tuple[IdentityOf, ...] = ("tracker", "robot")
-        self._known = {device: acquaintance(device, record) for device in devices}
+        self._known = {device: known_device(device, record) for device in devices}
         self._permitted: tuple[str, str] | None = None  # serial number and person, until it is asked again
 
     def vouch_for(self, registration: Registration) -> bool:

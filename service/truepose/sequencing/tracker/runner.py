@@ -22,7 +22,7 @@ from typing import Final
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
 from truepose.sequencing.engine.arm import Arm
 from truepose.sequencing.engine.limits import binding_speed
-from truepose.sequencing.engine.motion_segments import Pieces
+from truepose.sequencing.engine.motion_segments import MotionSegments
 from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
 from truepose.sequencing.engine.states import after_restart, has_ended, words
@@ -36,7 +36,7 @@ from truepose.sequencing.errors import (
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.sequencing.tracker.execution import Execution
-from truepose.sequencing.tracker.identity_check import Acquaintances
+from truepose.sequencing.tracker.identity_check import DeviceIdentities
 from truepose.sequencing.tracker.journal import SessionHistory, SessionJournal
 from truepose.sequencing.tracker.pace import Pace
 from truepose.sequencing.tracker.plans import (
@@ -94,9 +94,9 @@ class SessionRunner:
             limits,
             plan.joint_tolerance_rad,
             self._standing.permission,
-            pieces=Pieces(cell.robot, binding_speed(plan, cell.speed_limits)),
+            pieces=MotionSegments(cell.robot, binding_speed(plan, cell.speed_limits)),
         )
-        self._acquaintances = Acquaintances(cell.expected, self._journal, history.identities)
+        self._acquaintances = DeviceIdentities(cell.expected, self._journal, history.identities)
         self._execution = Execution(
             plan, cell, self._arm, self._journal, history.registration, self._acquaintances
         )

@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.session import Registration, Vector
 from truepose.sequencing.engine.identities import told
 from truepose.sequencing.errors import ReadingRejectedError
-from truepose.sequencing.tracker.identity_check import Acquaintances
+from truepose.sequencing.tracker.identity_check import DeviceIdentities
 from truepose_drivers.api import PointTracker, TrackerReading
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
 
@@ -19,7 +19,7 @@ _SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps w
 class WatchfulTracker:
     """Measures on the face that is asked for, and refuses readings that are no numbers, or another's."""
 
-    def __init__(self, tracker: PointTracker, acquaintances: Acquaintances) -> None:
+    def __init__(self, tracker: PointTracker, acquaintances: DeviceIdentities) -> None:
         self._tracker = tracker
         self._acquaintances = acquaintances
         self.serial = ""  # of the one that took the last reading

@@ -1,10 +1,11 @@
 """The ledger of ballbar sessions: appended when something happened; it says where a session stands."""
 
+from dataclasses import replace
 from typing import Any
 
 from sqlalchemy import Connection, Row, func, select
 
-from truepose.domain.ballbar import LedgerEntry
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
@@ -16,6 +17,7 @@ from truepose.storage.rows import add_row
 from truepose.storage.tables import ballbar_answers, ballbar_entries
 
 _ALL = Page(limit=-1)  # SQLite: a negative limit is none
+_RESTARTED_BEFORE = "The service was started anew."
 
 
 class BallbarLedger:
@@ -24,16 +26,13 @@ class BallbarLedger:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    async def append(
-        self, session_id: int, entry: LedgerEntry, entered: tuple[SessionState, str] | None = None
-    ) -> int:
+    async def append(self, session_id: int, entry: LedgerEntry) -> int:
         """Keep an entry and return its number once it is on disk.
 
-        `entered` is the state that the session enters with it, and why. An entry whose key the session
-        has already changes nothing; the earlier one's number comes back.
+        An entry whose key the session has already changes nothing; the earlier one's number comes back.
         """
         document = to_document(entry)  # outside the transaction: a pre-calibration is long
-        return await self._database.write(lambda c: _append(c, session_id, entry, document, entered))
+        return await self._database.write(lambda c: _append(c, session_id, entry, document))
 
     async def writable(self) -> None:
         """Return once entries are taken again, after one was refused."""
@@ -85,7 +84,6 @@ def _append(
     session_id: int,
     entry: LedgerEntry,
     document: Any,
-    entered: tuple[SessionState, str] | None,
 ) -> int:
     known = None if entry.key is None else _number_of(connection, session_id, entry.key)
     if known is not None:
@@ -99,10 +97,10 @@ def _append(
         key=entry.key,
         document=document,
     )
-    told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.text}
+    told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.told}
     add_event(connection, "session.entry", told, session_id=session_id)
-    if entered is not None:
-        add_state(connection, session_id, *entered, entry.person)
+    if entry.entered is not None:
+        add_state(connection, session_id, entry.entered, entry.text, entry.person)
     return number
 
 
@@ -124,4 +122,17 @@ def _keep_answer(connection: Connection, session_id: int, key: RequestKey, answe
 
 
 def _record(row: Row[Any]) -> LedgerRecord:
-    return LedgerRecord(row.id, row.recorded_at, from_document(LedgerEntry, row.document))
+    return LedgerRecord(row.id, row.recorded_at, _as_typed(from_document(LedgerEntry, row.document)))
+
+
+def _as_typed(entry: LedgerEntry) -> LedgerEntry:
+    """Return a line as it is written today: before, the text of a CONTROL said what it means."""
+    if entry.kind is not EntryKind.CONTROL or entry.entered is not None or entry.control is not None:
+        return entry
+    state, _, reason = entry.text.partition(": ")
+    if state in set(SessionState):
+        restarted = Control.RESTARTED if reason.startswith(_RESTARTED_BEFORE) else None
+        return replace(entry, entered=SessionState(state), control=restarted, text=reason)
+    if entry.text in set(Control):
+        return replace(entry, control=Control(entry.text), text="")
+    return entry

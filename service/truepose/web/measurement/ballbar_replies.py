@@ -102,7 +102,7 @@ def entry_reply(record: LedgerRecord) -> EntryReply:
         key=entry.key,
         step_id=entry.step_id,
         kind=entry.kind,
-        text=entry.text,
+        text=entry.told,
         length=None if entry.length is None else _length(entry.length),
         arrival=None if entry.arrival is None else _arrival(entry.arrival),
         suspicion=None

@@ -16,7 +16,8 @@ from truepose.domain.ballbar import (
 from truepose.domain.people import NAME_PATTERN, tidy_name
 from truepose.domain.robot import FramePlacement
 from truepose.operation.ballbar.plans import BallbarWish
-from truepose.sequencing.ballbar.acts import Act, ActName, Answer
+from truepose.sequencing.ballbar.acts import Answer
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, PersonName, Request, example, whole
 from truepose.web.schemas.sessions import AngleDeg
 

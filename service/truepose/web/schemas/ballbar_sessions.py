@@ -2,10 +2,11 @@
 
 from pydantic import Field
 
-from truepose.domain.ballbar import BarSet, EntryKind, StepKind, SuspicionKind
+from truepose.domain.ballbar import BarSet, StepKind, SuspicionKind
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acts import ActName
 from truepose.sequencing.ballbar.record import OutcomeKind
+from truepose.sequencing.engine.acts import ActName
 from truepose.web.schemas.base import RecordedAt, RecordId, Reply
 from truepose.web.schemas.identities import IdentityReply
 

@@ -6,7 +6,8 @@ import pytest
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured, moved
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import EntryKind, LedgerEntry
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import SessionState
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.operation.ballbar.scene import scene_of
 from truepose.operation.ballbar.view import BallbarView
@@ -126,7 +127,7 @@ def test_the_first_motion_shows_where_the_arm_will_be_and_not_where_it_was():
 
 
 def test_of_a_session_that_is_done_the_cell_is_drawn_as_it_stands():
-    ended = LedgerEntry("", EntryKind.CONTROL, 99.0, text="aborted: asked for")
+    ended = LedgerEntry("", EntryKind.CONTROL, 99.0, entered=SessionState.ABORTED, text="asked for")
 
     _, shown = scene(*until_pose(), ended)
 

@@ -2,7 +2,8 @@
 
 from tests.helpers.ballbar.sessions import LEGS, make_ballbar_plan, measured, moved, skipped
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import EntryKind, LedgerEntry, PreCalibration
+from truepose.domain.ballbar import PreCalibration
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.operation.ballbar.counting import counting
 
 PLAN, KIT = make_ballbar_plan(), BallbarKit()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from truepose.domain.artefacts import Artefact
-from truepose.sequencing.engine.identities import Acquaintance, same_number
+from truepose.sequencing.engine.identities import KnownDevice, same_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,14 +16,14 @@ class Papers:
     hold: bool  # what the cell file says of the ballbar is said of this one
 
 
-def papers_of(told: str, known: Acquaintance, owner: Artefact, device_serial: str) -> Papers:
+def papers_of(told: str, known: KnownDevice, owner: Artefact, device_serial: str) -> Papers:
     """Return what holds for the ballbar that has just told its serial number.
 
     Parameters
     ----------
     told : str
         Empty where it tells none.
-    known : Acquaintance
+    known : KnownDevice
         Of the session with its ballbar.
     owner : Artefact
         The ballbar that the cell file describes.

@@ -8,7 +8,6 @@ from typing import Final
 
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, LengthTaken, StepKind
-from truepose.sequencing.ballbar.acts import ActName
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.measuring.attachment import Evidence
 from truepose.sequencing.ballbar.measuring.certificates import papers_of
@@ -26,6 +25,7 @@ from truepose.sequencing.ballbar.measuring.live import (
 )
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.situation import Situation
+from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.errors import NotNowError
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity
 

@@ -11,9 +11,10 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, BallbarStep, PlannedPlacement, PlannedPose, StepKind
 from truepose.domain.robot import JointRange, Robot
 from truepose.sequencing.ballbar.plan.agenda import sides, steps
-from truepose.sequencing.ballbar.plan.pace import StepTimes
+from truepose.sequencing.ballbar.plan.pace import remaining_s
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.engine.interlocks import MAX_STATE_AGE_S, joint_outside
+from truepose.sequencing.engine.pace import StepTimes
 from truepose.sequencing.errors import PlanRefusedError
 
 TOOL_NESTS: Final = 3
@@ -39,7 +40,7 @@ def dry_run(plan: BallbarPlan, kit: BallbarKit) -> BallbarDryRun:
         poses=sum(len(placement.poses) for placement in plan.placements),
         readings=sum(kind in READINGS for kind in kinds),
         moves=kinds.count(StepKind.MOVE),
-        duration_s=StepTimes().remaining_s(kinds),
+        duration_s=remaining_s(StepTimes(), kinds),
     )
 
 

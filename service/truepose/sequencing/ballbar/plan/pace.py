@@ -1,11 +1,11 @@
 """How far a ballbar session is and how many minutes are left, learnt from this operator's own pace."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from statistics import median
+from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.ballbar import StepKind
+from truepose.sequencing.engine.pace import StepTimes
 
 # One minute per pose of six legs, under one hour for 39 configurations with the set-up: thesis section 3.5.
 _THESIS_S: Final = {
@@ -36,38 +36,18 @@ class BallbarProgress:
     pace_s_per_reading: float | None  # median; None before the first
 
 
-@dataclass(slots=True)
-class StepTimes:
-    """How long the steps took, in cell time; only the time in which the session ran counts."""
+def remaining_s(times: StepTimes, open_kinds: Iterable[StepKind]) -> float:
+    """Return how long the steps that are still open will take."""
+    expected = {kind: _expected_s(times, kind) for kind in StepKind}
+    return sum(expected[kind] for kind in open_kinds)
 
-    elapsed_s: float = 0.0
-    _last_s: float | None = None
-    _ended_s: float = 0.0  # elapsed when the step before ended
-    _taken_s: dict[StepKind, list[float]] = field(default_factory=dict)
 
-    def tick(self, now_s: float, *, running: bool) -> None:
-        """Let time pass until `now_s`."""
-        if running and self._last_s is not None:
-            self.elapsed_s += max(0.0, now_s - self._last_s)
-        self._last_s = now_s
+def _expected_s(times: StepTimes, kind: StepKind) -> float:
+    """Return how long a step of this kind takes: this operator's median, else the thesis' order."""
+    learnt = times.median_s([kind], _ENOUGH)
+    return _THESIS_S[kind] if learnt is None else learnt
 
-    def end_step(self, kind: StepKind | None) -> None:
-        """Count the time since the step before as that of a step of this kind."""
-        if kind is not None:
-            self._taken_s.setdefault(kind, []).append(self.elapsed_s - self._ended_s)
-        self._ended_s = self.elapsed_s
 
-    def expected_s(self, kind: StepKind) -> float:
-        """Return how long a step of this kind takes: this operator's median, else the thesis' order."""
-        taken = self._taken_s.get(kind, ())
-        return median(taken) if len(taken) >= _ENOUGH else _THESIS_S[kind]
-
-    def remaining_s(self, open_kinds: Iterable[StepKind]) -> float:
-        """Return how long the steps that are still open will take."""
-        expected = {kind: self.expected_s(kind) for kind in StepKind}
-        return sum(expected[kind] for kind in open_kinds)
-
-    def pace_s_per_reading(self) -> float | None:
-        """Return the median time of a reading; None before the first."""
-        taken = [time_s for kind in _READINGS for time_s in self._taken_s.get(kind, ())]
-        return median(taken) if taken else None
+def pace_s_per_reading(times: StepTimes) -> float | None:
+    """Return the median time of a reading; None before the first."""
+    return times.median_s(_READINGS)

@@ -8,24 +8,17 @@ from itertools import count
 
 from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
 from tests.unit.service.sequencing.tracker.fakes import IRB120
-from truepose.domain.ballbar import (
-    BallbarPlan,
-    EntryKind,
-    LedgerEntry,
-    PreCalibration,
-    StepKind,
-    Suspicion,
-)
+from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import Act, ActName, ActOutcome
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.runner import BallbarRunner
+from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
 
@@ -418,5 +411,4 @@ class Bench:
         return [entry for entry in self.disk.entries if entry.step_id == step_id and entry.kind is kind]
 
     def states(self) -> list[SessionState]:
-        found = (control.state_in(e.text) for e in self.disk.entries if e.kind is EntryKind.CONTROL)
-        return [state for state in found if state is not None]
+        return [entry.entered for entry in self.disk.entries if entry.entered is not None]

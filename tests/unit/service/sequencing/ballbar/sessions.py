@@ -7,8 +7,6 @@ from truepose.domain.artefacts import Artefact, BallbarKit
 from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarPlan,
-    EntryKind,
-    LedgerEntry,
     LengthTaken,
     PlannedAway,
     PlannedPlacement,
@@ -19,9 +17,9 @@ from truepose.domain.ballbar import (
     StepKind,
     Suspicion,
 )
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.situation import Situation, situation
@@ -96,7 +94,7 @@ class Story:
         self.entries.append(replace(entry, **changes))
 
     def control(self, state: SessionState) -> None:
-        self.add("", EntryKind.CONTROL, text=control.state_text(state, "it was asked for."))
+        self.add("", EntryKind.CONTROL, entered=state, text="it was asked for.")
 
     def show(self) -> str:
         """Show the present step; returns its name."""

@@ -17,12 +17,13 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan
-from truepose.domain.ballbar import EntryKind, LedgerEntry, StepKind
+from truepose.domain.ballbar import StepKind
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import Act, ActName, Answer
+from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import SequencingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError
 
@@ -91,7 +92,7 @@ class Guard:
 
     @staticmethod
     def _matters(entry: LedgerEntry) -> bool:
-        return entry.kind in NEWS or control.state_in(entry.text) is not None
+        return entry.kind in NEWS or entry.entered is not None
 
     def _require(self, true: bool, otherwise: str) -> None:
         if not true:

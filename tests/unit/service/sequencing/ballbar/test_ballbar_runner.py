@@ -8,11 +8,12 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import LEGS, found, joints, make_plan, make_pose
-from truepose.domain.ballbar import EntryKind, PoseForecast, Suspicion
+from truepose.domain.ballbar import PoseForecast, Suspicion
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acts import Act, ActName
 from truepose.sequencing.ballbar.doubts.assignments import Judges
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import (
     NotNowError,
     PersonMissingError,

@@ -6,12 +6,13 @@ import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench
 from tests.unit.service.sequencing.ballbar.sessions import KIT, make_plan
-from truepose.domain.ballbar import EntryKind, StepKind
+from truepose.domain.ballbar import StepKind
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acts import ActName
 from truepose.sequencing.ballbar.plan import step_ids
+from truepose.sequencing.engine.acts import ActName
+from truepose.sequencing.engine.identity_check import Expected
 from truepose.sequencing.errors import NotNowError
-from truepose.sequencing.tracker.identity_check import Expected
 from truepose_drivers.errors import NoReplyError
 
 A, B = "B-7", "B-9"

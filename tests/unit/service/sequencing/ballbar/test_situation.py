@@ -10,12 +10,12 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     make_pose,
     without_away,
 )
-from truepose.domain.ballbar import EntryKind, Suspicion
+from truepose.domain.ballbar import Suspicion
+from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar import control
-from truepose.sequencing.ballbar.acts import ActName
 from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
@@ -236,10 +236,10 @@ def test_a_reading_counts_from_the_calibrator_of_its_own_group():
 
 def test_the_first_tablet_acts_until_another_takes_over():
     story = Story(PLAN)
-    story.add("", EntryKind.CONTROL, person="Ada", tablet="two", text="paused: Lunch.")
+    story.add("", EntryKind.CONTROL, person="Ada", tablet="two", entered=SessionState.PAUSED, text="Lunch.")
     assert story.now.acting.tablet == "one"
 
-    story.add("", EntryKind.CONTROL, person="Ada", tablet="two", text=control.HAND_OVER)
+    story.add("", EntryKind.CONTROL, person="Ada", tablet="two", control=Control.HAND_OVER)
 
     assert (story.now.acting.tablet, story.now.acting.person) == ("two", "Ada")
     assert story.now.state is SessionState.PAUSED
@@ -304,7 +304,7 @@ def test_every_prefix_of_a_ledger_has_a_situation_that_the_rest_continues():
 
 def test_a_ballbar_that_was_without_supply_is_put_on_its_calibrator_and_keeps_what_was_read():
     story = Story(PLAN).until("placement-1/pose-1/leg-1-2")
-    story.add("", EntryKind.CONTROL, text=control.ZERO_LOST)
+    story.add("", EntryKind.CONTROL, control=Control.ZERO_LOST)
 
     assert story.present == "placement-1/pose-1/leg-1-2/initialise"
     story.do()
@@ -329,8 +329,8 @@ def test_a_doubt_ends_with_the_stop_that_its_reading_was_of():
 def test_the_time_in_which_the_service_was_off_is_nobodys_pace():
     story = Story(PLAN).until("placement-1/place")
     before = story.now.progress
-    text = control.state_text(SessionState.AWAITING_CONFIRMATION, control.RESTARTED)
-    story.add("", EntryKind.CONTROL, text=text, time_s=1e6)
+    awaits = SessionState.AWAITING_CONFIRMATION
+    story.add("", EntryKind.CONTROL, entered=awaits, control=Control.RESTARTED, time_s=1e6)
 
     assert story.now.progress.elapsed_s == before.elapsed_s
     assert story.now.progress.remaining_s == before.remaining_s

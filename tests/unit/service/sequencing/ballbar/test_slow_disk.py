@@ -7,7 +7,7 @@ import pytest
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
 from tests.unit.service.sequencing.ballbar.sessions import make_plan
 from truepose.domain.session import SessionState
-from truepose.sequencing.ballbar.acts import Act, ActName
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import NotNowError
 
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.2, settle_s=0.1)

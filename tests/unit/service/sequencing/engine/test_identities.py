@@ -3,7 +3,7 @@
 import pytest
 
 from truepose.domain.identities import IdentityTaken
-from truepose.sequencing.engine.identities import Acquaintance, accepted, acquaintance, judge, sentence
+from truepose.sequencing.engine.identities import KnownDevice, accepted, judge, known_device, sentence
 
 A, B, C = "390003", "777777", "391111"
 
@@ -13,16 +13,16 @@ def met(*answers, expected="", device="tracker"):
     record = []
     for answer in answers:
         serial, person = answer if isinstance(answer, tuple) else (answer, None)
-        found = judge(device, serial, expected, acquaintance(device, record))
+        found = judge(device, serial, expected, known_device(device, record))
         if found is not None:
             record.append(found)
         if person is not None:
             record.append(accepted(found, person))
-    return acquaintance(device, record)
+    return known_device(device, record)
 
 
 def finding(answered, expected="", known=None, device="tracker"):
-    found = judge(device, answered, expected, known or Acquaintance())
+    found = judge(device, answered, expected, known or KnownDevice())
     return None if found is None else found.finding
 
 
@@ -32,7 +32,7 @@ def test_the_first_one_that_the_cell_file_does_not_contradict_is_met_without_a_q
 
 
 def test_the_first_one_is_foreign_where_the_cell_file_names_another():
-    found = judge("tracker", B, A, Acquaintance())
+    found = judge("tracker", B, A, KnownDevice())
 
     assert (found.finding, found.serial, found.expected) == ("foreign", B, A)
 
@@ -128,8 +128,8 @@ def test_a_robot_that_was_exchanged_is_foreign_even_where_the_cell_file_was_mend
 def test_devices_are_told_apart():
     record = [IdentityTaken("tracker", "first", A), IdentityTaken("robot", "first", B)]
 
-    assert acquaintance("tracker", record).serial == A
-    assert acquaintance("robot", record).serial == B
+    assert known_device("tracker", record).serial == A
+    assert known_device("robot", record).serial == B
 
 
 @pytest.mark.parametrize("device", ["tracker", "ballbar"])

@@ -12,7 +12,7 @@ from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan.way import rest_of_way
 from truepose.sequencing.engine.arm import Arm, Permission
-from truepose.sequencing.engine.motion_segments import Pieces
+from truepose.sequencing.engine.motion_segments import MotionSegments
 from truepose.sequencing.engine.nominal_arm import nominal_chain
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.errors import MotionForbiddenError
@@ -36,7 +36,7 @@ def duration_s(start, target, speed=SLOW):
 
 
 def test_no_piece_takes_longer_than_a_second_and_all_lie_on_one_line():
-    ends = Pieces(IRB120, SLOW).of(START, TARGET, 1.0)
+    ends = MotionSegments(IRB120, SLOW).of(START, TARGET, 1.0)
     starts = (START, *ends[:-1])
 
     assert ends[-1] == TARGET
@@ -48,8 +48,8 @@ def test_no_piece_takes_longer_than_a_second_and_all_lie_on_one_line():
 
 
 def test_a_short_motion_stays_whole_and_a_very_slow_one_is_not_minced():
-    assert Pieces(IRB120, MotionLimits()).of(START, tuple(q + 0.01 for q in START), 1.0)[:-1] == ()
-    assert len(Pieces(IRB120, MotionLimits(0.01, 1e-5)).of(START, TARGET, 1.0)) == 200
+    assert MotionSegments(IRB120, MotionLimits()).of(START, tuple(q + 0.01 for q in START), 1.0)[:-1] == ()
+    assert len(MotionSegments(IRB120, MotionLimits(0.01, 1e-5)).of(START, TARGET, 1.0)) == 200
 
 
 class GuardedRobot(FakeRobot):
@@ -61,7 +61,7 @@ class GuardedRobot(FakeRobot):
 def make_arm(robot, clock, permission=None):
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
     ask = permission or (lambda now_s: allowed)
-    pieces = Pieces(IRB120, SLOW)
+    pieces = MotionSegments(IRB120, SLOW)
     return Arm(robot, clock, WIDE, 0.00035, ask, pieces=pieces, wall_s=lambda: clock.time_s)
 
 
@@ -113,7 +113,7 @@ async def test_what_the_permission_rests_on_is_read_anew_before_each_further_pie
         judged_s.append(now_s)
         return Permission(SessionState.RUNNING, stop_requested=False, question=None)
 
-    arm = Arm(robot, clock, WIDE, 0.00035, permission, pieces=Pieces(IRB120, SLOW), before_piece=look)
+    arm = Arm(robot, clock, WIDE, 0.00035, permission, pieces=MotionSegments(IRB120, SLOW), before_piece=look)
     await arm.move(TARGET)
 
     assert len(looked_s) == len(robot.moves) - 1 > 10
@@ -123,7 +123,7 @@ async def test_what_the_permission_rests_on_is_read_anew_before_each_further_pie
 async def test_where_motions_take_no_wall_time_they_go_out_whole_from_the_second_on():
     robot, clock = await connected()
     allowed = Permission(SessionState.RUNNING, stop_requested=False, question=None)
-    pieces = Pieces(IRB120, SLOW)
+    pieces = MotionSegments(IRB120, SLOW)
     arm = Arm(robot, clock, WIDE, 0.00035, lambda now_s: allowed, pieces=pieces, wall_s=lambda: 0.0)
 
     await arm.move(TARGET)

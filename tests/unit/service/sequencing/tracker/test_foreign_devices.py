@@ -8,8 +8,8 @@ import pytest
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.session import SessionState
+from truepose.sequencing.engine.identity_check import Expected
 from truepose.sequencing.errors import NotNowError
-from truepose.sequencing.tracker.identity_check import Expected
 from truepose.sequencing.tracker.journal import SessionHistory
 from truepose.sequencing.tracker.runner import SessionRunner
 from truepose_drivers.errors import ConnectionLostError

@@ -1,0 +1,55 @@
+"""What a person asks of a session."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from truepose.domain.session import SessionState
+
+
+class ActName(StrEnum):
+    """One button."""
+
+    START = "start"
+    CONFIRM = "confirm"  # what is asked is done; of a motion: the cell is clear
+    STORE = "store"  # the length that is shown, by hand
+    ANSWER = "answer"  # to a suspicion
+    RETRY = "retry"  # the same step again
+    SKIP = "skip"  # with a reason; in a pose: the rest of it
+    BACK = "back"
+    PAUSE = "pause"
+    RESUME = "resume"
+    STOP = "stop"  # nothing more is sent to the robot before a person confirms anew
+    ABORT = "abort"
+    HAND_OVER = "hand_over"  # this tablet acts from now on
+
+
+@dataclass(frozen=True, slots=True)
+class Act:
+    """One button pressed by somebody on some tablet."""
+
+    name: ActName
+    person: str
+    tablet: str = ""
+    key: str | None = None  # idempotency key: the same key again does nothing again
+    step_id: str | None = None  # the step that the person saw
+    reason: str = ""  # of a skip, or why the session pauses, stops or ends
+    answer: str = ""  # to a suspicion
+    seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
+    accepted_serial: str = ""  # of a confirmation: the ballbar in question that the person accepts
+
+
+@dataclass(frozen=True, slots=True)
+class ActOutcome:
+    """What came of an act."""
+
+    sentence: str
+    entry: int  # its number in the ledger
+
+
+LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it
+HALTS: Final = {  # for everybody, and the state that each of them leads to
+    ActName.PAUSE: SessionState.PAUSED,
+    ActName.STOP: SessionState.AWAITING_CONFIRMATION,
+    ActName.ABORT: SessionState.ABORTED,
+}

@@ -1,0 +1,202 @@
+"""The ledger as a session has it: every line reaches the disk before anything follows from it."""
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from typing import Any, Final, Generic, TypeVar
+
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
+from truepose.domain.people import tidy_name
+from truepose.domain.session import SessionState
+from truepose.sequencing.engine.acts import Act, ActOutcome
+from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.record import Record
+from truepose.sequencing.engine.states import after_restart, require_transition
+from truepose_drivers.api import Clock
+from truepose_drivers.errors import DriverError
+
+S = TypeVar("S")
+RESTARTED: Final = "The service was started anew."
+_KEPT_BEFORE: Final = "That was done before; nothing was done again."
+
+
+class Logbook(Generic[S]):
+    """Appends lines and knows the situation that follows; who appends holds `changing`.
+
+    `record` takes the lines, `describe` makes a situation of it.
+    """
+
+    def __init__(
+        self,
+        ledger: Ledger,
+        clock: Clock,
+        record: Record,
+        describe: Callable[[], S],
+        entries: tuple[LedgerEntry, ...],
+    ) -> None:
+        self._ledger = ledger
+        self._clock = clock
+        self._entries = list(entries)
+        self.record = record
+        self._describe = describe
+        for entry in entries:
+            record.apply(entry)
+        self._restarted_as = self._state_after_restart()
+        if self._restarted_as is not None:
+            record.enter(self._restarted_as, RESTARTED)
+        self._outcomes: dict[str, ActOutcome] = {}  # by key, of this run
+        self._changed = asyncio.Event()
+        self.changing = asyncio.Lock()  # lines reach the ledger one at a time
+        self.trouble: str | None = None  # what is said while lines are refused; nothing moves meanwhile
+        self.refused = asyncio.Event()  # set as long as that lasts
+        self.interrupted: str | None = None  # why lines were refused since a person last had it go on
+        self.version = 0
+        self.situation = describe()
+
+    def _state_after_restart(self) -> SessionState | None:
+        """Return the state that a restart puts the session in; None where it makes no difference."""
+        state = self.record.state
+        if state is SessionState.AWAITING_CONFIRMATION:  # the question is put again
+            return state
+        return None if after_restart(state) is state else after_restart(state)
+
+    @property
+    def state(self) -> SessionState:
+        """Where the session stands."""
+        return self.record.state
+
+    @property
+    def entries(self) -> tuple[LedgerEntry, ...]:
+        """Every line so far."""
+        return tuple(self._entries)
+
+    async def open(self, **line: Any) -> None:
+        """Record, once, that the service was started anew where an earlier run had begun the session."""
+        if self._restarted_as is not None:
+            said = {"entered": self._restarted_as, "text": RESTARTED, **line}
+            await self.append(EntryKind.CONTROL, control=Control.RESTARTED, **said)
+            self._restarted_as = None
+
+    @property
+    def restarted(self) -> bool:
+        """Whether an earlier run had begun the session, and that is not on record yet."""
+        return self._restarted_as is not None
+
+    async def append(self, kind: EntryKind, step_id: str = "", act: Act | None = None, **fields: Any) -> int:
+        """Keep a line; returns its number. What follows from it is seen once it is on disk.
+
+        Raises RecordRefusedError where it cannot be kept now; then it was not, and nothing follows.
+        """
+        acting = self.record.acting
+        time_s = fields.pop("time_s", None)
+        entry = LedgerEntry(step_id, kind, await self._now_s() if time_s is None else time_s, **fields)
+        if act is not None:
+            entry = replace(
+                entry, person=tidy_name(act.person) or None, tablet=act.tablet or None, key=act.key
+            )
+        elif acting is not None:
+            entry = replace(entry, person=acting.person, tablet=acting.tablet)
+        number = await self._keep(entry)
+        self._entries.append(entry)
+        self.record.apply(entry)
+        self.situation = self._describe()
+        if entry.entered is SessionState.RUNNING:
+            self.interrupted = None
+        self.tell()
+        return number
+
+    async def write(self, kind: EntryKind, step_id: str = "", **fields: Any) -> None:
+        """Keep a line, again where it was refused."""
+
+        async def append() -> None:
+            await self.append(kind, step_id, **fields)
+
+        await self.keep(append)
+
+    async def keep(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Do what appends lines, again where one was refused; nothing moves in between."""
+        while True:
+            with contextlib.suppress(RecordRefusedError):
+                async with self.changing:
+                    return await work()
+            await self.accepted()
+
+    async def accepted(self) -> None:
+        """Return once lines are taken again; at once where none was refused."""
+        if self.refused.is_set():
+            await self._ledger.writable()
+            self._take_note(None)
+
+    async def _now_s(self) -> float:
+        """Return the cell's time; where its clock does not answer, that of the line before."""
+        try:
+            return await self._clock.now_s()
+        except DriverError:
+            return self._entries[-1].time_s if self._entries else 0.0
+
+    async def _keep(self, entry: LedgerEntry) -> int:
+        try:
+            number = await self._ledger.append(entry)
+        except RecordRefusedError as error:
+            self.interrupted = str(error)
+            self._take_note(_trouble_with(error))
+            raise
+        self._take_note(None)
+        return number
+
+    def _take_note(self, trouble: str | None) -> None:
+        if trouble == self.trouble:
+            return
+        self.trouble = trouble
+        if trouble is None:
+            self.refused.clear()
+        else:
+            self.refused.set()
+        self.tell()
+
+    async def enter(
+        self, state: SessionState, reason: str, act: Act | None = None, step_id: str = "", **fields: Any
+    ) -> int:
+        """Record a change of state; raises NotNowError where no such change is possible."""
+        require_transition(self.state, state)
+        return await self.append(EntryKind.CONTROL, step_id, act, entered=state, text=reason, **fields)
+
+    def keep_outcome(self, key: str | None, outcome: ActOutcome) -> ActOutcome:
+        """Remember what came of a request."""
+        if key is not None:
+            self._outcomes[key] = outcome
+        return outcome
+
+    async def earlier_outcome(self, key: str | None) -> ActOutcome | None:
+        """Return what came of a request with this key before; None where it is new."""
+        if key is None or key in self._outcomes:
+            return None if key is None else self._outcomes[key]
+        place = self.record.keys.get(key)
+        if place is None:
+            return None
+        return ActOutcome(_KEPT_BEFORE, await self._ledger.append(self._entries[place]))
+
+    def knows(self, key: str | None) -> bool:
+        """Whether a request with this key was answered, in this run or in an earlier one."""
+        return key in self._outcomes or key in self.record.keys
+
+    def tell(self) -> None:
+        """Wake everybody who waits for a change."""
+        self.version += 1
+        self._changed.set()
+        self._changed = asyncio.Event()
+
+    async def changed(self, after: int) -> int:
+        """Return the version once it is above `after`."""
+        while self.version <= after:
+            await self._changed.wait()
+        return self.version
+
+
+def _trouble_with(error: RecordRefusedError) -> str:
+    return (
+        f"The database cannot be written ({str(error).rstrip('.')}). Nothing moves. "
+        "What was measured is kept and written as soon as that is possible."
+    )
