@@ -36,7 +36,6 @@ def identify_command(
 
     Example: truepose identify my-campaign --model-out robot.json --json
     """
-    from truepose.exchange.results.documents import identification_document
     from truepose.identification import identify
 
     require_folders(model_out, report)
@@ -50,6 +49,8 @@ def identify_command(
         _write_report(report, measured, answer)
     thesis = _as_thesis(measured) if compare_thesis else None
     if json:
+        from truepose.exchange.results.documents import identification_document
+
         document = identification_document(answer, measured.robot.name)
         print_json(document if thesis is None else document | {"thesis_procedure": thesis})
     else:
@@ -147,7 +148,6 @@ def validate_command(
     Example: truepose validate robot.json validation.csv --limit-mm 0.2 --json
     """
     from truepose.exchange.models.file import read_model
-    from truepose.exchange.results.documents import validation_document
     from truepose.exchange.tables.files import read_validation_file
     from truepose.judgement.cautions import validation_cautions
     from truepose.judgement.held_out import validate
@@ -162,6 +162,8 @@ def validate_command(
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
     remark(validation_cautions(identified, measured.readings))
     if json:
+        from truepose.exchange.results.documents import validation_document
+
         print_json(validation_document(answer))
     else:
         from truepose.reports.summary import validation_summary

@@ -1,222 +1,220 @@
-"""A diagnosis as a JSON document: what `diagnose --json` prints and the REST API shows.
+"""A diagnosis as a document: what `diagnose --json` prints and the REST API shows.
 
-Amplitudes, details and curves already state the unit that they are in; nothing is converted here. What is
-not a finite number becomes null.
+Amplitudes, details and curves already state the unit that they are in; nothing is converted here.
 """
 
-from collections.abc import Sequence
+from typing import Annotated
 
-from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import (
-    Cause,
-    Curve,
-    CurvePoints,
-    Dependence,
-    Described,
-    Detail,
-    Diagnosis,
-    Finding,
-    Gain,
-    NextMeasurement,
-    Noise,
-    Remaining,
-    RuledOut,
-    Spectrum,
-    Worth,
-)
-from truepose.domain.results import Statistics
-from truepose.exchange.json_text import Json, number_or_null
-from truepose.exchange.results.documents import statistics_document
+from pydantic import AliasChoices, BeforeValidator, Field
+
+from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
+from truepose.exchange.json_text import Json
+from truepose.exchange.results.document import Document, Quantities, Quantity
+from truepose.exchange.results.documents import StatisticsDocument
+
+
+class CauseDocument(Document):
+    """A cause by its name."""
+
+    effect: str = Field(examples=["backlash"])
+    subject: str = Field(examples=["joint 3"])
+
+
+class DetailDocument(Document):
+    """One more number of a finding, in the unit that it names."""
+
+    name: str = Field(examples=["order"])
+    value: Quantity = Field(examples=[2.0])
+    unit: str = Field(examples=["1"])
+    standard_uncertainty: Quantity = Field(examples=[0.0])
+
+
+class GainDocument(Document):
+    """What the finding takes off the held-out errors."""
+
+    rms_before_mm: Quantity = Field(examples=[0.061])
+    rms_after_mm: Quantity = Field(examples=[0.019])
+    interval_95_mm: Quantities = Field(
+        min_length=2, max_length=2, description="Of the difference, before less after."
+    )
+
+
+class CurvePointsDocument(Document):
+    """Further readings of a curve, as its own are."""
+
+    x: Quantities
+    residual: Quantities
+    standard_uncertainty: Quantities
+
+
+class CurveDocument(Document):
+    """Residuals along one variable, with what was fitted to them; units stand beside."""
+
+    variable: str = Field(examples=["angle of joint 4"])
+    variable_unit: str = Field(examples=["deg"])
+    quantity: str = Field(examples=["error of joint 4"])
+    quantity_unit: str = Field(examples=["deg"])
+    x: Quantities
+    residual: Quantities
+    standard_uncertainty: Quantities
+    line_x: Quantities
+    line: Quantities
+    line_band: Quantities = Field(description="Half width of the 95 % band.")
+    unseen: CurvePointsDocument | None = Field(
+        None, description="Validation readings, which were never fitted; null where there are none to draw."
+    )
+
+
+class SpectrumDocument(Document):
+    """Waves of one joint by their order."""
+
+    order: Quantities = Field(description="Periods per turn, ascending.", examples=[[1.0, 2.0]])
+    amplitude_deg: Quantities = Field(examples=[[0.021, 0.008]])
+    standard_uncertainty_deg: Quantities = Field(examples=[[0.002, 0.002]])
+
+
+class WorthDocument(Document):
+    """How far a cause moves the tool over the calibration readings."""
+
+    mean_mm: Quantity = Field(examples=[0.041])
+    max_mm: Quantity = Field(examples=[0.093])
+    own_mm: Quantity = Field(
+        None,
+        examples=[0.031],
+        description="RMS by which they would be missed without it, all other parameters fitted again.",
+    )
+
+
+class FindingDocument(Document):
+    """One cause that the data show."""
+
+    effect: str = Field(examples=["backlash"])
+    subject: str = Field(examples=["joint 3"])
+    amplitude: Quantity = Field(examples=[0.021])
+    unit: str = Field(examples=["deg"])
+    amplitude_standard_uncertainty: Quantity = Field(examples=[0.003])
+    p_value: Quantity = Field(description="Corrected for everything that was tried.")
+    confidence: Confidence
+    details: list[DetailDocument]
+    sentence: str
+    confusable_with: list[CauseDocument] = Field(description="What these data cannot tell from it.")
+    gain: GainDocument | None
+    share: Quantity = Field(description="Of the structure explained: 0 to 1.")
+    parameters: list[str] = Field(description="Their names in the extended model.")
+    curve: CurveDocument | None
+    where: str = Field("", examples=["joint 3"], description="Empty: it was stored before findings said so.")
+    over: str = Field("", examples=["direction"], description="What it depends on.")
+    shape: Shape | None = Field(None, examples=["sign"])
+    worth: WorthDocument | None = Field(None, description="Null for what is wrong with readings.")
+    spectrum: SpectrumDocument | None = Field(None, description="Where it is several waves of a joint.")
+
+
+class DependenceDocument(Document):
+    """Something that what is left depends on."""
+
+    variable: str = Field(examples=["angle of joint 4"])
+    p_value: Quantity
+    curve: CurveDocument | None
+
+
+class DescribedDocument(Document):
+    """A place and a variable without a name, where the model holds a function."""
+
+    where: str = Field(examples=["joint 2"])
+    over: str = Field(examples=["angle of joint 1"])
+    worth: WorthDocument
+
+
+class RemainingDocument(Document):
+    """What the findings leave, and what of it is described without a name."""
+
+    structure: bool
+    depends_on: list[DependenceDocument]
+    sentence: str
+    described: list[DescribedDocument] = Field([], description="Largest first; it is in the extended model.")
+    described_gain: GainDocument | None = Field(
+        None, description="What all of it takes off the held-out errors beside the findings."
+    )
+
+
+class NextMeasurementDocument(Document):
+    """What would tell causes apart; configurations can be added to a session."""
+
+    sentence: str
+    configurations_deg: list[list[float]]
+    separates: list[CauseDocument]
+
+
+class RuledOutDocument(Document):
+    """A cause that was looked at and not found, or that these data cannot show."""
+
+    effect: str
+    subject: str
+    reason: str
+    p_value: Quantity
+    visible: bool = Field(description="False: these data cannot show it.")
+    upper_limit_mm: Quantity = Field(
+        None,
+        examples=[0.018],
+        description="How large it could still be (95 %), RMS at the tool over the measured configurations. "
+        "Null: these data cannot show it.",
+    )
+
+
+class NoiseDocument(Document):
+    """What the readings say of their own noise."""
+
+    scale: Quantity = Field(description="Scatter left over stated uncertainty.")
+    tail_degrees_of_freedom: Quantity = Field(description="Of Student's t; null: normal.")
+    sentence: str
+
+
+class WorstDocument(Document):
+    """The held-out point at which the extended model is farthest off."""
+
+    config: int = Field(examples=[57])
+    before_mm: Quantity
+    after_mm: Quantity
+
+
+def _worst(found: object) -> object:
+    """Return the worst of held-out errors; None where nothing was fitted."""
+    if not isinstance(found, HeldOutErrors):
+        return found
+    return found.worst if len(found.config) else None
+
+
+class DiagnosisDocument(Document):
+    """What `truepose diagnose --json` prints."""
+
+    robot: str
+    verdict: Verdict
+    message: str
+    start_effects: list[str]
+    findings: list[FindingDocument]
+    small_findings: list[FindingDocument] = Field(
+        [],
+        validation_alias=AliasChoices("small_findings", "small"),
+        description="Each takes less than 2 % off the held-out error; in the model as well.",
+    )
+    quantity: str = Field(examples=["position"])
+    before: StatisticsDocument | None
+    after: StatisticsDocument | None
+    held_out: HeldOut
+    worst: Annotated[WorstDocument | None, BeforeValidator(_worst)] = Field(
+        None, validation_alias=AliasChoices("worst", "errors")
+    )
+    remaining: RemainingDocument
+    next_measurements: list[NextMeasurementDocument]
+    ruled_out: list[RuledOutDocument]
+    withdrawn: list[str]
+    noise: NoiseDocument | None
 
 
 def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Json]:
-    """Return the document of a diagnosis, whatever its verdict.
+    """Return what `diagnose --json` prints, whatever the verdict.
 
     `before` and `after` are null where nothing could be fitted, `gain` where nothing held out shows it,
     `curve` where there is nothing to draw, `described_gain` where nothing is described.
     """
-    return {
-        "robot": diagnosis.robot,
-        "verdict": diagnosis.verdict.value,
-        "message": diagnosis.message,
-        "start_effects": list(diagnosis.start_effects),
-        "findings": [_finding(finding) for finding in diagnosis.findings],
-        "small_findings": [_finding(finding) for finding in diagnosis.small],
-        "quantity": diagnosis.quantity,
-        "before": _statistics(diagnosis.before),
-        "after": _statistics(diagnosis.after),
-        "held_out": diagnosis.held_out,
-        "worst": _worst(diagnosis),
-        "remaining": _remaining(diagnosis.remaining),
-        "next_measurements": [_next_measurement(entry) for entry in diagnosis.next_measurements],
-        "ruled_out": [_ruled_out(entry) for entry in diagnosis.ruled_out],
-        "withdrawn": list(diagnosis.withdrawn),
-        "noise": _noise(diagnosis.noise),
-    }
-
-
-def _finding(finding: Finding) -> Json:
-    return {
-        "effect": finding.effect,
-        "subject": finding.subject,
-        "amplitude": number_or_null(finding.amplitude),
-        "unit": finding.unit,
-        "amplitude_standard_uncertainty": number_or_null(finding.amplitude_standard_uncertainty),
-        "p_value": number_or_null(finding.p_value),
-        "confidence": finding.confidence.value,
-        "details": [_detail(detail) for detail in finding.details],
-        "sentence": finding.sentence,
-        "confusable_with": _causes(finding.confusable_with),
-        "gain": _gain(finding.gain),
-        "share": number_or_null(finding.share),
-        "parameters": list(finding.parameters),
-        "curve": _curve(finding.curve),
-        "where": finding.where,
-        "over": finding.over,
-        "shape": finding.shape,
-        "worth": _worth(finding.worth),
-        "spectrum": _spectrum(finding.spectrum),
-    }
-
-
-def _spectrum(spectrum: Spectrum | None) -> Json:
-    if spectrum is None:
-        return None
-    return {
-        "order": _numbers(spectrum.order),
-        "amplitude_deg": _numbers(spectrum.amplitude_deg),
-        "standard_uncertainty_deg": _numbers(spectrum.standard_uncertainty_deg),
-    }
-
-
-def _worth(worth: Worth | None) -> Json:
-    if worth is None:
-        return None
-    return {
-        "mean_mm": number_or_null(worth.mean_mm),
-        "max_mm": number_or_null(worth.max_mm),
-        "own_mm": None if worth.own_mm is None else number_or_null(worth.own_mm),
-    }
-
-
-def _detail(detail: Detail) -> Json:
-    return {
-        "name": detail.name,
-        "value": number_or_null(detail.value),
-        "unit": detail.unit,
-        "standard_uncertainty": number_or_null(detail.standard_uncertainty),
-    }
-
-
-def _causes(causes: Sequence[Cause]) -> Json:
-    return [{"effect": cause.effect, "subject": cause.subject} for cause in causes]
-
-
-def _gain(gain: Gain | None) -> Json:
-    if gain is None:
-        return None
-    return {
-        "rms_before_mm": number_or_null(gain.rms_before_mm),
-        "rms_after_mm": number_or_null(gain.rms_after_mm),
-        "interval_95_mm": [number_or_null(bound) for bound in gain.interval_95_mm],
-    }
-
-
-def _statistics(statistics: Statistics | None) -> Json:
-    return None if statistics is None else statistics_document(statistics)
-
-
-def _worst(diagnosis: Diagnosis) -> Json:
-    """Return the held-out point at which the extended model is farthest off; null where none was fitted."""
-    if diagnosis.errors is None or not len(diagnosis.errors.config):
-        return None
-    worst = diagnosis.errors.worst
-    return {
-        "config": worst.config,
-        "before_mm": number_or_null(worst.before_mm),
-        "after_mm": number_or_null(worst.after_mm),
-    }
-
-
-def _remaining(remaining: Remaining) -> Json:
-    return {
-        "structure": remaining.structure,
-        "depends_on": [_dependence(dependence) for dependence in remaining.depends_on],
-        "sentence": remaining.sentence,
-        "described": [_described(entry) for entry in remaining.described],
-        "described_gain": _gain(remaining.described_gain),
-    }
-
-
-def _described(described: Described) -> Json:
-    return {"where": described.where, "over": described.over, "worth": _worth(described.worth)}
-
-
-def _dependence(dependence: Dependence) -> Json:
-    return {
-        "variable": dependence.variable,
-        "p_value": number_or_null(dependence.p_value),
-        "curve": _curve(dependence.curve),
-    }
-
-
-def _curve(curve: Curve | None) -> Json:
-    if curve is None:
-        return None
-    return {
-        "variable": curve.variable,
-        "variable_unit": curve.variable_unit,
-        "quantity": curve.quantity,
-        "quantity_unit": curve.quantity_unit,
-        "x": _numbers(curve.x),
-        "residual": _numbers(curve.residual),
-        "standard_uncertainty": _numbers(curve.standard_uncertainty),
-        "line_x": _numbers(curve.line_x),
-        "line": _numbers(curve.line),
-        "line_band": _numbers(curve.line_band),
-        "unseen": _points(curve.unseen),
-    }
-
-
-def _points(points: CurvePoints | None) -> Json:
-    if points is None:
-        return None
-    return {
-        "x": _numbers(points.x),
-        "residual": _numbers(points.residual),
-        "standard_uncertainty": _numbers(points.standard_uncertainty),
-    }
-
-
-def _numbers(array: FloatArray) -> Json:
-    return [number_or_null(entry) for entry in array.tolist()]
-
-
-def _next_measurement(entry: NextMeasurement) -> Json:
-    return {
-        "sentence": entry.sentence,
-        "configurations_deg": [[float(angle) for angle in joints] for joints in entry.configurations_deg],
-        "separates": _causes(entry.separates),
-    }
-
-
-def _ruled_out(entry: RuledOut) -> Json:
-    return {
-        "effect": entry.effect,
-        "subject": entry.subject,
-        "reason": entry.reason,
-        "p_value": None if entry.p_value is None else number_or_null(entry.p_value),
-        "visible": entry.visible,
-        "upper_limit_mm": None if entry.upper_limit_mm is None else number_or_null(entry.upper_limit_mm),
-    }
-
-
-def _noise(noise: Noise | None) -> Json:
-    if noise is None:
-        return None
-    degrees = noise.tail_degrees_of_freedom
-    return {
-        "scale": number_or_null(noise.scale),
-        "tail_degrees_of_freedom": None if degrees is None else number_or_null(degrees),
-        "sentence": noise.sentence,
-    }
+    return DiagnosisDocument.of(diagnosis).printed()

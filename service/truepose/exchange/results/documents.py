@@ -1,128 +1,174 @@
-"""Identifications and validations as JSON documents: angles in degrees, NaN as null."""
+"""Identifications and validations as documents: angles in degrees, null for what is no number."""
 
-from collections.abc import Sequence
+from dataclasses import fields
+from typing import Literal, Self
 
-from truepose.domain.results import (
-    Identification,
-    NominalAndIdentified,
-    Outlier,
-    Parameter,
-    PureError,
-    Statistics,
-    Validation,
-)
-from truepose.exchange.json_text import Json, number_or_null
+from pydantic import AliasChoices, Field, model_validator
+
+from truepose.domain.results import Identification, Parameter, Statistics, Status, Validation
+from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
+from truepose.exchange.results.document import Document, Quantity
+
+
+class StatisticsDocument(Document):
+    """Norms of errors of n observations; `noise_mm` is the mean norm that stated uncertainties alone give."""
+
+    n: int = Field(examples=[50])
+    mean_mm: Quantity = Field(examples=[0.021])
+    rms_mm: Quantity = Field(examples=[0.023])
+    sd_mm: Quantity = Field(examples=[0.009])
+    max_mm: Quantity = Field(examples=[0.047])
+    noise_mm: Quantity = Field(examples=[0.019])
+
+
+class PairDocument(Document):
+    """The same statistics for the nominal model and the identified one."""
+
+    nominal: StatisticsDocument
+    identified: StatisticsDocument
+
+
+class BlocksDocument(Document):
+    """Statistics by the readings they are of; `cross_validation` stands where there is no `validation`."""
+
+    calibration: PairDocument | None = None
+    calibration_without_outliers: PairDocument | None = None
+    validation: PairDocument | None = None
+    cross_validation: PairDocument | None = None
+    validation_position: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions, tied to the world by the measured cups."
+    )
+    validation_position_aligned: PairDocument | None = Field(
+        None, description="Of a model of lengths: held-out positions after the best rigid alignment."
+    )
+
+    @classmethod
+    def of_identification(cls, identification: Identification) -> Self:
+        """Return the blocks that could be computed; the others are absent."""
+        positions = identification.positions
+        blocks = {
+            "calibration": identification.calibration,
+            "calibration_without_outliers": identification.calibration_without_outliers,
+            "validation": identification.validation,
+            "cross_validation": None if identification.validation else identification.cross_validation,
+            "validation_position": positions and positions.tied,
+            "validation_position_aligned": positions and positions.aligned,
+        }
+        # Held-out positions judge a model of lengths where no lengths were held out.
+        blocks["validation"] = (
+            blocks["validation"] or blocks["validation_position"] or blocks["validation_position_aligned"]
+        )
+        return cls.of({name: block for name, block in blocks.items() if block is not None})
+
+
+class ParameterDocument(Document):
+    """An identified parameter in the unit that it names."""
+
+    name: str = Field(examples=["a_3"])
+    effect: str = Field(examples=["geometry"])
+    value: Quantity = Field(examples=[0.236])
+    unit: str = Field(examples=["mm"])
+    standard_uncertainty: Quantity = Field(examples=[0.011])
+    prior_width: Quantity = Field(description="What was expected of it beforehand.", examples=[0.5])
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_units_of_files(cls, parameter: object) -> object:
+        if not isinstance(parameter, Parameter):
+            return parameter
+        factor = file_factor(parameter.unit)
+        return {
+            "name": parameter.name,
+            "effect": parameter.effect,
+            "value": parameter.value * factor,
+            "unit": file_unit(parameter.unit),
+            "standard_uncertainty": parameter.standard_uncertainty * factor,
+            "prior_width": parameter.prior_width * factor,
+        }
+
+
+class NotIdentifiableDocument(Document):
+    """Parameters that the data see only together, or not at all."""
+
+    parameters: list[str] = Field(examples=[["theta_6", "nest_1_x"]])
+    reason: str
+
+
+class OutlierDocument(Document):
+    """A reading that was given no weight; it stays in the data."""
+
+    config: int
+    reason: str
+    nest: int = Field(description="Tool nest.")
+    row: int = Field(description="Of its table, from 0.")
+    residual_mm: Quantity
+
+
+class CountsDocument(Document):
+    """How many of what took part."""
+
+    configurations: int
+    observations: int
+    parameters: int
+    outliers: int
+
+
+class PureErrorDocument(Document):
+    """What revisited configurations say: repeatability, and whether the model lacks something beyond it."""
+
+    revisits: int
+    degrees_of_freedom: int
+    repeatability_mm: Quantity = Field(description="Standard deviation per axis, from revisits alone.")
+    lack_of_fit_ratio: Quantity
+    p_value: Quantity
+
+
+class IdentificationDocument(Document):
+    """What `truepose identify --json` prints."""
+
+    robot: str
+    status: Status
+    message: str
+    quantity: Literal["position", "length"]
+    effects: list[str]
+    counts: CountsDocument
+    parameters: list[ParameterDocument]
+    not_identifiable: list[NotIdentifiableDocument]
+    outliers: list[OutlierDocument]
+    statistics: BlocksDocument
+    chi2_per_dof: Quantity
+    pure_error: PureErrorDocument | None = Field(description="Null where no configuration was revisited.")
+
+    @classmethod
+    def of_robot(cls, identification: Identification, robot: str) -> Self:
+        """Return the document of an identification, whatever its status."""
+        same = cls.model_fields.keys() & {field.name for field in fields(identification)}
+        blocks = BlocksDocument.of_identification(identification)
+        answered = {name: getattr(identification, name) for name in same}
+        return cls.of({**answered, "robot": robot, "statistics": blocks})
+
+
+class ValidationDocument(Document):
+    """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
+
+    quantity: Literal["position", "length"]
+    position: PairDocument
+    distance: PairDocument | None
+    limit_mm: Quantity
+    passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")
 
 
 def identification_document(identification: Identification, robot_name: str) -> dict[str, Json]:
-    """Return what `identify --json` prints: one document, whatever the status.
-
-    `statistics` holds `calibration`, and `validation` or in its place `cross_validation`; a block is
-    absent where nothing could be computed. `calibration_without_outliers`, `pure_error` and details of
-    the outliers are additions to the promised keys.
-    """
-    counts = identification.counts
-    return {
-        "robot": robot_name,
-        "status": identification.status.value,
-        "message": identification.message,
-        "quantity": identification.quantity,
-        "effects": list(identification.effects),
-        "counts": {
-            "configurations": counts.configurations,
-            "observations": counts.observations,
-            "parameters": counts.parameters,
-            "outliers": counts.outliers,
-        },
-        "parameters": [_parameter(parameter) for parameter in identification.parameters],
-        "not_identifiable": [
-            {"parameters": list(group.parameters), "reason": group.reason}
-            for group in identification.not_identifiable
-        ],
-        "outliers": _outliers(identification.outliers),
-        "statistics": _statistics_blocks(identification),
-        "chi2_per_dof": number_or_null(identification.chi2_per_dof),
-        "pure_error": _pure_error(identification.pure_error),
-    }
+    """Return what `identify --json` prints: one document, whatever the status."""
+    return IdentificationDocument.of_robot(identification, robot_name).printed()
 
 
 def validation_document(validation: Validation) -> dict[str, Json]:
-    """Return what `validate --json` prints; `distance` is null where there are no pairs."""
-    return {
-        "quantity": validation.quantity,
-        "position": _pair(validation.position),
-        "distance": None if validation.distance is None else _pair(validation.distance),
-        "limit_mm": validation.limit_mm,
-        "pass": validation.passed,
-    }
+    """Return what `validate --json` prints."""
+    return ValidationDocument.of(validation).printed()
 
 
 def statistics_document(statistics: Statistics) -> dict[str, Json]:
     """Return a statistics block: the same six keys everywhere."""
-    return {
-        "n": statistics.n,
-        "mean_mm": number_or_null(statistics.mean_mm),
-        "rms_mm": number_or_null(statistics.rms_mm),
-        "sd_mm": number_or_null(statistics.sd_mm),
-        "max_mm": number_or_null(statistics.max_mm),
-        "noise_mm": number_or_null(statistics.noise_mm),
-    }
-
-
-def _pair(pair: NominalAndIdentified) -> dict[str, Json]:
-    return {"nominal": statistics_document(pair.nominal), "identified": statistics_document(pair.identified)}
-
-
-def _statistics_blocks(identification: Identification) -> dict[str, Json]:
-    cross_validation = identification.cross_validation if identification.validation is None else None
-    positions = identification.positions
-    blocks = {
-        "calibration": identification.calibration,
-        "calibration_without_outliers": identification.calibration_without_outliers,
-        "validation": identification.validation,
-        "cross_validation": cross_validation,
-        "validation_position": None if positions is None else positions.tied,
-        "validation_position_aligned": None if positions is None else positions.aligned,
-    }
-    # Held-out positions judge a model of lengths where no lengths were held out.
-    if blocks["validation"] is None:
-        blocks["validation"] = blocks["validation_position"] or blocks["validation_position_aligned"]
-    return {name: _pair(block) for name, block in blocks.items() if block is not None}
-
-
-def _parameter(parameter: Parameter) -> dict[str, Json]:
-    factor = file_factor(parameter.unit)
-    return {
-        "name": parameter.name,
-        "effect": parameter.effect,
-        "value": number_or_null(parameter.value * factor),
-        "unit": file_unit(parameter.unit),
-        "standard_uncertainty": number_or_null(parameter.standard_uncertainty * factor),
-        "prior_width": number_or_null(parameter.prior_width * factor),
-    }
-
-
-def _outliers(outliers: Sequence[Outlier]) -> list[Json]:
-    return [
-        {
-            "config": outlier.config,
-            "reason": outlier.reason,
-            "nest": outlier.nest,
-            "row": outlier.row,
-            "residual_mm": number_or_null(outlier.residual_mm),
-        }
-        for outlier in outliers
-    ]
-
-
-def _pure_error(pure_error: PureError | None) -> dict[str, Json] | None:
-    if pure_error is None:
-        return None
-    return {
-        "revisits": pure_error.revisits,
-        "degrees_of_freedom": pure_error.degrees_of_freedom,
-        "repeatability_mm": number_or_null(pure_error.repeatability_mm),
-        "lack_of_fit_ratio": number_or_null(pure_error.lack_of_fit_ratio),
-        "p_value": number_or_null(pure_error.p_value),
-    }
+    return StatisticsDocument.of(statistics).printed()

@@ -1,11 +1,11 @@
 """Diagnoses: requests and records."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field
 
 from truepose.domain.diagnosis import Confidence, Finding, Verdict
-from truepose.exchange.results.diagnosis import diagnosis_document
+from truepose.exchange.results.diagnosis import DiagnosisDocument
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import (
     Day,
@@ -18,7 +18,6 @@ from truepose.web.schemas.base import (
     example,
     known,
 )
-from truepose.web.schemas.diagnosis_document import DiagnosisDocument
 from truepose.web.schemas.results import EffectNames
 
 StartEffects = Annotated[
@@ -108,7 +107,6 @@ class DiagnosisSummaryReply(Reply):
 
 def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
     """Return a diagnosis as it travels."""
-    document: dict[str, Any] = diagnosis_document(record.diagnosis)
     return DiagnosisReply(
         id=record.id,
         recorded_at=record.recorded_at,
@@ -119,7 +117,7 @@ def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
         session_id=record.session_id,
         model_id=record.model_id,
         robot_serial_number=record.robot_serial_number or None,
-        document=DiagnosisDocument.model_validate(document),
+        document=DiagnosisDocument.of(record.diagnosis),
     )
 
 
