@@ -1,6 +1,7 @@
 """Ports: the places at which an effect acts on the kinematic chain."""
 
-from enum import Enum
+from collections.abc import Callable
+from enum import StrEnum
 from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from truepose.domain.arrays import FloatArray, IntArray
@@ -10,7 +11,7 @@ from truepose.domain.robot import Robot
 from truepose.kinematics.chain import Chain
 
 
-class PortKind(Enum):
+class PortKind(StrEnum):
     """What a port moves; its index says which one."""
 
     BASE = "base"  # 0..2 translation [mm] in the world, 3..5 RotX RotY RotZ [rad] before the start rotation
@@ -82,7 +83,7 @@ class Rows(NamedTuple):
     nest: IntArray  # (n,)
     torque_n_mm: FloatArray | None  # (n, J) measured, or gravity's at the present parameters; None: unknown
     turn_rad: FloatArray  # (n, J) what each joint turns by: its angle with its sign
-    chain: Chain  # at the present parameters
+    frames: Callable[[], Chain]  # at the present parameters, or near them
     gravity_m_s2: FloatArray  # (3,) world
     robot: Robot
     origin_s: float = 0.0  # time from which drifts and warm-ups count
@@ -90,8 +91,26 @@ class Rows(NamedTuple):
     initialisation: IntArray | None = None  # (n,) of the ballbar
     placement: IntArray | None = None  # (n,) of the ballbar's base fixture, from 1
     length_mm: FloatArray | None = None  # (n,) nominal length of each leg
-    sighted_mm: FloatArray | None = None  # (n, 3) where the instrument looks, world
-    instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
+    instrument_mm: FloatArray | None = None  # (3,) the instrument's place in the world; None: unknown
+    nests_mm: FloatArray | None = None  # (K, 3) in the last frame; None: unknown
+    fixed_mm: FloatArray | None = None  # (n, 3) world: what is looked at, where it is not the tool
+
+    @property
+    def chain(self) -> Chain:
+        """Frames of the rows; worked out once somebody asks for them."""
+        return self.frames()
+
+    @property
+    def sighted_mm(self) -> FloatArray | None:
+        """Where the instrument looks, as near as the direction of its beam asks for, shape (n, 3)."""
+        if self.fixed_mm is not None or self.nests_mm is None:
+            return self.fixed_mm
+        return self.chain.points(self.nests_mm[self.nest - 1])
+
+
+def known_frames(chain: Chain) -> Callable[[], Chain]:
+    """Return what gives frames that are known already."""
+    return lambda: chain
 
 
 Need = Literal["torque", "direction", "move", "time", "temperature", "attachment", "initialisation"]

@@ -5,7 +5,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import Robot
-from truepose.effects.ports import Rows
+from truepose.effects.ports import Rows, known_frames
 from truepose.kinematics.chain import nominal_chain
 
 _UPRIGHT_M_S2 = (0.0, 0.0, -9.81)  # the base stands upright for this figure, however it stands in the cell
@@ -28,7 +28,7 @@ def stretched_rows(robot: Robot) -> Rows:
         nest=np.ones(1, dtype=np.int64),
         torque_n_mm=None,
         turn_rad=joints[None] * np.array([row.sign for row in robot.joints]),
-        chain=nominal_chain(robot, joints[None]),
+        frames=known_frames(nominal_chain(robot, joints[None])),
         gravity_m_s2=np.array(_UPRIGHT_M_S2),
         robot=robot,
     )

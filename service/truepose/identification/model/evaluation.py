@@ -5,13 +5,15 @@ kinematics until they balance.
 """
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.campaign import Stops
-from truepose.effects.ports import Port, PortKind, Rows, Term
+from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
 from truepose.effects.registry import effect_named, needs_of
 from truepose.identification.model.structure import Structure, base_axes
 from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
@@ -88,15 +90,21 @@ def evaluate(
     -------
     State
     """
+    nominal = nominal_values(structure.robot, targets.stops.joints_rad)
     measured = targets.stops.torque_n_mm if structure.torques_measured else None
+    unloaded = cache(partial(forward, nominal, structure.base_rotation, structure.base_origin_mm))
+    rows = _rows(structure, targets, measured, unloaded)
     if measured is not None or not _is_loaded(structure):
-        return _evaluate_loaded(structure, values, targets, measured, None)
-    state = previous or _evaluate_loaded(structure, values, targets, None, None)
-    torque = previous.torque_n_mm if previous else _gravity(structure, state.chain)
-    for _ in range(_MOST_PASSES):
-        state = _evaluate_loaded(structure, values, targets, torque, state.chain)
-        balanced = _gravity(structure, state.chain)
-        if balanced is None or torque is None or _close(balanced, torque):
+        return _evaluate_loaded(structure, values, targets, nominal, rows)
+    chain = previous.chain if previous else unloaded()
+    torque = previous.torque_n_mm if previous else _gravity(structure, chain)
+    for _ in range(
+        2 if torque is None else _MOST_PASSES
+    ):  # without masses it is levers that follow the chain
+        rows = rows._replace(torque_n_mm=torque, frames=known_frames(chain))
+        state = _evaluate_loaded(structure, values, targets, nominal, rows)
+        chain, balanced = state.chain, _gravity(structure, state.chain)
+        if torque is not None and balanced is not None and _close(balanced, torque):
             break
         torque = balanced
     return state
@@ -121,13 +129,10 @@ def _evaluate_loaded(
     structure: Structure,
     values: FloatArray,
     targets: Targets,
-    torque: FloatArray | None,
-    previous: Chain | None,
+    nominal: LinkValues,
+    rows: Rows,
 ) -> State:
-    nominal = nominal_values(structure.robot, targets.stops.joints_rad)
-    if previous is None:
-        previous = forward(nominal, structure.base_rotation, structure.base_origin_mm)
-    terms, moved = _loaded_terms(structure, values, _rows(structure, targets, torque, previous))
+    terms, moved = _loaded_terms(structure, values, rows)
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))
     origin = structure.base_origin_mm + _triple(moved, PortKind.BASE, 0)
     tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
@@ -152,17 +157,19 @@ def _evaluate_loaded(
         motions=motions,
         instrument_motion=instrument_motion,
         moved=moved,
-        torque_n_mm=torque,
+        torque_n_mm=rows.torque_n_mm,
     )
 
 
-def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, chain: Chain) -> Rows:
+def _rows(
+    structure: Structure, targets: Targets, torque: FloatArray | None, frames: Callable[[], Chain]
+) -> Rows:
     return Rows(
         stops=targets.stops,
         nest=targets.nest,
         torque_n_mm=torque,
         turn_rad=targets.stops.joints_rad * np.array([row.sign for row in structure.robot.joints]),
-        chain=chain,
+        frames=frames,
         gravity_m_s2=structure.gravity_m_s2,
         robot=structure.robot,
         origin_s=structure.origin_s,
@@ -170,16 +177,10 @@ def _rows(structure: Structure, targets: Targets, torque: FloatArray | None, cha
         initialisation=targets.initialisation,
         placement=targets.placement,
         length_mm=targets.length_mm,
-        sighted_mm=_sighted(structure, targets, chain),
         instrument_mm=structure.instrument_mm,
+        nests_mm=structure.nests_mm,
+        fixed_mm=targets.fixed_mm,
     )
-
-
-def _sighted(structure: Structure, targets: Targets, chain: Chain) -> FloatArray:
-    """Return where the instrument looks, as near as the direction of its beam asks for, shape (n, 3)."""
-    if targets.fixed_mm is not None:
-        return targets.fixed_mm
-    return chain.points(structure.nests_mm[targets.nest - 1])
 
 
 def rows_of(state: State) -> Rows:
@@ -188,7 +189,7 @@ def rows_of(state: State) -> Rows:
     Gravity's are there also where the model has no spring that they could wind up: one may be tried.
     """
     torque = _gravity(state.structure, state.chain) if state.torque_n_mm is None else state.torque_n_mm
-    rows = _rows(state.structure, state.targets, torque, state.chain)
+    rows = _rows(state.structure, state.targets, torque, known_frames(state.chain))
     return rows if torque is None else rows._replace(torque_n_mm=_with_added_loads(torque, state.moved))
 
 
@@ -242,11 +243,10 @@ def collect_terms(structure: Structure, rows: Rows) -> tuple[Term, ...]:
     """Ask every effect how its parameters act; parameter indices are those of the structure."""
     terms: list[Term] = []
     for effect in structure.effects:
-        indices = [k for k, owner in enumerate(structure.owners) if owner == effect]
-        names = structure.names_of(effect)
+        indices = structure.indices_of(effect)
         terms += [
             term._replace(parameter=indices[term.parameter])
-            for term in effect_named(effect).terms(names, rows)
+            for term in effect_named(effect).terms(structure.names_of(effect), rows)
         ]
     return tuple(terms)
 

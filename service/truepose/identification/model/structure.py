@@ -40,21 +40,30 @@ class Structure:
         """Names of the parameters, in order."""
         return tuple(spec.name for spec in self.specs)
 
-    @property
+    @cached_property
     def prior_means(self) -> FloatArray:
         """Prior means, shape (P,)."""
         return np.array([spec.prior_mean for spec in self.specs])
 
-    @property
+    @cached_property
     def prior_widths(self) -> FloatArray:
         """Prior standard deviations, shape (P,)."""
         return np.array([spec.prior_width for spec in self.specs])
 
+    def indices_of(self, effect: str) -> tuple[int, ...]:
+        """Return the indices of the parameters of one effect."""
+        return self._members.get(effect, ())
+
     def names_of(self, effect: str) -> tuple[str, ...]:
         """Return the names of the parameters of one effect."""
-        return tuple(
-            spec.name for spec, owner in zip(self.specs, self.owners, strict=True) if owner == effect
-        )
+        return tuple(self.names[k] for k in self.indices_of(effect))
+
+    @cached_property
+    def _members(self) -> Mapping[str, tuple[int, ...]]:
+        return {
+            effect: tuple(k for k, owner in enumerate(self.owners) if owner == effect)
+            for effect in dict.fromkeys(self.owners)
+        }
 
     def index_of(self, name: str) -> int:
         """Return the index of a parameter."""

@@ -12,7 +12,7 @@ from truepose.domain.robot import JointRow, LinkMass, Robot
 from truepose.effects.causes import Fitted
 from truepose.effects.link_bending import beams
 from truepose.effects.loads import mass_specs, stated_mass, wrong_mass
-from truepose.effects.ports import PortKind, Rows
+from truepose.effects.ports import PortKind, Rows, known_frames
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
@@ -33,7 +33,7 @@ def rows_at(joints_rad, robot, gravity=DOWN):
         nest=np.ones(n, dtype=int),
         torque_n_mm=None,
         turn_rad=joints,
-        chain=nominal_chain(robot, joints),
+        frames=known_frames(nominal_chain(robot, joints)),
         gravity_m_s2=gravity,
         robot=robot,
     )
@@ -312,7 +312,7 @@ def test_a_base_tilts_by_its_compliance_times_the_moment_of_all_weights_about_it
     askew = rotation_from_vector(np.array([0.3, -0.2, 0.5]))
     origin = np.array([100.0, -50.0, 30.0])
     chain = forward(nominal_values(IRB_120, joints), askew, origin)
-    rows = rows_at(joints, IRB_120)._replace(chain=chain)
+    rows = rows_at(joints, IRB_120)._replace(frames=known_frames(chain))
 
     terms = CAUSES["base_compliance"].terms(("base_c",), rows)
 

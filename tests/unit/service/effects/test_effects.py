@@ -13,7 +13,7 @@ from truepose.domain.results import Unit
 from truepose.effects.compliance import compliance_prior
 from truepose.effects.geometry import is_parallel_to_previous
 from truepose.effects.names import joint_name, joint_of, nest_name, nest_port_index
-from truepose.effects.ports import PortKind, Rows, Setting
+from truepose.effects.ports import PortKind, Rows, Setting, known_frames
 from truepose.effects.registry import EFFECTS, effect_named
 from truepose.kinematics.chain import nominal_chain
 
@@ -38,7 +38,7 @@ def rows(robot):
         nest=np.array([1, 3, 1, 3]),
         torque_n_mm=1e3 * joints,
         turn_rad=joints * [row.sign for row in robot.joints],
-        chain=nominal_chain(robot, joints),
+        frames=known_frames(nominal_chain(robot, joints)),
         gravity_m_s2=np.array([0.0, 0.0, -9.81]),
         robot=robot,
     )
