@@ -78,14 +78,16 @@ def fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArray) -> S
     )
 
 
-def _refit(structure: Structure, blocks: tuple[Block, ...], solution: Solution[Joint]) -> Solution[Joint]:
-    """Fit again from a solution of the same readings, which weigh otherwise now."""
+def _refit(
+    structure: Structure, blocks: tuple[Block, ...], start: FloatArray, point: Joint
+) -> Solution[Joint]:
+    """Fit from where the readings were predicted already; they weigh otherwise now."""
     return solve(
         lambda values, previous: linearise_blocks(structure, blocks, values, previous),
-        solution.values,
+        start,
         structure.prior_means,
         structure.prior_widths,
-        first=reweighed(blocks, solution.final),
+        first=reweighed(blocks, point),
     )
 
 
@@ -103,8 +105,8 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
     -------
     RobustFit
     """
-    structure, soft, values = _soft_rounds(structure, blocks, start)
-    gentle = fit(structure, soft, values)
+    structure, soft, nearly = _soft_rounds(structure, blocks, start)
+    gentle = _refit(structure, soft, nearly.values, nearly.final)
     blocks, gross, solution = _hard_rounds(structure, soft, gentle)
     if _typical(solution.final.results[0]) > _LOST * _typical(gentle.final.results[0]):
         # A sizeable minority drags the fit away from what the majority agrees on: weigh softly after all.
@@ -116,7 +118,7 @@ def robust_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArra
             block.weighted(np.where(flags, 0.0, block.weights), block.discrepancy)
             for block, flags in zip(soft, gross, strict=True)
         )
-        solution = fit(structure, blocks, gentle.values)
+        solution = _refit(structure, blocks, gentle.values, gentle.final)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 
 
@@ -127,7 +129,7 @@ def counted_fit(structure: Structure, blocks: tuple[Block, ...], start: FloatArr
     """
     solution = fit(structure, blocks, start)
     blocks = _with_discrepancy(structure, blocks, solution)
-    solution = _refit(structure, blocks, solution)
+    solution = _refit(structure, blocks, solution.values, solution.final)
     gross = tuple(np.zeros(len(block.weights), dtype=bool) for block in blocks)
     return RobustFit(structure, blocks, solution, gross, _stated_chi2(structure, blocks, solution))
 
@@ -158,7 +160,7 @@ def _hard_rounds(
             for block, (_, weights) in zip(blocks, judged, strict=True)
         )
         blocks = _with_discrepancy(structure, blocks, solution)
-        solution = _refit(structure, blocks, solution)
+        solution = _refit(structure, blocks, solution.values, solution.final)
         key = b"".join(np.round(weights, 2).tobytes() for _, weights in judged)
         if key in seen:
             break
@@ -168,19 +170,18 @@ def _hard_rounds(
 
 def _soft_rounds(
     structure: Structure, blocks: tuple[Block, ...], start: FloatArray
-) -> tuple[Structure, tuple[Block, ...], FloatArray]:
-    values, typical = start, np.inf
-    stated = structure
+) -> tuple[Structure, tuple[Block, ...], Solution[Joint]]:
+    stated, typical = structure, np.inf
+    values, point = start, linearise_blocks(structure, blocks, start, None)
     for _ in range(_SOFT_ROUNDS):
-        results = linearise_blocks(structure, blocks, values, None).results
-        before, typical = typical, _typical(results[0])
+        before, typical = typical, _typical(point.results[0])
         if abs(before - typical) < _SETTLED * typical:
             break
-        blocks = tuple(_softly(block, result) for block, result in zip(blocks, results, strict=True))
-        solution = fit(structure, blocks, values)
-        values = solution.values
+        blocks = tuple(_softly(block, result) for block, result in zip(blocks, point.results, strict=True))
+        solution = _refit(structure, blocks, values, point)
+        values, point = solution.values, solution.final
         structure = _widened(stated, values, solution.covariance)
-    return structure, blocks, values
+    return structure, blocks, solution
 
 
 def _typical(result: BlockResult) -> float:
