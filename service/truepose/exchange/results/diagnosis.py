@@ -9,7 +9,8 @@ from pydantic import AliasChoices, BeforeValidator, Field
 
 from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.document import Document, Quantities, Quantity
+from truepose.exchange.outgoing import Quantities, Quantity
+from truepose.exchange.results.document import Document
 from truepose.exchange.results.documents import StatisticsDocument
 
 

@@ -1,14 +1,21 @@
 """Identifications and validations as documents: angles in degrees, null for what is no number."""
 
-from dataclasses import fields
 from typing import Literal, Self
 
 from pydantic import AliasChoices, Field, model_validator
 
-from truepose.domain.results import Identification, Parameter, Statistics, Status, Validation
+from truepose.domain.results import (
+    Identification,
+    NominalAndIdentified,
+    Parameter,
+    Statistics,
+    Status,
+    Validation,
+)
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.exchange.results.document import Document, Quantity
+from truepose.exchange.outgoing import Quantity
+from truepose.exchange.results.document import Document
 
 
 class StatisticsDocument(Document):
@@ -42,24 +49,6 @@ class BlocksDocument(Document):
     validation_position_aligned: PairDocument | None = Field(
         None, description="Of a model of lengths: held-out positions after the best rigid alignment."
     )
-
-    @classmethod
-    def of_identification(cls, identification: Identification) -> Self:
-        """Return the blocks that could be computed; the others are absent."""
-        positions = identification.positions
-        blocks = {
-            "calibration": identification.calibration,
-            "calibration_without_outliers": identification.calibration_without_outliers,
-            "validation": identification.validation,
-            "cross_validation": None if identification.validation else identification.cross_validation,
-            "validation_position": positions and positions.tied,
-            "validation_position_aligned": positions and positions.aligned,
-        }
-        # Held-out positions judge a model of lengths where no lengths were held out.
-        blocks["validation"] = (
-            blocks["validation"] or blocks["validation_position"] or blocks["validation_position_aligned"]
-        )
-        return cls.of({name: block for name, block in blocks.items() if block is not None})
 
 
 class ParameterDocument(Document):
@@ -143,10 +132,25 @@ class IdentificationDocument(Document):
     @classmethod
     def of_robot(cls, identification: Identification, robot: str) -> Self:
         """Return the document of an identification, whatever its status."""
-        same = cls.model_fields.keys() & {field.name for field in fields(identification)}
-        blocks = BlocksDocument.of_identification(identification)
-        answered = {name: getattr(identification, name) for name in same}
-        return cls.of({**answered, "robot": robot, "statistics": blocks})
+        return cls.of(identification, robot=robot, statistics=_blocks(identification))
+
+
+def _blocks(identification: Identification) -> dict[str, NominalAndIdentified]:
+    """Return the blocks that could be computed; the others are absent."""
+    positions = identification.positions
+    blocks = {
+        "calibration": identification.calibration,
+        "calibration_without_outliers": identification.calibration_without_outliers,
+        "validation": identification.validation,
+        "cross_validation": None if identification.validation else identification.cross_validation,
+        "validation_position": positions.tied if positions else None,
+        "validation_position_aligned": positions.aligned if positions else None,
+    }
+    # Held-out positions judge a model of lengths where no lengths were held out.
+    blocks["validation"] = (
+        blocks["validation"] or blocks["validation_position"] or blocks["validation_position_aligned"]
+    )
+    return {name: block for name, block in blocks.items() if block is not None}
 
 
 class ValidationDocument(Document):

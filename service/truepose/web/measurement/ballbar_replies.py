@@ -1,14 +1,10 @@
 """From ballbar sessions to what travels."""
 
-import dataclasses
-
 from truepose.domain.artefacts import Bars
 from truepose.domain.ballbar import (
     ArrivalTaken,
     BallbarStep,
     Leg,
-    LengthTaken,
-    PreCalibration,
     StepKind,
     Suspicion,
 )
@@ -24,15 +20,13 @@ from truepose.web.schemas.ballbar_sessions import (
     BallbarSessionReply,
     EntryReply,
     LastOutcomeReply,
-    LengthReply,
     ListedStepReply,
-    PreCalibrationReply,
     PresentStepReply,
     StepReply,
     StepsReply,
     SuspicionReply,
 )
-from truepose.web.schemas.base import degrees, known
+from truepose.web.schemas.base import degrees
 from truepose.web.schemas.identities import identity_reply
 
 
@@ -61,8 +55,8 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         ballbar_attached=found.attached,
         robot_moving=view.robot_moving,
         acts=sorted(found.acts),
-        progress=BallbarProgressReply(**dataclasses.asdict(found.progress)),
-        acting=None if found.acting is None else ActingReply(**dataclasses.asdict(found.acting)),
+        progress=BallbarProgressReply.of(found.progress),
+        acting=None if found.acting is None else ActingReply.of(found.acting),
         watching=view.watching,
         last_outcome=_last_outcome(found),
         ballbar_in_question=None if found.ballbar.foreign is None else identity_reply(found.ballbar.foreign),
@@ -92,23 +86,15 @@ def steps_reply(view: BallbarView) -> StepsReply:
 
 def entry_reply(record: LedgerRecord) -> EntryReply:
     """Return an entry of the ledger as it travels."""
-    entry = record.entry
-    return EntryReply(
+    entry, suspicion = record.entry, record.entry.suspicion
+    artefact = _artefact_of_id(entry.step_id)
+    return EntryReply.of(
+        record,
+        entry,
         number=record.id,
-        recorded_at=record.recorded_at,
-        time_s=entry.time_s,
-        person=entry.person,
-        tablet=entry.tablet,
-        key=entry.key,
-        step_id=entry.step_id,
-        kind=entry.kind,
         text=entry.told,
-        length=None if entry.length is None else _length(entry.length),
         arrival=None if entry.arrival is None else _arrival(entry.arrival),
-        suspicion=None
-        if entry.suspicion is None
-        else suspicion_reply(entry.suspicion, _artefact_of_id(entry.step_id)),
-        precalibration=None if entry.precalibration is None else _precalibration(entry.precalibration),
+        suspicion=None if suspicion is None else suspicion_reply(suspicion, artefact),
         identity=None if entry.identity is None else identity_reply(entry.identity),
     )
 
@@ -116,12 +102,10 @@ def entry_reply(record: LedgerRecord) -> EntryReply:
 def suspicion_reply(suspicion: Suspicion, artefact: str | None) -> SuspicionReply:
     """Return a suspicion as it travels; `artefact` is the triangle that is measured, None for a leg."""
     suspected = suspicion.suspected
-    return SuspicionReply(
-        kind=suspicion.kind,
+    return SuspicionReply.of(
+        suspicion,
         asked=point_names(suspicion.asked, artefact),
         suspected=None if suspected is None else point_names(suspected, artefact),
-        length_mm=suspicion.length_mm,
-        expected_mm=suspicion.expected_mm,
     )
 
 
@@ -151,8 +135,8 @@ def _present_step(view: BallbarView) -> PresentStepReply | None:
     if step is None:
         return None
     number, count = _place_among_legs(found, step)
-    return PresentStepReply(
-        **_step(view, step).model_dump(),
+    return PresentStepReply.of(
+        _step(view, step),
         index=found.index + 1,
         count=len(found.steps),
         confirmed=found.confirmed,
@@ -175,17 +159,10 @@ def _place_among_legs(found: Situation, step: BallbarStep) -> tuple[int | None, 
 
 def _step(view: BallbarView, step: BallbarStep) -> StepReply:
     bars = _bars(view, step)
-    return StepReply(
-        id=step.id,
-        kind=step.kind,
-        placement=step.placement,
-        config=step.config,
-        artefact=step.artefact,
+    return StepReply.of(
+        step,
         points=None if step.points is None else point_names(step.points, _side_of(step)),
-        base_point=step.base_point,
-        expected_mm=step.expected_mm,
-        attempt=step.attempt,
-        bars_mm=None if bars is None else list(bars.bars_mm),
+        bars_mm=None if bars is None else bars.bars_mm,
         nominal_mm=None if bars is None else bars.nominal_mm,
         target_deg=None if step.target_rad is None else degrees(step.target_rad),
     )
@@ -199,11 +176,8 @@ def _bars(view: BallbarView, step: BallbarStep) -> Bars | None:
 
 
 def _listed(view: BallbarView, step: BallbarStep, outcome: Outcome) -> ListedStepReply:
-    return ListedStepReply(
-        **_step(view, step).model_dump(),
-        outcome=outcome.kind,
-        length_mm=_stored_mm(outcome),
-        text=outcome.text,
+    return ListedStepReply.of(
+        _step(view, step), outcome=outcome.kind, length_mm=_stored_mm(outcome), text=outcome.text
     )
 
 
@@ -220,23 +194,7 @@ def _stored_mm(outcome: Outcome) -> float | None:
     return None if outcome.length is None else outcome.length.length_mm
 
 
-def _length(taken: LengthTaken) -> LengthReply:
-    fields = dataclasses.asdict(taken)
-    return LengthReply(**{**fields, "temperature_c": known(taken.temperature_c)})
-
-
 def _arrival(arrival: ArrivalTaken) -> ArrivalReply:
-    return ArrivalReply(
-        commanded_deg=degrees(arrival.commanded_rad),
-        reported_deg=degrees(arrival.reported_rad),
-        direction=list(arrival.direction),
-        time_s=arrival.time_s,
-    )
-
-
-def _precalibration(found: PreCalibration) -> PreCalibrationReply:
-    return PreCalibrationReply(
-        rms_mm=found.rms_mm,
-        configurations=found.configurations,
-        exchanged=list(found.exchanged),
+    return ArrivalReply.of(
+        arrival, commanded_deg=degrees(arrival.commanded_rad), reported_deg=degrees(arrival.reported_rad)
     )

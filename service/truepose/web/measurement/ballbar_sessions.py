@@ -18,7 +18,7 @@ from truepose.web.schemas.ballbar_requests import (
     act_of,
     wanted_plan,
 )
-from truepose.web.schemas.ballbar_scene import SceneReply, scene_reply
+from truepose.web.schemas.ballbar_scene import SceneReply
 from truepose.web.schemas.ballbar_sessions import (
     ActReply,
     BallbarSessionReply,
@@ -66,7 +66,7 @@ async def list_steps(here: Here, id: Id) -> StepsReply:
 @router.get("/{id}/scene", responses=_READ)
 async def get_scene(here: Here, id: Id) -> SceneReply:
     """Show the geometry of the present step: cups, nests, arm, and where the person stands."""
-    return scene_reply(scene_of(await here.ballbar_desk.view(id)))
+    return SceneReply.of(scene_of(await here.ballbar_desk.view(id)))
 
 
 @router.get("/{id}/ledger", responses=_READ)

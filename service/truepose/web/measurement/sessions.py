@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Response, status
 
 from truepose.analysis.workers.tasks import PlanTask
-from truepose.domain.session import Registration, SessionPlan, StopSkipped
+from truepose.domain.session import Registration, SessionPlan
 from truepose.planning.cell_bodies import bodies_of
 from truepose.planning.stop_room import what_is_in_the_way
 from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
@@ -32,13 +32,10 @@ from truepose.web.schemas.sessions import (
     SessionDetailReply,
     SessionReply,
     SessionRequest,
-    SkippedStopReply,
     given_plan,
     plan_reply,
     plan_template,
-    progress_reply,
     session_reply,
-    state_reply,
 )
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -97,11 +94,11 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
     shown = await _shown(here, id)
     progress = await here.sessions.progress(id)
     registration = await here.sessions.registration(id)
-    return SessionDetailReply(
-        **shown.model_dump(),
-        progress=None if progress is None else progress_reply(progress),
-        states=[state_reply(change) for change in await here.sessions.states(id)],
-        skipped_stops=[_skipped(stop) for stop in await here.sessions.skipped(id)],
+    return SessionDetailReply.of(
+        shown,
+        progress=progress,
+        states=await here.sessions.states(id),
+        skipped_stops=await here.sessions.skipped(id),
         registration=None if registration is None else _registration(registration),
         identities=[identity_reply(taken) for taken in await here.sessions.identities(id)],
         notes=await here.sessions.notes(id),
@@ -120,7 +117,7 @@ async def get_progress(here: Here, id: Id) -> ProgressReply:
     record = await here.sessions.get(id)
     progress = await here.sessions.progress(id)
     if progress is not None:
-        return progress_reply(progress)
+        return ProgressReply.of(progress)
     return ProgressReply(
         done=0, skipped=0, planned=record.planned, elapsed_s=0.0, remaining_s=None, doing=record.reason
     )
@@ -211,15 +208,5 @@ async def _decided(here: Context, number: int, sentence: str) -> ActionReply:
     return ActionReply(sentence=sentence, session=await _shown(here, number))
 
 
-def _skipped(stop: StopSkipped) -> SkippedStopReply:
-    return SkippedStopReply(config=stop.config, time_s=stop.time_s, reason=stop.reason)
-
-
 def _registration(found: Registration) -> RegistrationReply:
-    return RegistrationReply(
-        tracker_position_mm=found.translation_mm.tolist(),
-        rms_mm=found.rms_mm,
-        two_face_mm=found.two_face_mm,
-        scale=found.scale,
-        scale_standard_uncertainty=found.scale_standard_uncertainty,
-    )
+    return RegistrationReply.of(found, tracker_position_mm=found.translation_mm.tolist())

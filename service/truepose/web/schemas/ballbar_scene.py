@@ -1,11 +1,9 @@
 """Geometry of a step, and the simulated hands."""
 
-import dataclasses
 from typing import Literal
 
 from pydantic import Field
 
-from truepose.operation.ballbar.scene import Scene
 from truepose.web.schemas.base import Point, Reply
 
 
@@ -40,14 +38,3 @@ class HandsReply(Reply):
     simulated: bool = Field(description="False: a person stands at the cell.")
     actions: list[str] = Field(examples=[["connect", "detach"]])
     holding: str = Field(description="Where the ballbar is; empty: in the hand.", examples=["connect base 2"])
-
-
-def scene_reply(scene: Scene) -> SceneReply:
-    """Return a scene as it travels."""
-    return SceneReply.model_validate(_lists(dataclasses.asdict(scene)))
-
-
-def _lists(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _lists(entry) for key, entry in value.items()}
-    return [_lists(entry) for entry in value] if isinstance(value, list | tuple) else value

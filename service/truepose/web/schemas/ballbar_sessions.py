@@ -5,6 +5,7 @@ from pydantic import Field
 from truepose.domain.ballbar import BarSet, StepKind, SuspicionKind
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
+from truepose.exchange.outgoing import Quantity
 from truepose.sequencing.ballbar.record import OutcomeKind
 from truepose.sequencing.engine.acts import ActName
 from truepose.web.schemas.base import RecordedAt, RecordId, Reply
@@ -156,7 +157,7 @@ class LengthReply(Reply):
     samples: int
     initialisation: int = Field(description="Number of the last one in the session, from 1.")
     by_hand: bool = Field(description="Stored by the button, not by itself.")
-    temperature_c: float | None
+    temperature_c: Quantity
     instrument_serial: str
     certificate: str
     certificate_expires: str = Field(description="ISO date; empty where nobody said it.")

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
+from truepose.exchange.outgoing import Outgoing
 
 # A character that no reader of the schema takes for a space: what counts as one differs between them.
 VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
@@ -65,7 +66,7 @@ def whole(value: object) -> object:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-class Reply(BaseModel):
+class Reply(Outgoing):
     """A body that the service sends."""
 
     model_config = ConfigDict(extra="forbid")
@@ -74,11 +75,6 @@ class Reply(BaseModel):
 def example(document: dict[str, Any]) -> ConfigDict:
     """Return the settings of a schema with an example."""
     return ConfigDict(json_schema_extra={"examples": [document]})
-
-
-def known(number: float) -> float | None:
-    """Return `number`, or None where it is NaN: JSON has no word for it."""
-    return number if math.isfinite(number) else None
 
 
 def degrees(angles_rad: tuple[float, ...]) -> list[float]:

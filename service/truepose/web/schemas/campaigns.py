@@ -62,21 +62,5 @@ class CampaignReply(Reply):
 
 def campaign_reply(record: CampaignRecord) -> CampaignReply:
     """Return a campaign as it travels."""
-    summary = record.summary
-    return CampaignReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        name=record.name,
-        robot=record.robot,
-        session_ids=list(record.session_ids),
-        simulated=record.simulated,
-        measured_on=summary.measured_on,
-        calibration_points=summary.calibration_points,
-        validation_points=summary.validation_points,
-        calibration_legs=summary.calibration_legs,
-        validation_legs=summary.validation_legs,
-        reference_readings=summary.reference_readings,
-        ignored=list(summary.ignored),
-        notes=list(summary.notes),
-        archive_url=f"/api/v1/campaigns/{record.id}/archive",
-    )
+    archive_url = f"/api/v1/campaigns/{record.id}/archive"
+    return CampaignReply.of(record, record.summary, archive_url=archive_url)

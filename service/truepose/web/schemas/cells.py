@@ -125,55 +125,32 @@ class RobotReply(Reply):
 
 def cell_reply(cell: Cell, endpoints: tuple[Endpoint, ...]) -> CellReply:
     """Return a cell as it travels."""
-    return CellReply(
-        name=cell.name,
+    return CellReply.of(
+        cell,
+        cell.conditions,
         robot=cell.robot.name,
-        robot_serial_number=cell.robot_serial_number,
         joints=cell.robot.n_joints,
         simulated=cell.simulated is not None,
         scenario=None if cell.simulated is None else cell.simulated.scenario,
-        endpoints=[
-            EndpointReply(device=e.device, protocol=e.protocol, host=e.host, port=e.port) for e in endpoints
-        ],
+        endpoints=endpoints,
         devices=[entry.name for entry in cell.devices],
-        tool_nests=[
-            _nest(number, nest.centre_mm, nest.standard_uncertainty_mm)
-            for number, nest in enumerate(cell.nests, 1)
-        ],
-        fixed_nests=[
-            _nest(number, nest.centre_mm, nest.standard_uncertainty_mm)
-            for number, nest in enumerate(cell.fixed_nests, 1)
-        ],
-        load=cell.conditions.load,
-        warm_up=cell.conditions.warm_up,
-        people=list(cell.people),
-    )
-
-
-def _nest(number: int, centre: tuple[float, ...] | None, uncertainty: float | None) -> NestReply:
-    return NestReply(
-        nest=number,
-        centre_mm=None if centre is None else list(centre),
-        standard_uncertainty_mm=uncertainty,
+        tool_nests=[NestReply.of(nest, nest=number) for number, nest in enumerate(cell.nests, 1)],
+        fixed_nests=[NestReply.of(nest, nest=number) for number, nest in enumerate(cell.fixed_nests, 1)],
     )
 
 
 def device_reply(status: DeviceStatus) -> DeviceReply:
     """Return a device as it travels."""
-    identity, entry = status.identity, status.mounted.entry
-    return DeviceReply(
-        name=entry.name,
-        kind=status.mounted.kind,
-        driver=entry.driver,
-        protocol=status.mounted.protocol,
-        connected=status.connected,
-        session_id=status.session_id,
-        fault=status.fault,
-        manufacturer=None if identity is None else identity.manufacturer,
-        model=None if identity is None else identity.model,
-        firmware=None if identity is None else identity.firmware,
-        serial_number=(entry.serial_number or None) if identity is None else identity.serial,
-        expected_serial_number=status.mounted.expected_serial or None,
+    said, mounted, entry = status.identity, status.mounted, status.mounted.entry
+    return DeviceReply.of(
+        status,
+        mounted,
+        entry,
+        manufacturer=None if said is None else said.manufacturer,
+        model=None if said is None else said.model,
+        firmware=None if said is None else said.firmware,
+        serial_number=(entry.serial_number or None) if said is None else said.serial,
+        expected_serial_number=mounted.expected_serial or None,
         answered_serial_number=status.answered_serial or None,
         foreign=status.is_foreign,
         certificate="" if status.is_foreign else entry.certificate,
@@ -182,14 +159,8 @@ def device_reply(status: DeviceStatus) -> DeviceReply:
 
 def robot_reply(name: str, robot: Robot) -> RobotReply:
     """Return a shipped robot as it travels."""
-    return RobotReply(
-        name=name,
-        title=robot.name,
-        joints=[_joint(robot, index) for index in range(robot.n_joints)],
-        repeatability_mm=robot.repeatability_mm,
-        rated_payload_kg=robot.rated_payload_kg,
-        source=robot.source,
-    )
+    joints = [_joint(robot, index) for index in range(robot.n_joints)]
+    return RobotReply.of(robot, name=name, title=robot.name, joints=joints)
 
 
 def _joint(robot: Robot, index: int) -> JointReply:
@@ -197,13 +168,11 @@ def _joint(robot: Robot, index: int) -> JointReply:
     alpha_deg, theta_offset_deg = degrees((row.alpha_rad, row.theta_offset_rad))
     lower, upper = _range(robot.joint_limits, index)
     calibration_from, calibration_to = _range(robot.calibration_ranges, index)
-    return JointReply(
+    return JointReply.of(
+        row,
         joint=index + 1,
         alpha_deg=alpha_deg,
-        a_mm=row.a_mm,
         theta_offset_deg=theta_offset_deg,
-        d_mm=row.d_mm,
-        sign=row.sign,
         lower_limit_deg=lower,
         upper_limit_deg=upper,
         calibration_from_deg=calibration_from,

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 from pydantic import Field
 
-from truepose.diagnosis.comparison import CauseOverTime, Change, Sighting, Sign
+from truepose.diagnosis.comparison import CauseOverTime, Change, Sighting
 from truepose.domain.diagnosis import Confidence
+from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import DiagnosisRecord
-from truepose.web.schemas.base import RecordId, Reply, known
+from truepose.web.schemas.base import RecordId, Reply
 from truepose.web.schemas.diagnoses import DiagnosisSummaryReply, MeasuredAt, diagnosis_summary_reply
 
 
@@ -19,8 +20,8 @@ class SignReply(Reply):
     sighting: Sighting = Field(
         description="`not_visible`: these readings could not show it; `part_of_start`: the model had it."
     )
-    amplitude: float | None = Field(examples=[0.021])
-    amplitude_standard_uncertainty: float | None = Field(examples=[0.003])
+    amplitude: Quantity = Field(examples=[0.021])
+    amplitude_standard_uncertainty: Quantity = Field(examples=[0.003])
     confidence: Confidence | None
 
 
@@ -29,8 +30,8 @@ class ChangeReply(Reply):
 
     from_diagnosis_id: RecordId
     to_diagnosis_id: RecordId
-    difference: float | None = Field(description="Later less earlier.", examples=[0.012])
-    standard_uncertainty: float | None = Field(examples=[0.004])
+    difference: Quantity = Field(description="Later less earlier.", examples=[0.012])
+    standard_uncertainty: Quantity = Field(examples=[0.004])
     p_value: float | None = Field(description="Corrected for all changes of the reply; null: not tested.")
     significant: bool = Field(description="The change is more than noise explains (level 5 % in all).")
     sentence: str
@@ -83,38 +84,13 @@ def comparison_reply(
 
 
 def _cause(cause: CauseOverTime) -> CauseReply:
-    variant = cause.variant
-    return CauseReply(
-        effect=cause.effect,
-        subject=cause.subject,
-        variant=None if variant is None else VariantReply(name=variant.name, value=variant.value),
-        unit=cause.unit,
-        signs=[_sign(sign) for sign in cause.signs],
+    return CauseReply.of(
+        cause,
+        signs=[SignReply.of(s, amplitude_standard_uncertainty=s.standard_uncertainty) for s in cause.signs],
         changes=[_change(change) for change in cause.changes],
         overall=None if cause.overall is None else _change(cause.overall),
     )
 
 
-def _sign(sign: Sign) -> SignReply:
-    return SignReply(
-        diagnosis_id=sign.diagnosis_id,
-        measured_at=sign.measured_at,
-        sighting=sign.sighting,
-        amplitude=None if sign.amplitude is None else known(sign.amplitude),
-        amplitude_standard_uncertainty=(
-            None if sign.standard_uncertainty is None else known(sign.standard_uncertainty)
-        ),
-        confidence=sign.confidence,
-    )
-
-
 def _change(change: Change) -> ChangeReply:
-    return ChangeReply(
-        from_diagnosis_id=change.from_id,
-        to_diagnosis_id=change.to_id,
-        difference=known(change.difference),
-        standard_uncertainty=known(change.standard_uncertainty),
-        p_value=change.p_value,
-        significant=change.significant,
-        sentence=change.sentence,
-    )
+    return ChangeReply.of(change, from_diagnosis_id=change.from_id, to_diagnosis_id=change.to_id)

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from truepose.domain.diagnosis import Confidence, Finding, Verdict
+from truepose.domain.diagnosis import Confidence, Verdict
+from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.diagnosis import DiagnosisDocument
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import (
@@ -16,7 +17,6 @@ from truepose.web.schemas.base import (
     Request,
     Simulated,
     example,
-    known,
 )
 from truepose.web.schemas.results import EffectNames
 
@@ -81,9 +81,9 @@ class FindingReply(Reply):
 
     effect: str = Field(examples=["backlash"])
     subject: str = Field(examples=["joint 3"])
-    amplitude: float | None = Field(examples=[0.021])
+    amplitude: Quantity = Field(examples=[0.021])
     unit: str = Field(examples=["deg"])
-    amplitude_standard_uncertainty: float | None = Field(examples=[0.003])
+    amplitude_standard_uncertainty: Quantity = Field(examples=[0.003])
     confidence: Confidence
 
 
@@ -107,46 +107,11 @@ class DiagnosisSummaryReply(Reply):
 
 def diagnosis_reply(record: DiagnosisRecord) -> DiagnosisReply:
     """Return a diagnosis as it travels."""
-    return DiagnosisReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        measured_at=record.measured_at,
-        simulated=record.simulated,
-        job_id=record.job_id,
-        campaign_id=record.campaign_id,
-        session_id=record.session_id,
-        model_id=record.model_id,
-        robot_serial_number=record.robot_serial_number or None,
-        document=DiagnosisDocument.of(record.diagnosis),
-    )
+    serial_number = record.robot_serial_number or None
+    return DiagnosisReply.of(record, robot_serial_number=serial_number, document=record.diagnosis)
 
 
 def diagnosis_summary_reply(record: DiagnosisRecord) -> DiagnosisSummaryReply:
     """Return a diagnosis as it stands in a list."""
-    found = record.diagnosis
-    return DiagnosisSummaryReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        measured_at=record.measured_at,
-        simulated=record.simulated,
-        job_id=record.job_id,
-        campaign_id=record.campaign_id,
-        session_id=record.session_id,
-        model_id=record.model_id,
-        robot=found.robot,
-        robot_serial_number=record.robot_serial_number or None,
-        verdict=found.verdict,
-        message=found.message,
-        findings=[_finding(finding) for finding in found.findings],
-    )
-
-
-def _finding(finding: Finding) -> FindingReply:
-    return FindingReply(
-        effect=finding.effect,
-        subject=finding.subject,
-        amplitude=known(finding.amplitude),
-        unit=finding.unit,
-        amplitude_standard_uncertainty=known(finding.amplitude_standard_uncertainty),
-        confidence=finding.confidence,
-    )
+    serial_number = record.robot_serial_number or None
+    return DiagnosisSummaryReply.of(record, record.diagnosis, robot_serial_number=serial_number)

@@ -22,10 +22,6 @@ class IdentityReply(Reply):
 
 def identity_reply(taken: IdentityTaken) -> IdentityReply:
     """Return a line of a session's record as it travels."""
-    return IdentityReply(
-        device=taken.device,
-        finding=taken.finding,
-        serial_number=taken.serial or None,
-        expected_serial_number=taken.expected or None,
-        person=taken.person,
+    return IdentityReply.of(
+        taken, serial_number=taken.serial or None, expected_serial_number=taken.expected or None
     )

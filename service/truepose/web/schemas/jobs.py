@@ -45,15 +45,4 @@ class JobReply(Reply):
 def job_reply(record: JobRecord) -> JobReply:
     """Return a job as it travels."""
     made = record.result_id
-    return JobReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        kind=record.kind,
-        request=JobRequestReply(**record.request),
-        state=record.state,
-        state_since=record.state_since,
-        message=record.message,
-        fraction=record.fraction,
-        result_id=made,
-        result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}",
-    )
+    return JobReply.of(record, result_url=None if made is None else f"/api/v1/{_RESULTS[record.kind]}/{made}")

@@ -2,9 +2,10 @@
 
 from pydantic import Field
 
-from truepose.domain.session import FixedNestTaken, PointTaken
+from truepose.domain.session import PointTaken
+from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import ReadingKind, ReadingRecord
-from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply, degrees, known
+from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply, degrees
 
 
 class PointReadingReply(Reply):
@@ -14,9 +15,9 @@ class PointReadingReply(Reply):
     commanded_deg: list[float] = Field(description="Joint angles that the robot was sent to.")
     reported_deg: list[float] = Field(description="Joint angles that the controller reported there.")
     direction: list[int] = Field(description="Sign of each joint's last motion; 0 unknown.")
-    temperature_c: float | None = Field(description="Of the air, at the instrument.", examples=[23.1])
+    temperature_c: Quantity = Field(description="Of the air, at the instrument.", examples=[23.1])
     attachment: int = Field(description="How often the tool has been mounted.", examples=[1])
-    rms_mm: float | None = Field(description="Scatter of the samples.", examples=[0.012])
+    rms_mm: Quantity = Field(description="Scatter of the samples.", examples=[0.012])
     samples: int = Field(examples=[1000])
     repeat_of: int | None = Field(description="Earlier configuration with the same joints.")
 
@@ -43,7 +44,7 @@ class ReadingReply(Reply):
     time_s: float = Field(description="Cell time.", examples=[812.4])
     position_tracker_mm: Point = Field(description="In the tracker's frame.")
     position_world_mm: Point | None = Field(description="In the world; null before the registration.")
-    standard_uncertainty_mm: float | None = Field(description="Per axis.", examples=[0.015])
+    standard_uncertainty_mm: Quantity = Field(description="Per axis.", examples=[0.015])
     instrument_serial: str = Field(description="As the instrument told it; empty where it does not.")
     point: PointReadingReply | None
     fixed_nest: FixedNestReadingReply | None
@@ -52,38 +53,12 @@ class ReadingReply(Reply):
 def reading_reply(record: ReadingRecord) -> ReadingReply:
     """Return a reading as it travels."""
     taken = record.reading
-    world = taken.position_world_mm
-    return ReadingReply(
-        id=record.id,
-        session_id=record.session_id,
-        recorded_at=record.recorded_at,
-        kind=record.kind,
-        supersedes=record.supersedes,
-        superseded_by=record.superseded_by,
-        nest=taken.nest if isinstance(taken, PointTaken) else taken.fixed_nest,
-        time_s=taken.time_s,
-        position_tracker_mm=list(taken.position_tracker_mm),
-        position_world_mm=None if world is None else list(world),
-        standard_uncertainty_mm=known(taken.standard_uncertainty_mm),
-        instrument_serial=taken.instrument_serial,
-        point=_point(taken) if isinstance(taken, PointTaken) else None,
-        fixed_nest=_fixed_nest(taken) if isinstance(taken, FixedNestTaken) else None,
-    )
+    if isinstance(taken, PointTaken):
+        return ReadingReply.of(record, taken, point=_point(taken), fixed_nest=None)
+    return ReadingReply.of(record, taken, nest=taken.fixed_nest, point=None, fixed_nest=taken)
 
 
 def _point(taken: PointTaken) -> PointReadingReply:
-    return PointReadingReply(
-        config=taken.config,
-        commanded_deg=degrees(taken.commanded_rad),
-        reported_deg=degrees(taken.reported_rad),
-        direction=list(taken.direction),
-        temperature_c=known(taken.temperature_c),
-        attachment=taken.attachment,
-        rms_mm=known(taken.rms_mm),
-        samples=taken.samples,
-        repeat_of=taken.repeat_of,
+    return PointReadingReply.of(
+        taken, commanded_deg=degrees(taken.commanded_rad), reported_deg=degrees(taken.reported_rad)
     )
-
-
-def _fixed_nest(taken: FixedNestTaken) -> FixedNestReadingReply:
-    return FixedNestReadingReply(phase=taken.phase, face=taken.face)

@@ -5,13 +5,14 @@ from typing import Annotated
 from pydantic import Field
 
 from truepose.effects.registry import EFFECTS
+from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.documents import (
     IdentificationDocument,
     ParameterDocument,
     ValidationDocument,
 )
 from truepose.storage.records import IdentificationRecord, ModelRecord, ValidationRecord
-from truepose.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, Simulated, example, known
+from truepose.web.schemas.base import Number, RecordedAt, RecordId, Reply, Request, Simulated, example
 
 EffectName = Annotated[str, Field(examples=["geometry"], json_schema_extra={"enum": sorted(EFFECTS)})]
 
@@ -84,52 +85,23 @@ class ModelReply(Reply):
     simulated: Simulated
     effects: list[str] = Field(examples=[["base", "geometry", "compliance"]])
     parameters: list[ParameterDocument]
-    repeatability_mm: float | None = Field(description="Of the arm, per axis.", examples=[0.0035])
-    discrepancy_mm: float | None = Field(description="What held-out residuals show beyond noise, per axis.")
+    repeatability_mm: Quantity = Field(description="Of the arm, per axis.", examples=[0.0035])
+    discrepancy_mm: Quantity = Field(description="What held-out residuals show beyond noise, per axis.")
     program_version: str
     file_url: str = Field(examples=["/api/v1/models/3/file"])
 
 
 def identification_reply(record: IdentificationRecord) -> IdentificationReply:
     """Return an identification as it travels."""
-    return IdentificationReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        job_id=record.job_id,
-        campaign_id=record.campaign_id,
-        model_id=record.model_id,
-        simulated=record.simulated,
-        document=IdentificationDocument.of_robot(record.identification, record.robot),
-    )
+    document = IdentificationDocument.of_robot(record.identification, record.robot)
+    return IdentificationReply.of(record, document=document)
 
 
 def validation_reply(record: ValidationRecord) -> ValidationReply:
     """Return a validation as it travels."""
-    return ValidationReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        job_id=record.job_id,
-        model_id=record.model_id,
-        campaign_id=record.campaign_id,
-        simulated=record.simulated,
-        document=ValidationDocument.of(record.validation),
-    )
+    return ValidationReply.of(record, document=record.validation)
 
 
 def model_reply(record: ModelRecord) -> ModelReply:
     """Return a model as it travels."""
-    model = record.model
-    return ModelReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        identification_id=record.identification_id,
-        diagnosis_id=record.diagnosis_id,
-        robot=record.robot,
-        simulated=record.simulated,
-        effects=list(model.effects),
-        parameters=[ParameterDocument.of(parameter) for parameter in model.parameters],
-        repeatability_mm=known(model.repeatability_mm),
-        discrepancy_mm=known(model.discrepancy_mm),
-        program_version=model.program_version,
-        file_url=f"/api/v1/models/{record.id}/file",
-    )
+    return ModelReply.of(record, record.model, file_url=f"/api/v1/models/{record.id}/file")

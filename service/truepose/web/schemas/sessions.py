@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from truepose.domain.cell import Cell
-from truepose.domain.session import PlannedStop, Progress, Role, SessionPlan, SessionRole, SessionState
-from truepose.storage.records import SessionRecord, StateChange
+from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState
+from truepose.storage.records import SessionRecord
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -244,62 +244,21 @@ def given_plan(template: SessionPlan, given: GivenStops) -> SessionPlan:
 def plan_reply(plan: SessionPlan) -> PlanReply:
     """Return a plan as it travels."""
     offset = plan.approach_offset_rad
-    return PlanReply(
-        role=plan.role,
+    return PlanReply.of(
+        plan,
         approach_offset_deg=None if offset is None else degrees((offset,))[0],
-        settle_s=plan.settle_s,
-        measure_s=plan.measure_s,
-        search_radius_mm=plan.search_radius_mm,
-        tool_speed_mm_s=plan.tool_speed_mm_s,
         orientation_speed_deg_s=degrees((plan.orientation_speed_rad_s,))[0],
-        reference_every=plan.reference_every,
-        reference_limit_mm=plan.reference_limit_mm,
-        registration_readings=plan.registration_readings,
-        two_face_check=plan.two_face_check,
         stops=[stop_reply(stop) for stop in plan.stops],
     )
 
 
 def stop_reply(stop: PlannedStop) -> StopReply:
     """Return a stop as it travels."""
-    return StopReply(
-        config=stop.config,
-        joints_deg=degrees(stop.joints_rad),
-        nest=stop.nest,
-        repeat_of=stop.repeat_of,
-    )
+    return StopReply.of(stop, joints_deg=degrees(stop.joints_rad))
 
 
 def session_reply(
     record: SessionRecord, question: str | None, trouble: str | None, motion_notice: str | None
 ) -> SessionReply:
     """Return a session as it travels."""
-    return SessionReply(
-        id=record.id,
-        recorded_at=record.recorded_at,
-        name=record.name,
-        role=record.role,
-        state=record.state,
-        state_since=record.state_since,
-        reason=record.reason,
-        person=record.person,
-        question=question,
-        trouble=trouble,
-        motion_notice=motion_notice,
-        planned=record.planned,
-        measured=record.measured,
-        skipped=record.skipped,
-        simulated=record.simulated,
-    )
-
-
-def progress_reply(progress: Progress) -> ProgressReply:
-    """Return a session's progress as it travels."""
-    return ProgressReply(**dataclasses.asdict(progress))
-
-
-def state_reply(change: StateChange) -> StateReply:
-    """Return a state as it travels."""
-    return StateReply(
-        recorded_at=change.recorded_at, state=change.state, reason=change.reason, person=change.person
-    )
+    return SessionReply.of(record, question=question, trouble=trouble, motion_notice=motion_notice)
