@@ -7,24 +7,24 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from truepose_simulators.clock import CellClock, Pace
+from truepose_simulators.cell.clock import CellClock, Pace
+from truepose_simulators.cell.journal import RememberedCell
 from truepose_simulators.errors import EndpointUnavailableError, ModelError, SimulatorError
-from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.ballbars.length_source import Electronics
+from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.hands import hands_endpoint
-from truepose_simulators.instruments.leica_emscon import tracker_endpoint
-from truepose_simulators.instruments.length_source import Electronics
-from truepose_simulators.instruments.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
+from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.instruments.truth import truth_endpoint
-from truepose_simulators.instruments.usb_itn import UsbItnGadget
-from truepose_simulators.instruments.usbip import usbip_endpoint
-from truepose_simulators.journal import RememberedCell
-from truepose_simulators.model_file import load_model
 from truepose_simulators.physics.identified import IdentifiedModel
-from truepose_simulators.scenario_file import load_scenario, shipped_scenarios
+from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
+from truepose_simulators.scenarios.model_file import load_model
 
 _EXIT_UNUSABLE_INPUT = 2
 _EXIT_DEVICE_FAILED = 3

@@ -26,21 +26,21 @@ from truepose_drivers.transports.hid import HidOverUsb
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.usb import UsbPort
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock as SimulatedClock
-from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.cell.clock import CellClock as SimulatedClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.ballbars.length_source import Electronics
+from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.hands import hands_endpoint
-from truepose_simulators.instruments.leica_emscon import tracker_endpoint
-from truepose_simulators.instruments.length_source import Electronics
-from truepose_simulators.instruments.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.instruments.open_abb_server import robot_endpoint
-from truepose_simulators.instruments.usb_itn import UsbItnGadget
-from truepose_simulators.instruments.usbip import usbip_endpoint
-from truepose_simulators.scenario_file import load_scenario
-from truepose_simulators.tracker import seen_from
+from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
+from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.tracker.device import seen_from
+from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
+from truepose_simulators.scenarios.file import load_scenario
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {

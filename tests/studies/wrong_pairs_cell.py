@@ -3,9 +3,9 @@
 import numpy as np
 
 from truepose.domain.artefacts import BallbarKit
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.scenarios.file import load_scenario
 
 KIT = BallbarKit()
 RANGE_MM = KIT.range_mm

@@ -13,7 +13,7 @@ from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
 from truepose.judgement.connections.accounts import begin
 from truepose.judgement.connections.early import judge_early
 from truepose.judgement.connections.judge import judge_leg, judge_pose
-from truepose.planning.ballbar.beforehand import known_beforehand
+from truepose.planning.ballbar.lengths.beforehand import known_beforehand
 
 _NOISE = {"reading_u_mm": KIT.reading_u_mm, "zero_u_mm": KIT.zero_u_mm}
 _FOLLOWS = 0.5  # having taken B for A, takes A for B

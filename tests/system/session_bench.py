@@ -9,7 +9,7 @@ from typing import Any
 
 from tests.unit.service.sequencing.tracker.fakes import ListJournal
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning.work_space import WorkSpace
+from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.abb_open_abb.driver import PLUGIN as ROBOT
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK

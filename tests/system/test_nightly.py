@@ -18,7 +18,7 @@ from truepose.demo.night.cases import (
     wrong_axis_case,
 )
 from truepose.demo.night.nightly import run_nightly
-from truepose_simulators.scenario_file import shipped_scenarios
+from truepose_simulators.scenarios.file import shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[2]
 

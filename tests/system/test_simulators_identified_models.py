@@ -29,9 +29,9 @@ from truepose.domain.results import Unit
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.models.file import write_model
 from truepose.identification import predict
-from truepose_simulators.model_file import load_model
 from truepose_simulators.physics.effects.registry import REALISED
 from truepose_simulators.recording.__main__ import main
+from truepose_simulators.scenarios.model_file import load_model
 
 LIMIT_MM = 1e-3
 # Effects that are no part of the arm's equation of motion: they place it.

@@ -11,7 +11,7 @@ import pytest
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.recording import Wishes, record, write_campaign
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 
 def rows(path):

@@ -16,7 +16,7 @@ from truepose.domain.campaign import Stops
 from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
-from truepose.planning.session_plans import plan_validation
+from truepose.planning.tracker.session_plans import plan_validation
 from truepose.sequencing.tracker.runner import SessionRunner
 from truepose_simulators.recording.__main__ import main
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 
 from truepose_drivers.abb_open_abb.protocol import LogReader
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.instruments.open_abb_server import logger_endpoint, robot_endpoint
-from truepose_simulators.scenario import ArmSetup
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
+from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.scenario import ArmSetup
 
 PATIENCE_S = 5.0
 # Replies cross the loopback in well under a millisecond: what has not come by then does not come.

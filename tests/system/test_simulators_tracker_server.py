@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import TrackerCut
-from truepose_simulators.instruments.leica_emscon import tracker_endpoint
-from truepose_simulators.scenario_file import load_scenario
-from truepose_simulators.tracker import TrackerSetup
+from truepose_simulators.instruments.tracker.device import TrackerSetup
+from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
+from truepose_simulators.scenarios.file import load_scenario
 
 # Replies cross the loopback in well under a millisecond; nothing here waits for this long unless it fails.
 PATIENCE_S = 5.0

@@ -11,12 +11,12 @@ from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.tcp import TcpLink
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.instruments.open_abb_server import robot_endpoint
-from truepose_simulators.scenario import ArmSetup
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
+from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.scenario import ArmSetup
 
 TURN = b"2 90 0 0 0 0 0 #"  # at 50 deg/s: nearly two seconds
 PATIENCE_S = 5.0

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from truepose.analysis.errors import NeverDiagnosedError, RobotsMixedError
-from truepose.diagnosis.comparison import CauseOverTime, DatedDiagnosis, compare, place_in_time
+from truepose.diagnosis.history import CauseOverTime, DatedDiagnosis, compare, place_in_time
 from truepose.storage.records import DiagnosisRecord
 
 

@@ -13,7 +13,7 @@ from truepose.reports.causes import (
     printed_unit,
     worth_words,
 )
-from truepose.reports.described import DescribedRow, described_rows, described_sentence
+from truepose.reports.causes_found.described import DescribedRow, described_rows, described_sentence
 from truepose.reports.rounding import millimetres, p_value, with_uncertainty
 
 _HELD_OUT = {

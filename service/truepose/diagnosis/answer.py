@@ -5,30 +5,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.diagnosis.curves import finding_curve, remaining_curve
-from truepose.diagnosis.doubts import better_families
-from truepose.diagnosis.evidence import described
-from truepose.diagnosis.gathered import gathered
-from truepose.diagnosis.groups import names_of
-from truepose.diagnosis.held_out import CrossValidation, Judged, on_validation
-from truepose.diagnosis.left import Depends, Left
-from truepose.diagnosis.line_orders import with_known_orders
-from truepose.diagnosis.next_measurements import next_measurements
-from truepose.diagnosis.open_shapes import with_open_shapes
+from truepose.diagnosis.advice.next_measurements import next_measurements
+from truepose.diagnosis.circumstances import scene_of
+from truepose.diagnosis.curves.drawn import finding_curve, remaining_curve
+from truepose.diagnosis.curves.spectra import finding_spectrum
+from truepose.diagnosis.curves.unseen import Unseen, curve_with_unseen, unseen_of
+from truepose.diagnosis.doubt.doubts import better_families
+from truepose.diagnosis.doubt.open_shapes import with_open_shapes
+from truepose.diagnosis.doubt.ruled_out import ruled_out
+from truepose.diagnosis.doubt.small_findings import parted
+from truepose.diagnosis.doubt.standing import Tested, standing
+from truepose.diagnosis.evidence.cell_functions import described
+from truepose.diagnosis.evidence.extended_model import Whole
+from truepose.diagnosis.evidence.held_out import CrossValidation, Judged, on_validation
+from truepose.diagnosis.evidence.sensitivities import shown_of, worth_of
+from truepose.diagnosis.evidence.structure_left import Depends, Left
+from truepose.diagnosis.evidence.witnesses import CONTRADICTED, accused, speak_against
+from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.readings_found import readings_found
-from truepose.diagnosis.rivals import Weighed, weighed
-from truepose.diagnosis.ruled_out import ruled_out
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.selection import Choice, Propose, Selected, refitted
-from truepose.diagnosis.small_findings import parted
-from truepose.diagnosis.spectra import finding_spectrum
-from truepose.diagnosis.standing import Tested, standing
+from truepose.diagnosis.screening.groups import names_of
+from truepose.diagnosis.screening.line_orders import with_known_orders
+from truepose.diagnosis.screening.rivals import Weighed, weighed
+from truepose.diagnosis.screening.selection import Choice, Propose, Selected, refitted
+from truepose.diagnosis.sentences import first_line, noise_of, remaining_sentence
 from truepose.diagnosis.start import NUISANCE, Start
-from truepose.diagnosis.unseen import Unseen, curve_with_unseen, unseen_of
-from truepose.diagnosis.ways import shown_of, worth_of
-from truepose.diagnosis.whole import Whole
-from truepose.diagnosis.witnesses import CONTRADICTED, accused, speak_against
-from truepose.diagnosis.wording import first_line, noise_of, remaining_sentence
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import (
     Cause,
@@ -43,7 +43,7 @@ from truepose.domain.diagnosis import (
 from truepose.domain.results import Model
 from truepose.effects.causes import Candidate, Scene, Shown
 from truepose.effects.cells import cell_of
-from truepose.effects.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
 from truepose.identification.fit.considered import considered
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit

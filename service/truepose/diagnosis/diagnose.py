@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from truepose.diagnosis.answer import answered, unanswerable
-from truepose.diagnosis.jump_moments import with_exact_moments
-from truepose.diagnosis.line_orders import with_lines_between
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.selection import chosen, select
+from truepose.diagnosis.circumstances import scene_of
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.jump_moments import with_exact_moments
+from truepose.diagnosis.screening.line_orders import with_lines_between
+from truepose.diagnosis.screening.selection import chosen, select
 from truepose.diagnosis.start import stands, started
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis

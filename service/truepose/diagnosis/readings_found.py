@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.diagnosis.gains import gain_of
-from truepose.diagnosis.gathered import gathered
-from truepose.diagnosis.held_out import Judged
-from truepose.diagnosis.left import Left
-from truepose.diagnosis.selection import Selected
+from truepose.diagnosis.evidence.gains import gain_of
+from truepose.diagnosis.evidence.held_out import Judged
+from truepose.diagnosis.evidence.structure_left import Left
+from truepose.diagnosis.readings.gathered import gathered
+from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import BoolArray
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
 from truepose.effects.causes import Candidate, Fitted, Shown
 from truepose.effects.cells import cell_of
-from truepose.effects.label_swap import pair_subject
+from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.fit.robust import fit

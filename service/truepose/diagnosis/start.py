@@ -4,16 +4,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose.diagnosis.angle_steps import AngleSteps, telling_steps, with_steps
-from truepose.diagnosis.gathered import gathered
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.single_readings import swapped_labels
+from truepose.diagnosis.circumstances import scene_of
+from truepose.diagnosis.readings.angle_steps import AngleSteps, telling_steps, with_steps
+from truepose.diagnosis.readings.gathered import gathered
+from truepose.diagnosis.readings.single_readings import swapped_labels
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
 from truepose.effects.causes import Scene
-from truepose.effects.reference import NAME as REFERENCE
-from truepose.effects.tool_certificate import NAME as CERTIFICATE
-from truepose.effects.tool_certificate import certificate_specs
+from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
+from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.fit.robust import RobustFit, counted_fit, robust_fit
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict import status as verdict

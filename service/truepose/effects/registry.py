@@ -3,36 +3,36 @@
 from collections.abc import Sequence
 
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
-from truepose.effects.axis_parallelism import AxisParallelism
-from truepose.effects.backlash import Backlash
-from truepose.effects.ballbar_zero import BallbarZero
-from truepose.effects.base import Base
-from truepose.effects.base_compliance import BaseCompliance
-from truepose.effects.base_drift import BaseDrift
-from truepose.effects.base_shift import BaseShift
+from truepose.effects.base.base_compliance import BaseCompliance
+from truepose.effects.base.base_drift import BaseDrift
+from truepose.effects.base.base_frame import Base
+from truepose.effects.base.base_shift import BaseShift
 from truepose.effects.causes import Cause
-from truepose.effects.compliance import Compliance
-from truepose.effects.compliance_nonlinear import ComplianceNonlinear
-from truepose.effects.fixture_shift import FixtureShift
-from truepose.effects.geometry import Geometry, JointOffset
 from truepose.effects.installed import INSTALLED
-from truepose.effects.instrument_drift import InstrumentDrift
-from truepose.effects.instrument_scale import InstrumentScale
-from truepose.effects.joint_coupling import JointCoupling
-from truepose.effects.joint_gain import JointGain
-from truepose.effects.joint_harmonics import JointHarmonics
-from truepose.effects.label_swap import LabelSwap
-from truepose.effects.link_bending import LinkBending
-from truepose.effects.link_mass import LinkMasses
-from truepose.effects.nest_offset import NestOffset
-from truepose.effects.outliers import Outliers
-from truepose.effects.payload import Payload
+from truepose.effects.instruments.ballbar_zero import BallbarZero
+from truepose.effects.instruments.fixed_nests import Reference
+from truepose.effects.instruments.fixture_shift import FixtureShift
+from truepose.effects.instruments.instrument_drift import InstrumentDrift
+from truepose.effects.instruments.instrument_scale import InstrumentScale
+from truepose.effects.joints.backlash import Backlash
+from truepose.effects.joints.compliance import Compliance
+from truepose.effects.joints.compliance_nonlinear import ComplianceNonlinear
+from truepose.effects.joints.joint_coupling import JointCoupling
+from truepose.effects.joints.joint_gain import JointGain
+from truepose.effects.joints.joint_harmonics import JointHarmonics
+from truepose.effects.links.axis_parallelism import AxisParallelism
+from truepose.effects.links.geometry import Geometry, JointOffset
+from truepose.effects.links.link_bending import LinkBending
+from truepose.effects.links.link_mass import LinkMasses
+from truepose.effects.links.thermal_growth import ThermalGrowth
 from truepose.effects.ports import Drifting, Effect, Need
-from truepose.effects.reference import Reference
-from truepose.effects.thermal_growth import ThermalGrowth
-from truepose.effects.tool import Tool
-from truepose.effects.tool_certificate import ToolCertificate
-from truepose.effects.tool_reseating import ToolReseating
+from truepose.effects.readings.label_swap import LabelSwap
+from truepose.effects.readings.outliers import Outliers
+from truepose.effects.tool.nest_offset import NestOffset
+from truepose.effects.tool.payload import Payload
+from truepose.effects.tool.tool_certificate import ToolCertificate
+from truepose.effects.tool.tool_nests import Tool
+from truepose.effects.tool.tool_reseating import ToolReseating
 from truepose.effects.unnamed.cause import Unnamed
 from truepose.effects.unnamed.table import OWN
 

@@ -19,10 +19,10 @@ from truepose.operation.ballbar.aside import require_ballbar_aside
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.present_cell import PresentCell, speed_limits
-from truepose.planning.added_stops import Addition, WantedStop, addition
-from truepose.planning.cell_bodies import CellBodies, bodies_of
-from truepose.planning.stop_room import what_is_in_the_way
-from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
+from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
+from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
+from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
+from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
 from truepose.sequencing.engine.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import after_restart, has_ended, words
 from truepose.sequencing.errors import NotNowError, PlanRefusedError

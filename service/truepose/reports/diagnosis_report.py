@@ -11,20 +11,20 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
 from truepose.domain.results import Model
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.reports.cause_map import MapCell, cause_map
 from truepose.reports.causes import causes_listed, printed_unit, verdict_words
+from truepose.reports.causes_found.cause_map import MapCell, cause_map
+from truepose.reports.causes_found.described import described_rows, described_sentence
+from truepose.reports.causes_found.findings import finding_blocks
+from truepose.reports.causes_found.ruled_out import ruled_out_rows
 from truepose.reports.conditions import ReportConditions, condition_rows
-from truepose.reports.described import described_rows, described_sentence
 from truepose.reports.figures.cause_map import map_picture, share_text
 from truepose.reports.figures.comparison import comparison
 from truepose.reports.figures.error_maps import error_maps
 from truepose.reports.figures.gains import gains
 from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
-from truepose.reports.findings import finding_blocks
 from truepose.reports.pages import rendered, write_page
-from truepose.reports.parameter_meanings import meaning
+from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, rounded, uncertainty
-from truepose.reports.ruled_out import ruled_out_rows
 
 _CAMPAIGN = "campaign"  # where a model tells what its readings are called
 

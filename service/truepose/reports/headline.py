@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 
 from truepose.domain.results import Identification, NominalAndIdentified, Statistics, Status
-from truepose.reports.budget import Budget
-from truepose.reports.judged import Judged, judging_figures
 from truepose.reports.rounding import millimetres, rounded, uncertainty
+from truepose.reports.uncertainty.budget import Budget
+from truepose.reports.uncertainty.judged import Judged, judging_figures
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,18 +8,25 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification, NominalAndIdentified
-from truepose.reports.budget import Budget, budget
 from truepose.reports.conditions import ReportConditions, condition_rows
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import joint_residuals
 from truepose.reports.figures.work_space import work_space
 from truepose.reports.headline import headline
-from truepose.reports.judged import FAR_OUT, Judged, judged, noise_split, shown_noise_mm, without_far_out
 from truepose.reports.pages import write_page
-from truepose.reports.parameter_rows import parameter_rows
-from truepose.reports.shifts import DRAWS
+from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
+from truepose.reports.uncertainty.budget import Budget, budget
+from truepose.reports.uncertainty.judged import (
+    FAR_OUT,
+    Judged,
+    judged,
+    noise_split,
+    shown_noise_mm,
+    without_far_out,
+)
+from truepose.reports.uncertainty.shifts import DRAWS
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from truepose.reports.causes_found.ruled_out import ruled_out_rows
 from truepose.reports.errors import UnwritableReportError
 from truepose.reports.rounding import millimetres, p_value, uncertainty
-from truepose.reports.ruled_out import ruled_out_rows
 from truepose.version import __version__
 
 

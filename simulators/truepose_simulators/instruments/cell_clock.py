@@ -4,7 +4,7 @@ import asyncio
 
 from truepose_drivers.cell_clock.protocol import Answer, Refusal, Sleep, Time, decode_request, encode
 from truepose_drivers.json_lines import JsonLineError, LineReader
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.instruments.endpoint import Endpoint
 
 _CHUNK_BYTES = 4096

@@ -22,13 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from truepose_simulators.cell import Cell
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.cell.truth_document import plant_document
 from truepose_simulators.errors import SimulatorError, TruthRequestError
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.tracker.device import seen_from
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.scenario_file import read_change, read_fault
-from truepose_simulators.tracker import seen_from
-from truepose_simulators.truth_document import plant_document
+from truepose_simulators.scenarios.file import read_change, read_fault
 
 _LONGEST_LINE_BYTES = 1 << 26  # 10,000 configurations are 1.3 MB
 _LATEST_S = 1e9  # thirty years of cell time

@@ -11,10 +11,10 @@ import numpy as np
 
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import Effect, ModelArm, Stated, realise_effect
-from truepose_simulators.physics.effects.base import placed_base
-from truepose_simulators.physics.effects.compliance import springs
-from truepose_simulators.physics.effects.geometry import identified_links
-from truepose_simulators.physics.effects.tool import placed_nests
+from truepose_simulators.physics.effects.base.base import placed_base
+from truepose_simulators.physics.effects.joints.compliance import springs
+from truepose_simulators.physics.effects.links.geometry import identified_links
+from truepose_simulators.physics.effects.tool.tool import placed_nests
 from truepose_simulators.physics.plant import Plant
 from truepose_simulators.physics.rigid import FloatArray, to_six
 from truepose_simulators.physics.table_arm import ArmTable, draw_arm, zero_frames

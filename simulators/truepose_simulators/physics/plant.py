@@ -8,7 +8,7 @@ import numpy as np
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Arm, CarriedMass, Vector
 from truepose_simulators.physics.chain import link_motions
-from truepose_simulators.physics.effects.gearbox import GearboxSprings
+from truepose_simulators.physics.effects.joints.gearbox import GearboxSprings
 from truepose_simulators.physics.loads import GRAVITY_M_S2
 from truepose_simulators.physics.rigid import FloatArray
 

@@ -3,7 +3,7 @@
 from truepose_simulators.recording.campaign import Points, Recording, References, record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import NoStopsError, Stops, Wishes
-from truepose_simulators.recording.registered_tracker import Readings
+from truepose_simulators.recording.replaying.registered_tracker import Readings
 
 __all__ = [
     "NoStopsError",

@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ReplayError, SimulatorError
-from truepose_simulators.model_file import load_model
-from truepose_simulators.recording.ballbar import BallbarWishes, record_ballbar
-from truepose_simulators.recording.ballbar_files import write_ballbar_campaign
-from truepose_simulators.recording.ballbar_plan import read_plan
+from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
+from truepose_simulators.recording.ballbars.files import write_ballbar_campaign
+from truepose_simulators.recording.ballbars.plan import read_plan
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import APPROACHES, Wishes
-from truepose_simulators.recording.replay import replay, write_replay
-from truepose_simulators.scenario import Scenario
-from truepose_simulators.scenario_file import load_scenario, shipped_scenarios
+from truepose_simulators.recording.replaying.replay import replay, write_replay
+from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
+from truepose_simulators.scenarios.model_file import load_model
+from truepose_simulators.scenarios.scenario import Scenario
 
 _EXIT_UNUSABLE_INPUT = 2
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.identified import IdentifiedModel
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.recording.plan import Stops, Wishes, plan_stops
-from truepose_simulators.recording.registered_tracker import Readings, RegisteredTracker
-from truepose_simulators.scenario import Scenario
+from truepose_simulators.recording.replaying.registered_tracker import Readings, RegisteredTracker
+from truepose_simulators.scenarios.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from truepose_simulators.cell import Cell
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.cell.truth_document import plant_document
 from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.rigid import FloatArray
 from truepose_simulators.recording.campaign import Points, Recording, References
 from truepose_simulators.recording.nominal_tables import papers_of_cell
-from truepose_simulators.scenario import ArmSetup
-from truepose_simulators.truth_document import plant_document
+from truepose_simulators.scenarios.scenario import ArmSetup
 
 Columns: TypeAlias = dict[str, list[str]]  # of a table, by name
 

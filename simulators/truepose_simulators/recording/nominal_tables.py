@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import degrees
 from types import MappingProxyType
 
-from truepose_simulators.cell import Cell
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ModelError
 from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.table_arm import ArmTable

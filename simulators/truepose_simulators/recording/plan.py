@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from truepose_simulators.cell import Cell
+from truepose_simulators.cell.robot import nominal_flange
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError, SimulatorError
+from truepose_simulators.instruments.tracker.device import cosine_to_beam
 from truepose_simulators.physics.effects.ports import NestNumbers
 from truepose_simulators.physics.rigid import FloatArray, apply, move
 from truepose_simulators.recording.nominal_tables import papers_of_cell
-from truepose_simulators.robot import nominal_flange
-from truepose_simulators.tracker import cosine_to_beam
 
 APPROACHES = ("mixed", "from_below")
 _CALIBRATION_S = 28.0  # a stop with its way there, settling, search and reading

@@ -3,7 +3,7 @@
 import numpy as np
 
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.recording.measured_table import MeasuredTable
+from truepose_simulators.recording.replaying.measured_table import MeasuredTable
 
 _COVARIANCE = (("cxx", "cxy", "cxz"), ("cxy", "cyy", "cyz"), ("cxz", "cyz", "czz"))  # mm2
 

@@ -10,7 +10,7 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, PlannedPlacement
 from truepose.judgement.connections.accounts import Accounts, begin
 from truepose.judgement.connections.early import judge_early
-from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.planning.ballbar.lengths.beforehand import Beforehand
 from truepose.planning.ballbar.poses import reachable
 from truepose.planning.ballbar.setups import setups
 

@@ -1,12 +1,12 @@
 """Campaigns of a simulated cell with something hidden in it that nothing planted by name can be."""
 
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.recording.campaign import record_in
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 
 def recorded(folder, *hidden, seed=11, configurations=100, validation=200):

@@ -6,11 +6,11 @@ import numpy as np
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.identification.synthetic import NOISE_MM
-from truepose.diagnosis.left import left_by
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.remaining import prepared_families
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.selection import Selected, chosen, refitted, select
+from truepose.diagnosis.circumstances import scene_of
+from truepose.diagnosis.evidence.remaining import prepared_families
+from truepose.diagnosis.evidence.structure_left import left_by
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.selection import Selected, chosen, refitted, select
 from truepose.diagnosis.start import started
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES

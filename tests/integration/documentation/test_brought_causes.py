@@ -94,7 +94,7 @@ def test_a_broken_package_costs_one_sentence_and_nothing_else(tmp_path):
 
 def test_a_name_that_truepose_has_stays_its_own(tmp_path):
     mine = (
-        "from truepose.effects.backlash import Backlash\n"
+        "from truepose.effects.joints.backlash import Backlash\n"
         "from truepose.effects.causes import CellRow, NamedCause\n"
         "BROUGHT = NamedCause(Backlash(), CellRow('readings', 'time', 'jump'))\n"
     )

@@ -31,9 +31,9 @@ from truepose.domain.session import (
     StopSkipped,
 )
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning.cell_space import space_of_cell
-from truepose.planning.session_plans import plan_calibration, plan_validation
-from truepose.planning.work_space import WorkSpace
+from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
+from truepose.planning.work_volume.cell_space import space_of_cell
+from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.runner import SessionRunner
 from truepose.web.context import Endpoint

@@ -10,8 +10,8 @@ import numpy as np
 from tests.studies.erring_operator.operator import ErringOperator
 from tests.studies.taken_up.onlooked_cell import OnlookedCell
 from tests.studies.taken_up.service_here import ServiceHere
+from truepose_simulators.cell.robot import SpeedLimits
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.robot import SpeedLimits
 
 Line = dict[str, Any]
 _SLACK_DEG = 1e-3  # of a target on its way through the wire

@@ -9,21 +9,21 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from truepose_simulators.ballbar import OnCalibrator, Seat, Span
-from truepose_simulators.clock import CellClock
-from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.journal import RememberedCell
+from truepose_simulators.cell.robot import JointMotion, SpeedLimits
+from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.ballbars.device import OnCalibrator, Seat, Span
+from truepose_simulators.instruments.ballbars.length_source import Electronics
+from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
+from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Address, Endpoint
-from truepose_simulators.instruments.hands import hands_endpoint
-from truepose_simulators.instruments.length_source import Electronics
-from truepose_simulators.instruments.nd28x import nd28x_endpoint
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.instruments.open_abb_server import robot_endpoint
-from truepose_simulators.instruments.usbip import usbip_endpoint
-from truepose_simulators.journal import RememberedCell
+from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
+from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.robot import JointMotion, SpeedLimits
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 OnMotion: TypeAlias = Callable[[Sequence[FloatArray], SpeedLimits], None]
 

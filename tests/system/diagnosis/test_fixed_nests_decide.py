@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.witnesses import CONTRADICTED
+from truepose.diagnosis.evidence.witnesses import CONTRADICTED
 from truepose.domain.diagnosis import Confidence
 from truepose.exchange.campaigns.folder import read_campaign
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 AT_S = 1400.0
 SHIFT_MM, TURN_RAD = 0.3, 1e-4

@@ -10,7 +10,7 @@ import pytest
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 HOUR_S = 3600.0
 DAY_H, MONTH_H = 24.0, 720.0

@@ -17,9 +17,9 @@ from truepose_drivers.usb.protocol.control import Setup, decode_setup
 from truepose_drivers.usb.protocol.descriptors import Configuration, Device, Interface
 from truepose_drivers.usb.protocol.descriptors import Endpoint as UsbEndpoint
 from truepose_drivers.usb.protocol.usbip import Operation, Submit, Submitted, Unlink, Unlinked
+from truepose_simulators.instruments.ballbars.usb_gadget import StallError, StandardRequests
+from truepose_simulators.instruments.ballbars.usbip import UsbipServer
 from truepose_simulators.instruments.endpoint import Endpoint
-from truepose_simulators.instruments.usb_gadget import StallError, StandardRequests
-from truepose_simulators.instruments.usbip import UsbipServer
 
 STRINGS = ("Maker", "Thing", "SN-1")
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.scenarios.file import load_scenario
 
 
 @pytest.fixture

@@ -3,13 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.faults.kinds import FixedNestMoved, SmrMissing, TrackerBlinded
+from truepose_simulators.instruments.tracker.device import seen_from
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.equilibrium import NoEquilibriumError
 from truepose_simulators.physics.rigid import move
-from truepose_simulators.robot import SpeedLimits, TargetOutOfRangeError
-from truepose_simulators.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
-from truepose_simulators.tracker import seen_from
+from truepose_simulators.scenarios.scenario import ArmSetup, GivenLink, TableSetup, ToolSetup
 
 LIMITS = SpeedLimits(500.0, 0.349)
 

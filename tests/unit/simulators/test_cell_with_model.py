@@ -7,13 +7,13 @@ import pytest
 
 from tests.unit.simulators.model_documents import model_document, robot_document
 from truepose_simulators.__main__ import main
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.instruments.open_abb import MotionProgram
-from truepose_simulators.model_file import load_model
+from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.model_file import load_model
 
 SEVENTH = {"joint": 7, "alpha_deg": 90.0, "a_mm": 0.0, "theta_offset_deg": 0.0, "d_mm": 80.0}
 

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
-from truepose_simulators.curves import CurveSizes, draw_curves
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.curves import CurveSizes, draw_curves
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.robots import ARMS
 from truepose_simulators.recording.files import campaign_document
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 ARM = ARMS["irb120"]
 USUAL = CurveSizes()

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from truepose_simulators.cell.everyday import EverydaySizes
 from truepose_simulators.errors import ScenarioError
-from truepose_simulators.everyday import EverydaySizes
 from truepose_simulators.physics.effects import EFFECTS, PlantedChange
 
 ROWS = np.random.default_rng(2).uniform(-1.2, 1.2, (40, 6))

@@ -4,11 +4,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose_simulators.ballbar_accuracy import BallbarSetup
+from truepose_simulators.cell.robot import SpeedLimits
+from truepose_simulators.cell.truth_document import plant_document
 from truepose_simulators.errors import HandsError
+from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.robot import SpeedLimits
-from truepose_simulators.truth_document import plant_document
 
 FAST = SpeedLimits(tool_mm_s=1e6, orientation_rad_s=1e6)
 # The LR Mate holds the ball of nest 1 at corners 300 mm apart, then stands above them.

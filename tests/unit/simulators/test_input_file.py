@@ -5,11 +5,11 @@ import os
 import pytest
 
 from truepose_simulators.errors import ModelError, ReplayError, ScenarioError
-from truepose_simulators.input_file import read_file, read_text
-from truepose_simulators.model_file import load_model
-from truepose_simulators.recording.ballbar_plan import read_plan
-from truepose_simulators.recording.measured_table import read_table
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.recording.ballbars.plan import read_plan
+from truepose_simulators.recording.replaying.measured_table import read_table
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.input_file import read_file, read_text
+from truepose_simulators.scenarios.model_file import load_model
 
 
 @pytest.mark.parametrize(

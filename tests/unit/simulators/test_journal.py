@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.journal import RememberedCell
+from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError
 from truepose_simulators.errors import HandsError, JournalError
-from truepose_simulators.journal import RememberedCell
 from truepose_simulators.physics.effects import PlantedChange
-from truepose_simulators.robot import SpeedLimits, TargetOutOfRangeError
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 LIMITS, TOOL_MM = SpeedLimits(), np.array([75.0, 93.675, 215.0])
 FRAME = {"x_mm": 300.0, "y_mm": -200.0, "z_mm": 0.0, "rx_deg": 0.0, "ry_deg": 0.0, "rz_deg": 0.0}

@@ -5,7 +5,7 @@ import pytest
 
 from tests.unit.simulators.model_documents import AT_THE_WORLD, model_document, robot_document
 from truepose_simulators.errors import ModelError
-from truepose_simulators.model_file import load_model
+from truepose_simulators.scenarios.model_file import load_model
 
 
 @pytest.fixture

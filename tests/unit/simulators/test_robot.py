@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from truepose_simulators.cell.robot import Robot, SpeedLimits, TargetOutOfRangeError, check_range
 from truepose_simulators.physics.robots import ARMS
-from truepose_simulators.robot import Robot, SpeedLimits, TargetOutOfRangeError, check_range
 
 ARM = ARMS["irb120"]
 FAST = SpeedLimits(1e9, 1e9)

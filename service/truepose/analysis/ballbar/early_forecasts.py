@@ -14,8 +14,8 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import PlannedPose, PoseForecast
 from truepose.judgement.connections.accounts import Accounts, begin
 from truepose.judgement.connections.early import refuted_stops
-from truepose.planning.ballbar.aiming import Lengths
-from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.planning.ballbar.lengths.aiming import Lengths
+from truepose.planning.ballbar.lengths.beforehand import Beforehand
 
 
 class EarlyForeseen:

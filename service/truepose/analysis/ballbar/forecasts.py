@@ -20,7 +20,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.results import Model
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import structure_of, values_of
-from truepose.planning.ballbar.aiming import Lengths
+from truepose.planning.ballbar.lengths.aiming import Lengths
 
 _STEP: Final = 1e-2  # of a parameter, in its standard uncertainties: a length is straight over so little
 _SMALLEST_STEP: Final = 1e-9  # for a parameter that is known exactly

@@ -84,8 +84,8 @@ class PlanTask:
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
-        from truepose.planning.cell_space import space_to_measure
-        from truepose.planning.session_plans import plan_session
+        from truepose.planning.tracker.session_plans import plan_session
+        from truepose.planning.work_volume.cell_space import space_to_measure
 
         report(0.0, f"choosing {self.n_configurations} configurations")
         space = space_to_measure(self.setup.cell, self.template.approach_offset_rad)

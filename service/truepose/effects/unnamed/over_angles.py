@@ -4,11 +4,11 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.effects.causes import Scene
-from truepose.effects.geometry import is_parallel_to_previous
-from truepose.effects.joint_coupling import WRIST_JOINTS
+from truepose.effects.joints.joint_coupling import WRIST_JOINTS
+from truepose.effects.links.geometry import is_parallel_to_previous
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows, motion_port
-from truepose.effects.rigid_motion import COMPONENTS
+from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place, Size, Variants
 
 _WAVE_RAD = np.deg2rad(0.05)  # belief, as of waves of a joint's own angle

@@ -3,9 +3,9 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.effects.backlash import from_both_sides
 from truepose.effects.causes import SPRING, Limits, Scene
-from truepose.effects.compliance import known_torque
+from truepose.effects.joints.backlash import from_both_sides
+from truepose.effects.joints.compliance import known_torque
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows, motion_port
 from truepose.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once

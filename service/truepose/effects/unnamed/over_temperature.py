@@ -3,9 +3,9 @@
 import numpy as np
 
 from truepose.effects.causes import Scene
+from truepose.effects.links.thermal_growth import MATERIALS, ThermalGrowth, range_k, warmer_k
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Need, Port, PortKind, Rows
-from truepose.effects.thermal_growth import MATERIALS, ThermalGrowth, range_k, warmer_k
 from truepose.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place, Size, once
 
 _ZERO_RAD_PER_K = np.deg2rad(0.01)  # belief: five times a joint that visibly warms up

@@ -5,11 +5,11 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Unit
 from truepose.effects.causes import Scene, varied
-from truepose.effects.jumps import Gap, gaps, since, tried
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Need, Port, PortKind, Rows, motion_port
-from truepose.effects.rigid_motion import COMPONENTS
-from truepose.effects.times import SECONDS_PER_HOUR, duration_s, hours_followed, spoken
+from truepose.effects.shapes.jumps import Gap, gaps, since, tried
+from truepose.effects.shapes.rigid_motion import COMPONENTS
+from truepose.effects.shapes.times import SECONDS_PER_HOUR, duration_s, hours_followed, spoken
 from truepose.effects.unnamed.kinds import ALONE, STEADY, Key, Kind, Moves, Part, Place, Size, Variants, once
 
 _ZERO_RAD = np.deg2rad(0.05)  # belief, also per h: five times a zero that an operator would notice at once

@@ -29,7 +29,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.identification.distributions import chi2_limit, chi2_median
 from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.structure import Structure

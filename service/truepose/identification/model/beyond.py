@@ -22,7 +22,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
 from truepose.effects.registry import goes_on
-from truepose.effects.times import SECONDS_PER_HOUR
+from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure

@@ -7,7 +7,7 @@ itself changes with a parameter is left out (a hundredth of the derivative at mo
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.effects.compliance_nonlinear import softening
+from truepose.effects.joints.compliance_nonlinear import softening
 from truepose.effects.names import joint_name
 from truepose.effects.ports import Port, PortKind, motion_port
 from truepose.identification.model.evaluation import State, instrument_place

@@ -15,8 +15,8 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
-from truepose.effects.reference import NAME, place_name, reference_specs
-from truepose.effects.rigid_motion import COMPONENTS
+from truepose.effects.instruments.fixed_nests import NAME, place_name, reference_specs
+from truepose.effects.shapes.rigid_motion import COMPONENTS
 from truepose.identification.model.derivatives import seen_jacobian
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure

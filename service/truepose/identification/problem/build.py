@@ -7,9 +7,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
+from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
 from truepose.effects.ports import Setting
-from truepose.effects.reference import NAME as REFERENCE
-from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters

@@ -9,8 +9,8 @@ from truepose.domain.campaign import Campaign, FixtureLengths, LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import ParameterSpec, Setting
-from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
-from truepose.effects.tool_certificate import certificate_specs
+from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block

@@ -11,11 +11,11 @@ from scipy.linalg import qr
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.results import NotIdentifiable
-from truepose.effects.compliance import compliance_prior
-from truepose.effects.geometry import is_parallel_to_previous
+from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
+from truepose.effects.joints.compliance import compliance_prior
+from truepose.effects.links.geometry import is_parallel_to_previous
 from truepose.effects.ports import Setting
-from truepose.effects.reference import NAME as REFERENCE
-from truepose.effects.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.identification.model.structure import Structure
 
 _UNDETERMINED = 0.25  # square of half a width

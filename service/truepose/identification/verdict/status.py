@@ -4,9 +4,9 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
-from truepose.effects.base import WIDTH_MM as BASE_WIDTH_MM
-from truepose.effects.base import WIDTH_RAD as BASE_WIDTH_RAD
-from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.effects.base.base_frame import WIDTH_MM as BASE_WIDTH_MM
+from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
+from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.effects.registry import effect_named
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.problem.build import NOMINAL_EFFECTS, NUISANCE, Problem

@@ -2,8 +2,8 @@
 
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, Leg, StepKind
-from truepose.planning.ballbar.beforehand import known_beforehand
-from truepose.planning.ballbar.unseen import unseen_swaps
+from truepose.planning.ballbar.lengths.beforehand import known_beforehand
+from truepose.planning.ballbar.lengths.unseen import unseen_swaps
 from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.ballbar.doubts.early import EarlyJudge
 from truepose.sequencing.ballbar.situation import Situation

@@ -11,8 +11,8 @@ from truepose.domain.ballbar import BallbarPlan, BallbarStep
 from truepose.domain.cell import Cell
 from truepose.domain.robot import FramePlacement
 from truepose.operation.errors import NoBallbarError
-from truepose.planning.cell_bodies import CellBodies, bodies_of, rooms
-from truepose.planning.way_room import Ways, what_blocks_a_way, what_to_watch
+from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of, rooms
+from truepose.planning.work_volume.room_on_ways import Ways, what_blocks_a_way, what_to_watch
 from truepose.sequencing.ballbar.plan.agenda import steps
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.storage.records import SessionSetup

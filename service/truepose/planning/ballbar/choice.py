@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import PlannedSetup
 from truepose.kinematics.pose_device import Assembly
 from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.information import (
+from truepose.planning.ballbar.lengths.information import (
     ArmModel,
     Gathered,
     PoseRows,
@@ -21,7 +21,7 @@ from truepose.planning.ballbar.information import (
     setting_information,
     with_placement,
 )
-from truepose.planning.ballbar.least_error import exchanged_for_error
+from truepose.planning.ballbar.lengths.least_error import exchanged_for_error
 from truepose.planning.ballbar.poses import Reached, reach
 from truepose.planning.exchange import choose_by_exchange
 

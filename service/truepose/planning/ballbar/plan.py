@@ -10,18 +10,18 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
-from truepose.planning.ballbar.away import away
-from truepose.planning.ballbar.bodies import BallbarCell
 from truepose.planning.ballbar.choice import Candidates, candidates, choose
-from truepose.planning.ballbar.clearance import is_clear
 from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
-from truepose.planning.ballbar.motions import Stop, Surroundings, lift
+from truepose.planning.ballbar.lengths.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
+from truepose.planning.ballbar.motion.away import away
+from truepose.planning.ballbar.motion.bodies import BallbarCell
+from truepose.planning.ballbar.motion.clearance import is_clear
+from truepose.planning.ballbar.motion.motions import Stop, Surroundings, lift
+from truepose.planning.ballbar.motion.tours import Tour, tour
+from truepose.planning.ballbar.motion.ways import way
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.poses import planned, subset
 from truepose.planning.ballbar.setups import setups
-from truepose.planning.ballbar.tours import Tour, tour
-from truepose.planning.ballbar.ways import way
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
 _LEGS: Final = 6  # of a pose

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from truepose.reports.cause_map import CauseMap, MapCell, Place
+from truepose.reports.causes_found.cause_map import CauseMap, MapCell, Place
 from truepose.reports.figures.canvas import (
     AFTER,
     GRID,

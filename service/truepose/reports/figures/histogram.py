@@ -17,8 +17,8 @@ from truepose.reports.figures.canvas import (
     plain_style,
     to_svg,
 )
-from truepose.reports.judged import Judged
 from truepose.reports.rounding import millimetres
+from truepose.reports.uncertainty.judged import Judged
 
 _BINS = 60
 _SMALLEST_SHARE = 1e-4  # of the largest error: what lies below is drawn in the first bin

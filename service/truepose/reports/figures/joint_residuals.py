@@ -16,7 +16,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import structure_of, values_of
 from truepose.kinematics.chain import theta_gradient
 from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, new_figure, page_style, to_svg
-from truepose.reports.judged import Judged
+from truepose.reports.uncertainty.judged import Judged
 
 _COLUMNS = 3
 _DIRECTIONS = ("along the joint's motion", "along its axis", "away from its axis")

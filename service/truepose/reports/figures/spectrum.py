@@ -4,7 +4,7 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.diagnosis import Spectrum
-from truepose.effects.joint_harmonics import spoken_order
+from truepose.effects.joints.joint_harmonics import spoken_order
 from truepose.reports.figures.canvas import AFTER, INK, new_figure, page_style, to_svg
 
 _Z95 = 1.96

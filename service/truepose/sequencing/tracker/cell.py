@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from truepose.domain.cell import CertifiedLength
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import Vector
-from truepose.planning.cell_bodies import CellBodies
+from truepose.planning.work_volume.cell_bodies import CellBodies
 from truepose.sequencing.engine.identity_check import Expected
 from truepose_drivers.api import Clock, MotionLimits, PointTracker, RobotController
 

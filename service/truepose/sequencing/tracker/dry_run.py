@@ -10,7 +10,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
-from truepose.planning.work_space import widened
+from truepose.planning.work_volume.work_space import widened
 from truepose.sequencing.engine.interlocks import joint_outside
 from truepose.sequencing.engine.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from truepose.domain.session import PlannedStop
-from truepose.planning.way_room import ways_between, what_to_watch
+from truepose.planning.work_volume.room_on_ways import ways_between, what_to_watch
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.api import RobotController
 from truepose_drivers.errors import DriverError

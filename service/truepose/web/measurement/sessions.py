@@ -7,9 +7,9 @@ from fastapi import APIRouter, Body, Response, status
 
 from truepose.analysis.workers.tasks import PlanTask
 from truepose.domain.session import Registration, SessionPlan
-from truepose.planning.cell_bodies import bodies_of
-from truepose.planning.stop_room import what_is_in_the_way
-from truepose.planning.way_room import ways_between, what_blocks_a_way, what_to_watch
+from truepose.planning.work_volume.cell_bodies import bodies_of
+from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
+from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.storage.errors import ConflictError

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from pydantic import Field
 
-from truepose.diagnosis.comparison import CauseOverTime, Change, Sighting
+from truepose.diagnosis.history import CauseOverTime, Change, Sighting
 from truepose.domain.diagnosis import Confidence
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import DiagnosisRecord

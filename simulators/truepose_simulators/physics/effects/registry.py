@@ -5,34 +5,33 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from truepose_simulators.errors import ModelError, ScenarioError
-from truepose_simulators.physics.effects import (
-    axis_parallelism,
-    backlash,
+from truepose_simulators.physics.effects.base import base_compliance, base_drift, base_shift
+from truepose_simulators.physics.effects.effect import PlantedChange
+from truepose_simulators.physics.effects.instruments import (
     ballbar_zero,
-    base_compliance,
-    base_drift,
-    base_shift,
-    compliance,
-    compliance_nonlinear,
     fixture_shift,
     instrument_drift,
     instrument_scale,
+)
+from truepose_simulators.physics.effects.joints import (
+    backlash,
+    compliance,
+    compliance_nonlinear,
     joint_coupling,
     joint_gain,
     joint_harmonics,
-    label_swap,
+)
+from truepose_simulators.physics.effects.links import (
+    axis_parallelism,
     link_bending,
     link_mass,
-    nest_offset,
-    outliers,
-    payload,
     thermal_growth,
-    tool_reseating,
 )
-from truepose_simulators.physics.effects.effect import PlantedChange
 from truepose_simulators.physics.effects.ports import Effect
+from truepose_simulators.physics.effects.readings import label_swap, outliers
 from truepose_simulators.physics.effects.site import Site
 from truepose_simulators.physics.effects.stated import ModelArm, Stated
+from truepose_simulators.physics.effects.tool import nest_offset, payload, tool_reseating
 
 LATEST_S = 1e9  # thirty years of cell time
 

@@ -9,7 +9,7 @@ from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.arm import Arm, CarriedMass
 from truepose_simulators.physics.effects.effect import PlantedChange
 from truepose_simulators.physics.rigid import FloatArray
-from truepose_simulators.scenario_table import read_table
+from truepose_simulators.scenarios.table import read_table
 
 T = TypeVar("T")
 

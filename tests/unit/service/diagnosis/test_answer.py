@@ -10,9 +10,9 @@ from tests.helpers.diagnosis.selections import left_of, make_selected, make_star
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, shifted
 from truepose.diagnosis.answer import _verdict, unanswerable
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.gains import gain_of
-from truepose.diagnosis.held_out import Judged
-from truepose.diagnosis.standing import _useless
+from truepose.diagnosis.doubt.standing import _useless
+from truepose.diagnosis.evidence.gains import gain_of
+from truepose.diagnosis.evidence.held_out import Judged
 from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from truepose.identification.model.prediction import predict
 

@@ -8,9 +8,9 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start, proposed
 from tests.helpers.domain.robots import IRB_120
-from truepose.diagnosis.curves import finding_curve, remaining_curve
-from truepose.diagnosis.left import Depends
-from truepose.diagnosis.ways import of_joint, seen
+from truepose.diagnosis.curves.drawn import finding_curve, remaining_curve
+from truepose.diagnosis.evidence.sensitivities import of_joint, seen
+from truepose.diagnosis.evidence.structure_left import Depends
 
 GAIN = ("joint_gain", "joint 4")
 

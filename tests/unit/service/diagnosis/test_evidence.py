@@ -6,11 +6,11 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_start, planted, select_from
 from tests.helpers.identification.synthetic import configurations
+from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.evidence import described
-from truepose.diagnosis.functions import most_likely
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.evidence.cell_functions import described
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.random_functions import most_likely
 from truepose.effects.cells import cell_of
 from truepose.identification.model.evaluation import Targets, evaluate
 

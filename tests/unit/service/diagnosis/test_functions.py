@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from truepose.diagnosis.functions import chance, most_likely
-from truepose.diagnosis.normal import Sums
+from truepose.diagnosis.screening.normal_equations import Sums
+from truepose.diagnosis.screening.random_functions import chance, most_likely
 
 
 def waves(angle, highest=30):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
-from truepose.diagnosis.gathered import gathered
+from truepose.diagnosis.readings.gathered import gathered
 
 N = 96
 

@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign
 from tests.helpers.diagnosis.selections import planted, select_from
+from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.screening import screen
-from truepose.diagnosis.selection import reselected
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.explained import screen
+from truepose.diagnosis.screening.selection import reselected
 from truepose.diagnosis.start import started
 from truepose.effects.registry import CAUSES
 

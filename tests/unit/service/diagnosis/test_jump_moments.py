@@ -5,9 +5,9 @@ import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
 from tests.helpers.identification.synthetic import NOISE_MM
+from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.jump_moments import with_exact_moments
-from truepose.diagnosis.scene import scene_of
+from truepose.diagnosis.screening.jump_moments import with_exact_moments
 
 READINGS = 130  # 123 gaps have readings enough beside them: every third is tried
 

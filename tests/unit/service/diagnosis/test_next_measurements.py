@@ -9,10 +9,10 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import make_selected, make_start
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import configurations
-from truepose.diagnosis.actions import action_for
-from truepose.diagnosis.left import Depends, Left
-from truepose.diagnosis.next_measurements import next_measurements
-from truepose.diagnosis.single_readings import Tails
+from truepose.diagnosis.advice.actions import action_for
+from truepose.diagnosis.advice.next_measurements import next_measurements
+from truepose.diagnosis.evidence.structure_left import Depends, Left
+from truepose.diagnosis.readings.single_readings import Tails
 from truepose.domain.diagnosis import Cause, Confidence, Finding
 from truepose.domain.robot import JointRange
 from truepose.effects.registry import CAUSES

@@ -12,9 +12,9 @@ from tests.helpers.diagnosis.selections import left_of, make_selected, make_star
 from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.answer import _worse_at
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.held_out import Judged
-from truepose.diagnosis.open_shapes import with_open_shapes
-from truepose.diagnosis.wording import first_line, remaining_sentence
+from truepose.diagnosis.doubt.open_shapes import with_open_shapes
+from truepose.diagnosis.evidence.held_out import Judged
+from truepose.diagnosis.sentences import first_line, remaining_sentence
 from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
 from truepose.domain.results import Statistics
 from truepose.identification.model.prediction import predict

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start
-from truepose.diagnosis.families import families, terms_of
-from truepose.diagnosis.normal import normal_of
-from truepose.diagnosis.remaining import as_random_effect, prepared_families, structured
+from truepose.diagnosis.evidence.remaining import (
+    as_random_effect,
+    prepared_families,
+    structured,
+)
+from truepose.diagnosis.screening.normal_equations import normal_of
+from truepose.diagnosis.screening.smooth_families import families, terms_of
 
 DRAWS = 40
 LEVEL = 0.05

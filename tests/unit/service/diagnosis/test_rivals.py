@@ -6,8 +6,8 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S
 from tests.helpers.diagnosis.selections import make_selected, make_start
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.rivals import weighed
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.rivals import weighed
 from truepose.domain.diagnosis import Cause
 
 GAIN = ("joint_gain", "joint 4")

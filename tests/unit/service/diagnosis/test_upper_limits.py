@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start, proposed
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.upper_limits import upper_limits_mm
+from truepose.diagnosis.doubt.upper_limits import upper_limits_mm
+from truepose.diagnosis.screening.candidates import pooled
 
 GAP = ("backlash", "joint 3")
 WAVE = ("joint_harmonics", "joint 6", "wave_6_2_sin")

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.diagnosis.selections import make_start, select_from
+from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.diagnose import proposed
-from truepose.diagnosis.evidence import described
-from truepose.diagnosis.groups import names_of
-from truepose.diagnosis.pool import pooled
-from truepose.diagnosis.scene import scene_of
-from truepose.diagnosis.selection import refitted
-from truepose.diagnosis.ways import effect_of, worth_of
-from truepose.diagnosis.whole import Whole
+from truepose.diagnosis.evidence.cell_functions import described
+from truepose.diagnosis.evidence.extended_model import Whole
+from truepose.diagnosis.evidence.sensitivities import effect_of, worth_of
+from truepose.diagnosis.screening.candidates import pooled
+from truepose.diagnosis.screening.groups import names_of
+from truepose.diagnosis.screening.selection import refitted
 
 CURVE = {
     f"wave_2_{order}_{part}": np.deg2rad(0.02) / order for order in (1, 2, 3, 4) for part in ("sin", "cos")

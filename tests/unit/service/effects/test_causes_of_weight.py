@@ -10,8 +10,8 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRow, LinkMass, Robot
 from truepose.effects.causes import Fitted
-from truepose.effects.link_bending import beams
-from truepose.effects.loads import mass_specs, stated_mass, wrong_mass
+from truepose.effects.links.link_bending import beams
+from truepose.effects.links.loads import mass_specs, stated_mass, wrong_mass
 from truepose.effects.ports import PortKind, Rows, known_frames
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of

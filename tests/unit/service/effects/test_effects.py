@@ -10,8 +10,8 @@ from tests.helpers.domain.robots import IRB_120, SEVEN_AXES
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import UnknownEffectError
 from truepose.domain.results import Unit
-from truepose.effects.compliance import compliance_prior
-from truepose.effects.geometry import is_parallel_to_previous
+from truepose.effects.joints.compliance import compliance_prior
+from truepose.effects.links.geometry import is_parallel_to_previous
 from truepose.effects.names import joint_name, joint_of, nest_name, nest_port_index
 from truepose.effects.ports import PortKind, Rows, Setting, known_frames
 from truepose.effects.registry import EFFECTS, effect_named

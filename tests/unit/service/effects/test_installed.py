@@ -11,7 +11,7 @@ from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.domain.errors import ConfigurationError, InstalledCauseError
 from truepose.effects.causes import CellRow, NamedCause
 from truepose.effects.installed import GROUP, load_installed
-from truepose.effects.joint_gain import JointGain
+from truepose.effects.joints.joint_gain import JointGain
 from truepose.effects.unnamed.table import OWN
 
 CELL = CellRow("{subject}", "angle of {subject}", "line")

@@ -5,7 +5,7 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_scene
 from truepose.effects.causes import SPRING, Fitted, Shown
-from truepose.effects.loads import stated_mass
+from truepose.effects.links.loads import stated_mass
 from truepose.effects.registry import CAUSES
 
 

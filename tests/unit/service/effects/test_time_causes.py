@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import ORIGIN_S, START, telling_campaign, telling_scene
 from truepose.domain.campaign import Stops
 from truepose.effects.causes import Fitted
-from truepose.effects.jumps import gaps
 from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
-from truepose.effects.rigid_motion import Motion, Widths, motion_specs
+from truepose.effects.shapes.jumps import gaps
+from truepose.effects.shapes.rigid_motion import Motion, Widths, motion_specs
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 

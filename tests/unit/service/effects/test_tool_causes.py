@@ -8,10 +8,10 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
 from truepose.domain.robot import Nest
 from truepose.effects.causes import Fitted
-from truepose.effects.label_swap import pair_subject
 from truepose.effects.ports import PortKind
-from truepose.effects.random_effects import deviations
+from truepose.effects.readings.label_swap import pair_subject
 from truepose.effects.registry import CAUSES
+from truepose.effects.shapes.random_effects import deviations
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 

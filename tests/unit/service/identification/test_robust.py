@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
-from truepose.effects.geometry import GEOMETRY_EFFECTS
+from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build

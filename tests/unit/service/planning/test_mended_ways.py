@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 
 from truepose.domain.robot import JointRange, Nest
 from truepose.exchange.cells.file import simulated_cell
-from truepose.planning import session_plans
-from truepose.planning.candidates import Candidates, draw_candidates
-from truepose.planning.cell_bodies import bodies_in, rooms
-from truepose.planning.cell_space import space_of_cell
 from truepose.planning.errors import NoWayError
-from truepose.planning.mended_ways import mended, pool_of
 from truepose.planning.observability import observability_o1
-from truepose.planning.session_plans import plan_calibration, plan_validation, scaled_jacobians
-from truepose.planning.way_room import touching, ways_between
+from truepose.planning.tracker import session_plans
+from truepose.planning.tracker.mended_ways import mended, pool_of
+from truepose.planning.tracker.session_plans import plan_calibration, plan_validation, scaled_jacobians
+from truepose.planning.work_volume.candidates import Candidates, draw_candidates
+from truepose.planning.work_volume.cell_bodies import bodies_in, rooms
+from truepose.planning.work_volume.cell_space import space_of_cell
+from truepose.planning.work_volume.room_on_ways import touching, ways_between
 
 FEW = 200  # candidates: enough for the tests, a tenth of the time
 

@@ -13,8 +13,14 @@ from truepose.domain.cell import Cell, CellLimits
 from truepose.domain.robot import Nest
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.exchange.campaigns.folder import read_campaign
-from truepose.planning.cell_bodies import bodies_of, rooms
-from truepose.planning.way_room import Ways, touching, ways_between, what_blocks_a_way, what_to_watch
+from truepose.planning.work_volume.cell_bodies import bodies_of, rooms
+from truepose.planning.work_volume.room_on_ways import (
+    Ways,
+    touching,
+    ways_between,
+    what_blocks_a_way,
+    what_to_watch,
+)
 from truepose.sequencing.tracker.plans import visits
 from truepose.sequencing.tracker.steps import Move
 

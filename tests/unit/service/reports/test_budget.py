@@ -6,10 +6,10 @@ import pytest
 from tests.helpers.domain.builders import make_pair
 from truepose.domain.results import NominalAndIdentified
 from truepose.identification.verdict.statistics import statistics
-from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
-from truepose.reports.judged import judged
-from truepose.reports.shifts import DRAWS, motion_shifts, spread_of_mean_mm
+from truepose.reports.uncertainty.budget import budget
+from truepose.reports.uncertainty.judged import judged
+from truepose.reports.uncertainty.shifts import DRAWS, motion_shifts, spread_of_mean_mm
 
 # A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
 MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)

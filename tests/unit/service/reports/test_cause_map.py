@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.answers import make_described, make_diagnosis, make_finding, make_rest, make_wave
 from truepose.domain.diagnosis import Cause, Worth
-from truepose.reports.cause_map import cause_map
+from truepose.reports.causes_found.cause_map import cause_map
 from truepose.reports.figures.cause_map import map_picture, share_text
 
 COUPLED = Cause("unnamed", "joint 4, angle of joint 2, line")

@@ -11,7 +11,7 @@ from truepose.reports.figures.correlation import correlation_map, correlation_ma
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import eye_guide, joint_residuals, residuals_by_joint
 from truepose.reports.figures.work_space import exaggeration, work_space
-from truepose.reports.judged import judged
+from truepose.reports.uncertainty.judged import judged
 
 
 @pytest.fixture(scope="session")

@@ -6,10 +6,10 @@ import pytest
 from tests.helpers.domain.builders import make_identification, make_statistics
 from truepose.domain.results import NominalAndIdentified, Status
 from truepose.identification import identify
-from truepose.reports.budget import budget
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.headline import headline
-from truepose.reports.judged import judged
+from truepose.reports.uncertainty.budget import budget
+from truepose.reports.uncertainty.judged import judged
 
 
 def headline_of(identification, campaign):

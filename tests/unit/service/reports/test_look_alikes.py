@@ -4,7 +4,7 @@ import pytest
 
 from tests.helpers.diagnosis.diagnosed_cells import make_diagnosis, make_finding
 from truepose.domain.diagnosis import Cause, NextMeasurement, RuledOut
-from truepose.reports.look_alikes import acts_alike, alternatives
+from truepose.reports.causes_found.look_alikes import acts_alike, alternatives
 
 
 def finding(effect, subject):

@@ -14,8 +14,8 @@ from truepose.domain.results import NotIdentifiable
 from truepose.domain.robot import FramePlacement
 from truepose.effects.ports import Setting
 from truepose.effects.registry import EFFECTS
-from truepose.reports.parameter_meanings import meaning
-from truepose.reports.parameter_rows import parameter_rows
+from truepose.reports.parameters.meanings import meaning
+from truepose.reports.parameters.rows import parameter_rows
 
 
 def row_of(parameter, campaign=None, **changes):

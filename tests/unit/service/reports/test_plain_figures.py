@@ -15,7 +15,7 @@ from truepose.reports.figures.canvas import PLAIN
 from truepose.reports.figures.comparison import comparison, plain_comparison
 from truepose.reports.figures.histogram import plain_histogram
 from truepose.reports.figures.residual_curve import plain_residual_curve
-from truepose.reports.judged import judged
+from truepose.reports.uncertainty.judged import judged
 
 _PNG = b"\x89PNG\r\n"
 _BEFORE, _AFTER = np.linspace(0.1, 0.5, 40), np.linspace(0.01, 0.06, 40)

@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 from truepose.domain.diagnosis import RuledOut
-from truepose.reports.ruled_out import ruled_out_rows, subjects
+from truepose.reports.causes_found.ruled_out import ruled_out_rows, subjects
 
 
 def entry(subject, reason="nothing", p_value=0.5, effect="joint_gain"):

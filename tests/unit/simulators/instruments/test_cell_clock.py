@@ -3,7 +3,7 @@ import json
 import pytest
 
 from truepose_drivers.cell_clock.protocol import encode
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.instruments.cell_clock import answer
 
 

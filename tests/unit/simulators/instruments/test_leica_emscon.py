@@ -7,9 +7,9 @@ import pytest
 
 from truepose_drivers.leica_emscon.protocol import FrameReader, StatusChange, decode_request, encode, exchange
 from truepose_simulators.faults.kinds import BeamBroken, TrackerBlinded, TrackerCut, TrackerSilent
-from truepose_simulators.instruments.leica_emscon.dialogue import Dialogue
-from truepose_simulators.instruments.leica_emscon.steps import CutShort, HangUp, Wait
-from truepose_simulators.tracker import TrackerSetup, seen_from
+from truepose_simulators.instruments.tracker.device import TrackerSetup, seen_from
+from truepose_simulators.instruments.tracker.leica_emscon.dialogue import Dialogue
+from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, HangUp, Wait
 
 OK, NOT_IMPLEMENTED, NO_DISTANCE, NOT_INITIALIZED = 0, 2, 37, 39
 MILLIMETER, METER, INCH = 1, 0, 5

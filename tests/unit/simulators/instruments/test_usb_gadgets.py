@@ -9,9 +9,9 @@ from truepose_drivers.ballbar_hid.protocol import Rate, decode_rate, decode_read
 from truepose_drivers.ballbar_hid.report_descriptor import report_descriptor
 from truepose_drivers.usb.protocol.control import Setup
 from truepose_drivers.usb.protocol.descriptors import decode_configuration, decode_device
-from truepose_simulators.instruments.ballbar_hid import HidBallbarGadget
-from truepose_simulators.instruments.usb_gadget import StallError
-from truepose_simulators.instruments.usb_itn import UsbItnGadget
+from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
+from truepose_simulators.instruments.ballbars.usb_gadget import StallError
+from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
 
 GADGETS = pytest.mark.parametrize("kind", [HidBallbarGadget, UsbItnGadget])
 SET_RATE = Setup(0x21, 9, 0x0303, 0, 4)

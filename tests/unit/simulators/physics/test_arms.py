@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.robot import nominal_flange
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.chain import place_bodies
 from truepose_simulators.physics.loads import gravity_torques, place_masses
 from truepose_simulators.physics.robots import ARMS
-from truepose_simulators.robot import nominal_flange
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 # Positions of about 1e3 mm through some twenty products in double precision.
 ROUNDING_MM = 1e-10

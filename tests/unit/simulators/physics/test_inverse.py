@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from truepose_simulators.cell.robot import nominal_flange
 from truepose_simulators.physics.inverse import UnreachableError, reach
 from truepose_simulators.physics.rigid import motion
 from truepose_simulators.physics.robots import ARMS
-from truepose_simulators.robot import nominal_flange
 
 ARM = ARMS["irb120"]
 

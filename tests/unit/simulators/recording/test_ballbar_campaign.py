@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from truepose_simulators.ballbar_accuracy import BallbarSetup
-from truepose_simulators.cell import Cell
-from truepose_simulators.clock import CellClock
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.robot import SpeedLimits
+from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import ScenarioError
+from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.recording import Wishes
 from truepose_simulators.recording.__main__ import main
-from truepose_simulators.recording.ballbar import BallbarWishes, record_ballbar
-from truepose_simulators.recording.ballbar_plan import plan_from
+from truepose_simulators.recording.ballbars.campaign import BallbarWishes, record_ballbar
+from truepose_simulators.recording.ballbars.plan import plan_from
 from truepose_simulators.recording.campaign import record
-from truepose_simulators.robot import SpeedLimits
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
 
 TILTED = load_scenario("lrmate-tilted")
 NOISE_FREE = replace(TILTED, noise=False)

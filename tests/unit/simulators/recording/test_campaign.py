@@ -6,9 +6,9 @@ import pytest
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.recording import NoStopsError, Wishes, record
-from truepose_simulators.recording.registration import register
-from truepose_simulators.scenario import ToolSetup
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.recording.replaying.registration import register
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.scenario import ToolSetup
 
 TILTED = load_scenario("irb120-tilted")
 NOISE_FREE = replace(TILTED, noise=False)

@@ -7,10 +7,10 @@ import pytest
 
 from tests.unit.simulators.model_documents import model_document, robot_document
 from truepose_simulators.errors import ModelError
-from truepose_simulators.model_file import load_model
 from truepose_simulators.recording import Wishes, record
 from truepose_simulators.recording.files import campaign_document
-from truepose_simulators.scenario_file import load_scenario
+from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.model_file import load_model
 
 CLEAN = load_scenario("irb120-clean")
 FEW = Wishes(configurations=8, validation=0)

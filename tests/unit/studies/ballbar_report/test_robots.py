@@ -18,7 +18,7 @@ from tests.studies.diagnosis_report.recorder import running_recorder
 from truepose.domain.ballbar import BallbarPlan
 from truepose.planning.ballbar.plan import plan_at
 from truepose.reports.table_report import Verdict
-from truepose_simulators.recording.ballbar_plan import plan_from
+from truepose_simulators.recording.ballbars.plan import plan_from
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from tests.helpers.ballbar.early_sessions import plan_of
 from tests.helpers.ballbar.true_session import TrueArm
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.robot import FramePlacement
-from truepose.planning.ballbar.beforehand import Beforehand, known_beforehand
+from truepose.planning.ballbar.lengths.beforehand import Beforehand, known_beforehand
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.choice import candidates, choose, known_after
 from truepose.planning.ballbar.fixture import base_fixture
-from truepose.planning.ballbar.information import (
+from truepose.planning.ballbar.lengths.information import (
     Scatter,
     arm_model,
     error_weight,
@@ -18,7 +18,7 @@ from truepose.planning.ballbar.information import (
     with_placement,
     work_space_sample,
 )
-from truepose.planning.ballbar.least_error import exchanged_for_error
+from truepose.planning.ballbar.lengths.least_error import exchanged_for_error
 from truepose.planning.ballbar.setups import setups
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()

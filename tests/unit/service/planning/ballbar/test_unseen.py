@@ -6,8 +6,8 @@ import pytest
 
 from tests.helpers.ballbar.cells import ballbar_cell
 from tests.helpers.ballbar.early_sessions import KIT, plan_of
-from truepose.planning.ballbar.beforehand import Beforehand
-from truepose.planning.ballbar.unseen import unseen_swaps
+from truepose.planning.ballbar.lengths.beforehand import Beforehand
+from truepose.planning.ballbar.lengths.unseen import unseen_swaps
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from tests.helpers.ballbar.true_session import TrueArm
 from tests.unit.service.sequencing.ballbar.sessions import Story, length
 from truepose.domain.ballbar import PoseForecast, StepKind
 from truepose.domain.ledger import EntryKind
-from truepose.planning.ballbar.beforehand import Beforehand
+from truepose.planning.ballbar.lengths.beforehand import Beforehand
 from truepose.sequencing.ballbar.doubts.assignments import Judges, doubt
 from truepose.sequencing.ballbar.doubts.early import EarlyJudge
 

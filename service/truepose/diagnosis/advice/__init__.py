@@ -1,0 +1,1 @@
+"""What to do or to measure next so that a diagnosis becomes surer."""

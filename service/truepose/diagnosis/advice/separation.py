@@ -1,0 +1,155 @@
+r"""Configurations that tell a finding from its rivals: T-optimality.
+
+Take the finding for true: its effect e is what the data hold. A rival model (the present parameters without
+the finding's, and the rival's own, p with derivatives X and prior widths w) fits e at the measured rows as
+well as it can, p = A^-1 X^T e with A = X^T X + diag(1/w^2) over whitened rows. At new rows it is off by
+d = e' - X' p, and measuring them with covariance V adds
+
+    T = d^T (V + X' A^-1 X'^T)^-1 d
+
+to its least sum of squares: what the present parameters would absorb of the difference does not count. T is
+the expected chi-square by which the new rows speak against the rival. Configurations are added one by one,
+each time the one that adds most over all rivals: sum of ln(1 + T/9), so that none is left behind.
+
+References
+----------
+A. C. Atkinson, V. V. Fedorov, Biometrika 62(1), 1975, 57-70 (T-optimality, several rivals: ibid. 289-303).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+from truepose.diagnosis.advice.configurations import Places
+from truepose.diagnosis.screening.candidates import Pool
+from truepose.diagnosis.screening.groups import names_of
+from truepose.diagnosis.screening.selection import Selected
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.diagnosis import Cause
+from truepose.effects.causes import Candidate
+from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.trial import candidate_terms, trial_derivatives, tried
+
+CONVINCING = 9.0  # expected chi-square: three standard deviations
+_ENOUGH = 25.0  # five: what is beyond buys nothing
+_FEWEST, _MOST = 3, 5  # the instrument may not see all of them
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """Configurations to measure, and the expected chi-square of each rival once they are."""
+
+    rows: tuple[int, ...]  # of the places
+    chi_square: FloatArray  # (R,)
+
+
+@dataclass(frozen=True, slots=True)
+class _Duel:
+    """A finding against one rival, at c places, in coordinates in which A is the unit matrix."""
+
+    misfit: FloatArray  # (c, d) [mm]
+    columns: FloatArray  # (c, d, q) [mm]
+
+
+def separation(
+    selected: Selected, group: Sequence[Candidate], rivals: Sequence[Cause], places: Places, repeats: int = 1
+) -> Separation:
+    """Choose three to five places at which the rivals would be exposed, each place read `repeats` times."""
+    duels = [_duel(selected, group, rival, places) for rival in rivals]
+    variance = reading_variance(selected.fit, repeats)
+    reached, rows = np.zeros(len(duels)), list[int]()
+    for _ in range(_MOST):
+        if len(rows) >= _FEWEST and (reached >= _ENOUGH).all():
+            break
+        added = np.stack([_added(duel, variance) for duel in duels])
+        worth = np.log1p((reached[:, None] + added) / CONVINCING).sum(axis=0)
+        worth[rows] = -np.inf
+        best = int(np.argmax(worth))
+        reached = reached + added[:, best]
+        rows.append(best)
+        duels = [_measured(duel, best, variance) for duel in duels]
+    return Separation(tuple(rows), reached)
+
+
+def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
+    """Variance per axis [mm2] of a typical reading, `repeats` averaged; what the model lacks stays."""
+    block = fit.blocks[0]
+    lacking = block.discrepancy**2
+    noise = float(np.median(block.component_variance())) - lacking + block.scatter_mm**2
+    return noise / repeats + lacking
+
+
+def _duel(selected: Selected, group: Sequence[Candidate], rival: Cause, places: Places) -> _Duel:
+    fit, structure = selected.fit, selected.fit.structure
+    own = np.isin(structure.names, names_of(group))
+    pool = selected.pool
+    index = _closest(pool, fit, own, rival)
+    best = pool.all[index]
+    columns = np.concatenate([fit.solution.final.jacobian[~own], pool.rows(index)])
+    widths = np.concatenate([structure.prior_widths[~own], [spec.prior_width for spec in best.specs]])
+    effect = fit.values[own] @ fit.solution.final.jacobian[own]
+    information = columns @ columns.T + np.diag(widths**-2.0)
+    scale = 1.0 / np.sqrt(np.diag(information))
+    factor = cholesky(information * np.outer(scale, scale), lower=True)
+    fitted = cho_solve((factor, True), scale * (columns @ effect))
+
+    present = position_jacobian(places.state)
+    there = np.concatenate([present[~own], _columns_of(best, places)]) * scale[:, None, None]
+    misfit = np.tensordot(fit.values[own], present[own], 1) - np.tensordot(fitted, there, 1)
+    unit = solve_triangular(factor, there.reshape(len(scale), -1), lower=True)
+    return _Duel(misfit, np.moveaxis(unit.reshape(there.shape), 0, -1))
+
+
+def _closest(pool: Pool, fit: RobustFit, own: BoolArray, rival: Cause) -> int:
+    """Return the way in which the rival mimics the finding best, beside the present parameters."""
+    jacobian, values = fit.solution.final.jacobian, fit.values[own]
+    widths = fit.structure.prior_widths[~own]
+    present = jacobian[~own] @ jacobian[~own].T + np.diag(widths**-2.0)
+    scale = 1.0 / np.sqrt(np.diag(present))
+    factor = cholesky(present * np.outer(scale, scale), lower=True), True
+    absorbed = cho_solve(factor, scale * (jacobian[~own] @ jacobian[own].T @ values))
+    best, most = -1, -np.inf
+    for index, candidate in enumerate(pool.all):
+        if Cause(candidate.effect, candidate.subject) != rival or candidate.function:
+            continue  # a function of any shape mimics everything, and is refuted nowhere
+        products = pool.products.rows(pool.own(index))
+        beside = products.with_jacobian[:, ~own] * scale
+        towards = products.with_jacobian[:, own] @ values - beside @ absorbed
+        gram = pool.grams[index] - beside @ cho_solve(factor, beside.T)
+        gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
+        explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
+        if explained > most:
+            best, most = index, explained
+    return best
+
+
+def _columns_of(candidate: Candidate, places: Places) -> FloatArray:
+    """Return derivatives of a candidate's parameters at the places, shape (k, c, 3)."""
+    terms = candidate_terms(places.state, candidate.effect, candidate.names, 0)
+    return trial_derivatives(position_jacobian(tried(places.state, candidate.specs, terms)), places.state)
+
+
+def _added(duel: _Duel, variance: float) -> FloatArray:
+    """Chi-square that each place would add, shape (c,)."""
+    return np.asarray(np.einsum("ci,ci->c", duel.misfit, _weighed(duel, variance)))
+
+
+def _weighed(duel: _Duel, variance: float) -> FloatArray:
+    inner = duel.columns @ np.swapaxes(duel.columns, 1, 2)
+    inner += variance * np.eye(inner.shape[1])
+    return np.asarray(np.linalg.solve(inner, duel.misfit[:, :, None])[:, :, 0])
+
+
+def _measured(duel: _Duel, row: int, variance: float) -> _Duel:
+    """Return the duel once a place has been measured: the rival fitted to it too."""
+    here = duel.columns[row]  # (d, q)
+    covariance = here @ here.T + variance * np.eye(len(here))
+    step = here.T @ np.linalg.solve(covariance, duel.misfit[row])
+    # A^-1 becomes I - U U^T; its square root I - U (1 - sqrt(1 - s^2)) U^T keeps coordinates of unit matrix.
+    axes, sizes, _ = np.linalg.svd(here.T, full_matrices=False)
+    shrunk = 1.0 - np.sqrt(variance / (variance + sizes**2))
+    columns = duel.columns - ((duel.columns @ axes) * shrunk) @ axes.T
+    return _Duel(duel.misfit - duel.columns @ step, columns)

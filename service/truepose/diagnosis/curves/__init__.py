@@ -1,0 +1,1 @@
+"""Residuals along one variable, with what was fitted to them."""

@@ -1,0 +1,143 @@
+"""Curves: residuals along one variable with what was fitted to them, of findings and of what is left.
+
+What is left gets a smooth line. A dependence says on what, not in which way: of the ways in which the
+readings could move, the one is shown along which the line takes most out of the residuals.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from truepose.diagnosis.curves.axes import Axis, angle_axis, level_axis, time_axis
+from truepose.diagnosis.curves.cause_curves import (
+    agreement_curve,
+    joint_curve,
+    level_curve,
+    shape_curve,
+)
+from truepose.diagnosis.evidence.sensitivities import Seen, of_body, of_joint, seen, state_of
+from truepose.diagnosis.evidence.structure_left import Depends
+from truepose.diagnosis.screening.selection import Selected
+from truepose.domain.arrays import FloatArray
+from truepose.domain.diagnosis import Curve
+from truepose.effects.causes import Candidate, Scene
+from truepose.identification.model.evaluation import rows_of
+
+_SMOOTH = 5  # cosines of a smooth curve
+_DRAWN = 200
+_Z95 = 1.96
+_ANGLES = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
+_LOADS = frozenset({"compliance", "compliance_nonlinear"})
+_OVER_TIME = frozenset({"base_drift", "base_shift", "instrument_drift", "thermal_growth"})
+_LEVELS = frozenset({"tool_reseating", "nest_offset"})
+# Other readings give the quantity of their curves another size or zero: they cannot stand in one picture.
+MEASURED_BY_THEIR_READINGS = _OVER_TIME | _LEVELS
+
+
+class _Way(NamedTuple):
+    quantity: str
+    unit: str
+    per_unit_mm: FloatArray  # (n, d)
+
+
+def finding_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
+    """Return the residuals without a finding, and the finding over them; None where no reading feels it."""
+    effect = group[0].effect
+    curve = None
+    if effect in _ANGLES | _LOADS | {"backlash"}:
+        curve = joint_curve(selected, scene, group)
+    elif effect in _OVER_TIME:
+        curve = shape_curve(selected, scene, group)
+    elif effect in _LEVELS:
+        curve = level_curve(selected, scene, group)
+    return curve or agreement_curve(selected, group)
+
+
+def remaining_curve(selected: Selected, scene: Scene, depends: Depends) -> Curve | None:
+    """Return a smooth curve with its band through what is left, along what it depends on."""
+    drawn = [
+        found
+        for axis in _axes(selected, scene, depends)
+        for way in _ways(selected, scene, depends)
+        if (found := _smooth(selected, axis, way)) is not None
+    ]
+    return max(drawn, key=lambda found: found[0])[1] if drawn else None
+
+
+def _axes(selected: Selected, scene: Scene, depends: Depends) -> Iterator[Axis]:
+    stops, joint = scene.stops, depends.joint
+    torque = rows_of(state_of(selected)).torque_n_mm
+    if depends.kind in ("angle", "coupling") and joint is not None:
+        yield angle_axis(scene.turn_rad[:, joint], joint, depends.order)
+    elif depends.kind == "torque" and joint is not None and torque is not None:
+        yield Axis(depends.variable, "N*m", torque[:, joint] / 1e3)
+    elif depends.kind == "direction" and joint is not None and stops.direction is not None:
+        yield level_axis(depends.variable, np.sign(stops.direction[:, joint]))
+    elif depends.kind == "attachment" and stops.attachment is not None:
+        yield level_axis("attachment of the tool", stops.attachment)
+    elif depends.kind == "nest":
+        yield level_axis("nest", scene.nest)
+    elif depends.kind == "place":
+        for number, place_mm in enumerate(scene.chain.end_origin.T):
+            yield Axis(f"place along {'xyz'[number]}", "mm", place_mm)
+    elif depends.kind in ("time", "temperature"):
+        axis = time_axis(scene, "thermal_growth" if depends.kind == "temperature" else "")
+        if axis is not None:
+            yield axis
+
+
+def _ways(selected: Selected, scene: Scene, depends: Depends) -> Iterator[_Way]:
+    joints = scene.setting.robot.n_joints
+    if depends.joint is not None:
+        own = depends.kind != "coupling"
+        for joint in [depends.joint] if own else [j for j in range(joints) if j != depends.joint]:
+            yield _Way(f"error of joint {joint + 1}", "deg", np.deg2rad(of_joint(selected, joint)))
+        return
+    for body, whose in ((0, "base"), (joints, "tool")):
+        for number, way in enumerate(of_body(selected, body)):
+            yield _Way(f"shift along {'xyz'[number]} of the {whose}", "mm", way)
+
+
+def _smooth(selected: Selected, axis: Axis, way: _Way) -> tuple[float, Curve] | None:
+    """Return what a smooth line takes out of the residuals (sum of squares), and the curve."""
+    told = seen(selected, way.per_unit_mm, np.zeros_like(way.per_unit_mm), axis.known)
+    if told is None:
+        return None
+    x = axis.x[told.rows]
+    line_x = np.unique(x) if axis.stepped else np.linspace(float(x.min()), float(x.max()), _DRAWN)
+    coefficients, covariance = _fitted(_design(axis, x, line_x), told)
+    drawn = _design(axis, line_x, line_x)
+    band = _Z95 * np.sqrt(np.einsum("ni,ij,nj->n", drawn, covariance, drawn))
+    curve = Curve(
+        variable=axis.variable,
+        variable_unit=axis.unit,
+        quantity=way.quantity,
+        quantity_unit=way.unit,
+        x=x,
+        residual=told.left,
+        standard_uncertainty=told.standard_uncertainty,
+        line_x=line_x,
+        line=drawn @ coefficients,
+        line_band=band,
+    )
+    taken = float(coefficients @ np.linalg.solve(covariance, coefficients))
+    return taken, curve
+
+
+def _fitted(design: FloatArray, told: Seen) -> tuple[FloatArray, FloatArray]:
+    """Coefficients and their covariance; the band is as wide as the readings scatter, if that is wider."""
+    weights = told.standard_uncertainty**-2.0
+    ridge = 1e-9 * float(weights.sum()) * np.eye(design.shape[1])
+    covariance = np.linalg.inv(design.T @ (weights[:, None] * design) + ridge)
+    coefficients = covariance @ (design.T @ (weights * told.left))
+    freedom = max(len(told.left) - design.shape[1], 1)
+    scatter = float(weights @ (told.left - design @ coefficients) ** 2) / freedom
+    return coefficients, covariance * max(scatter, 1.0)
+
+
+def _design(axis: Axis, x: FloatArray, line_x: FloatArray) -> FloatArray:
+    if axis.stepped:
+        return np.asarray(x[:, None] == line_x, dtype=float)
+    share = (x - line_x[0]) / max(float(line_x[-1] - line_x[0]), 1e-12)
+    return np.stack([np.cos(np.pi * k * share) for k in range(_SMOOTH + 1)], axis=1)

@@ -1,0 +1,1 @@
+"""What single readings are: bad ones, swapped labels, rounded angles."""

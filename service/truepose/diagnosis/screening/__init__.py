@@ -1,0 +1,1 @@
+"""What each candidate cause would explain beyond the fitted model, and which are taken: linear algebra."""

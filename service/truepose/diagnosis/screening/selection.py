@@ -1,0 +1,207 @@
+"""Selection: causes are added one at a time, best first, until nothing more is there than noise would give.
+
+Within one linearisation the picks are fitted together, and each must be worth its parameters beside the
+others (`chosen`). Then everything is fitted again, gross readings included, and screened anew.
+"""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from truepose.diagnosis.screening.candidates import Pool, View, pooled
+from truepose.diagnosis.screening.explained import Screened, screen
+from truepose.effects.causes import Candidate
+from truepose.identification.fit.robust import RobustFit, settled
+
+LEVEL = 0.004  # chance that noise alone gives any name, over everything tried
+_MOST_REFITS = 6  # each may add several picks; one or two are usual
+_ROUNDS = 3  # of decisions about gross readings and discrepancy at each refit, from those before
+_RESIZED = 0.2  # logarithm of the size of a function: a step of the grid on which it is searched
+_READINGS_PER_PARAMETER = 2.0  # observations that each parameter must leave, all counted
+
+
+Propose = Callable[[RobustFit], tuple[Candidate, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """The extended model: picks in the order in which they were found."""
+
+    fit: RobustFit
+    picks: tuple[Candidate, ...]
+    pool: Pool  # everything that was tried, linearised at `fit`
+    full: bool  # more was there, but the readings do not carry more parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What one linearisation shows."""
+
+    first: Pool  # what it was chosen from
+    picks: tuple[Candidate, ...]
+    pool: Pool  # with the picks fitted, to first order
+    full: bool  # more was there, but the readings do not carry more parameters
+
+
+def select(choice: Choice, propose: Propose, tell: Callable[[float], None]) -> Selected:
+    """Extend a fitted model by what the data show.
+
+    Parameters
+    ----------
+    choice : Choice
+        From everything that is proposed at the fitted model.
+    propose : callable
+        Every way in which a fitted model may still be wrong.
+    tell : callable
+        Told the fraction done.
+
+    Returns
+    -------
+    Selected
+    """
+    start = fit = choice.first.fit
+    picks, pool = list[Candidate](), choice.first
+    for round_number in range(_MOST_REFITS):
+        tell(round_number / _MOST_REFITS)
+        if not choice.picks:
+            break
+        picks += choice.picks
+        fit = refitted(start, fit, picks)
+        pool = pooled(fit, (*picks, *propose(fit)))
+        kept = _worth(picks, pool)
+        if _differ(kept, picks):
+            picks = kept
+            fit = refitted(start, fit, picks)
+            pool = pooled(fit, (*picks, *propose(fit)))
+            if not any(candidate.same_as(other) for candidate in choice.picks for other in kept):
+                break
+        choice = chosen(pool)
+    return Selected(fit, tuple(picks), pool, choice.full)
+
+
+def _differ(kept: Sequence[Candidate], picks: Sequence[Candidate]) -> bool:
+    """Whether some picks went, or are functions of clearly another size now."""
+    if len(kept) < len(picks):
+        return True
+    sizes = [one.size / other.size for one, other in zip(kept, picks, strict=True)]
+    return bool(np.abs(np.log(sizes)).max(initial=0.0) > _RESIZED)
+
+
+def chosen(pool: Pool) -> Choice:
+    """Choose what is there beyond chance, each pick still worth its parameters beside the others."""
+    refuted = set[int]()
+    picks = dict[int, Candidate]()
+    while True:
+        grown, full = _grown(pool, picks, refuted)
+        kept = dict(zip(picks, _each_worth(tuple(picks.items()), grown), strict=True))
+        refuted |= {index for index, pick in kept.items() if pick is None}
+        held = {index: pick for index, pick in kept.items() if pick is not None}
+        if len(held) == len(picks):
+            return Choice(pool, tuple(picks.values()), grown, full)
+        picks = held
+
+
+def _grown(pool: Pool, picks: dict[int, Candidate], refuted: set[int]) -> tuple[Pool, bool]:
+    """Add to the picks, best first, what is beyond chance; return the pool with them, and if it is full."""
+    for index, pick in picks.items():
+        pool = pool.beside(index, pick)
+    while True:
+        view = pool.view()
+        screened = screen(view)
+        screened.score[[*refuted, *_fitted(view)]] = -np.inf  # rounding leaves a little of what is fitted
+        best = best_of(screened)
+        if best is None:
+            return pool, False
+        if not _carried(view, float(screened.size[best])):
+            return pool, True
+        for index, pick in _parts_or_whole(view, screened, best).items():
+            picks[index] = pick
+            pool = pool.beside(index, pick)
+
+
+def _fitted(view: View) -> list[int]:
+    return [k for k, candidate in enumerate(view.pool.all) if not view.fitted.isdisjoint(candidate.names)]
+
+
+def _parts_or_whole(view: View, screened: Screened, best: int) -> dict[int, Candidate]:
+    """Return a few single parts of a function where they are the better story, else what was best."""
+    whole = view.pool.all[best]
+    if not whole.function:
+        return {best: whole}
+    parts, score = dict[int, Candidate](), 0.0
+    while True:
+        now = screen(view)
+        now.score[[not _is_part(candidate, whole, parts.values()) for candidate in view.pool.all]] = -np.inf
+        part = best_of(now)
+        if part is None or not _carried(view, float(now.size[part])):
+            break
+        parts[part] = view.pool.all[part]
+        score += float(now.score[part])
+        view = view.pool.beside(part, parts[part]).view()
+    return parts if score >= screened.score[best] else {best: _sized(whole, screened, best)}
+
+
+def _is_part(candidate: Candidate, function: Candidate, taken: Collection[Candidate]) -> bool:
+    same = (candidate.effect, candidate.subject) == (function.effect, function.subject)
+    return same and not candidate.function and candidate not in taken
+
+
+def _sized(candidate: Candidate, screened: Screened, index: int) -> Candidate:
+    """Return a candidate as large as the data ask for, where they tell it."""
+    return candidate.sized(float(screened.width[index])) if candidate.function else candidate
+
+
+def best_of(screened: Screened) -> int | None:
+    """Return the candidate with the best score among those beyond chance; None where there is none."""
+    beyond = (screened.p_value <= LEVEL) & (screened.score > 0.0)
+    if not beyond.any():
+        return None
+    return int(np.argmax(np.where(beyond, screened.score, -np.inf)))
+
+
+def _carried(view: View, parameters: float) -> bool:
+    used = view.parameters + parameters
+    return bool(view.sums.observations / view.sums.alike >= _READINGS_PER_PARAMETER * used)
+
+
+def refitted(start: RobustFit, previous: RobustFit, picks: Sequence[Candidate]) -> RobustFit:
+    """Fit the start model with the picks' parameters, from the values of another fit where it has them."""
+    structure = start.structure
+    for pick in picks:
+        structure = structure.extended(pick.effect, pick.specs)
+    known = dict(zip(previous.structure.names, previous.values.tolist(), strict=True))
+    values = np.array([known.get(spec.name, spec.prior_mean) for spec in structure.specs])
+    return settled(structure, previous.blocks, values, rounds=_ROUNDS)
+
+
+def _worth(picks: Sequence[Candidate], pool: Pool) -> list[Candidate]:
+    """Return the picks that still explain more than their parameters cost, beside all others."""
+    placed = [(pool.index_of(pick), pick) for pick in picks]
+    return [pick for pick in _each_worth(placed, pool) if pick is not None]
+
+
+def _each_worth(picks: Sequence[tuple[int, Candidate]], pool: Pool) -> list[Candidate | None]:
+    """Return each fitted pick, as large as it should be; None where it is not worth its parameters."""
+    found = list[Candidate | None]()
+    for index, pick in picks:
+        screened = screen(pool.of((index,)).view(without=pick.names))
+        worth = screened.p_value[0] <= LEVEL and screened.score[0] > 0.0
+        found.append(_sized(pool.all[index], screened, 0) if worth else None)
+    return found
+
+
+def reselected(
+    start: RobustFit, selected: Selected, kept: tuple[Candidate, ...], propose: Propose
+) -> Selected:
+    """Return the selection with some of its picks only, as far as they are worth it, fitted again."""
+    resized = 0
+    while True:
+        fit = refitted(start, selected.fit, kept) if kept else start
+        pool = pooled(fit, (*kept, *propose(fit)))
+        worth = tuple(_worth(kept, pool))
+        settled_down = resized == _MOST_REFITS or not _differ(worth, kept)
+        if len(worth) == len(kept) and settled_down:
+            return Selected(fit, kept, pool, selected.full)
+        resized += len(worth) == len(kept)
+        kept = worth

@@ -1,0 +1,1 @@
+"""Effects of the base: where the robot stands, and how that gives or moves."""

@@ -1,0 +1,61 @@
+"""Base drift: the base moves slowly under the arm (a floor that warms up, a foot that settles).
+
+The shift is that of the base's own origin, along the base's axes.
+"""
+
+from dataclasses import replace
+
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
+from truepose.effects.shapes.drifts import (
+    LINEAR,
+    drift_candidates,
+    drift_specs,
+    drift_terms,
+    goes_on,
+    shown_drift,
+)
+from truepose.effects.shapes.times import without_times
+
+NAME = "base_drift"
+_PREFIX = "drift"
+_BASE = 0
+
+
+class BaseDrift:
+    """Six rates, even or settling."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"time"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the rates of an even drift."""
+        return drift_specs(_PREFIX, LINEAR)
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Move the base as far as it has come."""
+        return drift_terms(names, rows, lambda component: motion_port(_BASE, component))
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the shapes has no end of its own."""
+        return goes_on(names)
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need times."""
+        return without_times(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose an even drift and settling ones."""
+        return () if self.unseen(scene) else drift_candidates(NAME, "base", _PREFIX, scene)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how fast the base moves, and whether anything but the base could have moved the readings."""
+        shown = shown_drift(subject, fitted, scene, "The base")
+        if scene.legs:
+            return shown
+        if scene.reference_s.size:
+            return replace(shown, sentence=f"{shown.sentence} The fixed nests do not move with it.")
+        return replace(
+            shown,
+            sentence=f"{shown.sentence} Without readings of fixed nests a drifting tracker looks the same.",
+        )

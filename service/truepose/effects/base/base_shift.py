@@ -1,0 +1,86 @@
+"""Base shift: the base jumped once (somebody drove against the table, a foot screw gave way).
+
+The shift is that of the base's own origin, along the base's axes.
+"""
+
+import numpy as np
+
+from truepose.domain.diagnosis import Detail
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
+from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
+from truepose.effects.shapes.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
+from truepose.effects.shapes.times import spoken, without_times
+
+NAME = "base_shift"
+_BASE = 0
+_WIDTHS = Widths(0.5, 5e-4)  # five times a jump that spoils a calibration unnoticed
+_LEAST_POSITIONS = 4  # on either side: six parameters need more than two
+_LEAST_LENGTHS = 12
+
+
+class BaseShift:
+    """Six components from a moment on that only a search in the data finds."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"time"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return none: when it jumped is not known beforehand."""
+        return ()
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Move the base from the jump on."""
+        return jump_terms(names, rows, lambda _prefix, component: motion_port(_BASE, component))
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need times and several stops before and after."""
+        if not varied(scene.stops.time_s):
+            return without_times(scene)
+        if not _gaps(scene):
+            return "too few readings to compare before and after: measure more configurations"
+        return None
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose every gap between stops that has readings enough on either side."""
+        proposed = (
+            Candidate(NAME, "base", motion_specs(f"jump_{gap.label}", _WIDTHS), gap.middle_s)
+            for gap in tried(_gaps(scene), scene.between_s)
+        )
+        return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how far the base jumped, and when; of several jumps the largest is the amplitude."""
+        prefixes = sorted({split_motion(name)[0] for name in fitted.names}, key=jump_time_s)
+        motions = [_of(fitted, prefix) for prefix in prefixes]
+        largest = int(np.argmax([motion.shift[0] for motion in motions]))
+        amplitude, uncertainty = motions[largest].shift
+        details = [
+            detail
+            for prefix, motion in zip(prefixes, motions, strict=True)
+            for detail in (_when(scene, prefix), *motion.details())
+        ]
+        after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
+        more = f" It jumped {len(prefixes)} times; this was the largest jump." if len(prefixes) > 1 else ""
+        sentence = (
+            f"The base jumped by {amplitude:.3f} mm and turned by {motions[largest].turn_deg[0]:.4f} deg, "
+            f"{after} after the first reading: something pushed it, or a fastening gave way.{more}"
+        )
+        return Shown(subject, amplitude, "mm", uncertainty, sentence, tuple(details))
+
+
+def _of(fitted: Fitted, chosen: str) -> Motion:
+    return fitted_motion(fitted, lambda prefix: float(prefix == chosen))
+
+
+def _when(scene: Scene, prefix: str) -> Detail:
+    """Time of a jump: anywhere within its gap, evenly spread."""
+    time_s = jump_time_s(prefix)
+    found = _gaps(scene)
+    width_s = around(found, time_s).width_s if found else 0.0
+    return Detail("time", time_s, "s", width_s / float(np.sqrt(12.0)))
+
+
+def _gaps(scene: Scene) -> tuple[Gap, ...]:
+    least = _LEAST_LENGTHS if scene.legs else _LEAST_POSITIONS
+    return gaps(scene.stops, np.ones(len(scene.stops), dtype=bool), least)

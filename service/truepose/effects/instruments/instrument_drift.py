@@ -1,0 +1,60 @@
+"""Instrument drift: the tracker's frame moves slowly (tripod, warming up), and with it all that it reads.
+
+The shift is that of readings at the world's origin. It can be told from a drift of the base only where fixed
+nests are read now and then: they stand still beside a base that moves.
+"""
+
+from dataclasses import replace
+
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.shapes.drifts import (
+    LINEAR,
+    drift_candidates,
+    drift_specs,
+    drift_terms,
+    goes_on,
+    shown_drift,
+)
+from truepose.effects.shapes.times import without_times
+
+NAME = "instrument_drift"
+_PREFIX = "tracker"
+
+
+class InstrumentDrift:
+    """Six rates, even or settling."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"time"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return the rates of an even drift."""
+        return drift_specs(_PREFIX, LINEAR)
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Move everything that is read."""
+        return drift_terms(names, rows, lambda component: Port(PortKind.INSTRUMENT, component))
+
+    def goes_on(self, names: tuple[str, ...]) -> bool:
+        """Return whether one of the shapes has no end of its own."""
+        return goes_on(names)
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need times, and an instrument that has a frame."""
+        if scene.legs:
+            return "lengths have no frame that could move: read positions with a tracker"
+        return without_times(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose an even drift and settling ones."""
+        return () if self.unseen(scene) else drift_candidates(NAME, "tracker", _PREFIX, scene)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how fast the readings move, and whether anything but the instrument could have moved them."""
+        shown = shown_drift(subject, fitted, scene, "The tracker's frame")
+        if scene.reference_s.size:
+            return replace(shown, sentence=f"{shown.sentence} The fixed nests move alike.")
+        return replace(
+            shown, sentence=f"{shown.sentence} Without readings of fixed nests a moving base looks the same."
+        )

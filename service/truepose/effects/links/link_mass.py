@@ -1,0 +1,94 @@
+"""Link mass: a link weighs something else, or elsewhere, than its maker states."""
+
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.links.loads import (
+    WrongMass,
+    mass_limits,
+    mass_specs,
+    mass_terms,
+    stated_mass,
+    unseen_masses,
+    wrong_mass,
+)
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
+
+NAME = "link_mass"
+
+
+class LinkMasses:
+    """Mass and first moment of every link whose mass is stated; the last frame's is the payload."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"torque"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return mass and three first moments per link where torques come from masses."""
+        return tuple(spec for link in _links(setting) for spec in _specs(setting, link))
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Load the joints."""
+        return [
+            term
+            for k, name in enumerate(names)
+            for quantity, link, *axis in (name.split("_"),)
+            for term in mass_terms(k, int(link) - 1, axis[0] if axis else quantity, rows)
+        ]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need springs that gravity loads."""
+        return unseen_masses(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose each link with a stated mass, and all of them together."""
+        if unseen_masses(scene) is not None:
+            return ()
+        single = [
+            Candidate(NAME, f"link {link}", specs)
+            for link in _links(scene.setting)
+            for specs in (_specs(scene.setting, link),)
+            if scene.present.isdisjoint(spec.name for spec in specs)
+        ]
+        if len(single) < 2:
+            return tuple(single)
+        together = tuple(spec for candidate in single for spec in candidate.specs)
+        return (*single, Candidate(NAME, "links", together))
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how much heavier the link is; of several the one that is off most, all in the details."""
+        wrong = _wrong_masses(fitted, scene)
+        link, worst = max(wrong.items(), key=lambda item: abs(item[1].extra_kg))
+        stated = stated_mass(scene.setting.robot, link - 1)
+        way = "more" if worst.extra_kg >= 0.0 else "less"
+        lead = "The links do not weigh what is stated; most of all link" if len(wrong) > 1 else "Link"
+        sentence = (
+            f"{lead} {link} weighs {abs(worst.extra_kg):.2f} kg {way} than the {stated.mass_kg:g} kg stated, "
+            "or its weight sits elsewhere."
+        )
+        details = tuple(
+            detail
+            for number, item in wrong.items()
+            for detail in item.details(prefix=f"link {number}: " if len(wrong) > 1 else "")
+        )
+        limits = mass_limits(stated)
+        return Shown(subject, worst.extra_kg, "kg", worst.extra_spread_kg, sentence, details, limits)
+
+
+def _links(setting: Setting) -> list[int]:
+    if setting.torque_source != "masses":
+        return []
+    stated = {mass.frame for mass in setting.robot.masses if mass.mass_kg > 0.0}
+    return sorted(stated - {setting.robot.n_joints})
+
+
+def _specs(setting: Setting, link: int) -> tuple[ParameterSpec, ...]:
+    x, y, z = (f"moment_{link}_{axis}" for axis in "xyz")
+    return mass_specs((f"mass_{link}", x, y, z), stated_mass(setting.robot, link - 1))
+
+
+def _wrong_masses(fitted: Fitted, scene: Scene) -> dict[int, WrongMass]:
+    return {
+        link: wrong_mass(fitted, specs, stated_mass(scene.setting.robot, link - 1))
+        for link in _links(scene.setting)
+        for specs in (_specs(scene.setting, link),)
+        if specs[0].name in fitted.names
+    }

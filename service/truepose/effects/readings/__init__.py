@@ -1,0 +1,1 @@
+"""Effects of single readings: labels that were swapped, readings that belong to no model."""

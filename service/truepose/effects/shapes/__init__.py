@@ -1,0 +1,1 @@
+"""Shapes that several effects share: drifts, jumps and rigid motions, in time or drawn anew each time."""

@@ -1,0 +1,68 @@
+"""Payload: the tool weighs something else, or elsewhere, than everybody was told."""
+
+import numpy as np
+
+from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.links.loads import (
+    mass_limits,
+    mass_specs,
+    mass_terms,
+    stated_mass,
+    unseen_masses,
+    wrong_mass,
+)
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
+
+NAME = "payload"
+_NAMES = ("payload_mass", "payload_x", "payload_y", "payload_z")
+
+
+class Payload:
+    """Mass and first moment of the tool beyond what is stated, in the last frame."""
+
+    name = NAME
+    needs: frozenset[Need] = frozenset({"torque"})
+
+    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
+        """Return mass and three first moments where torques come from masses."""
+        if setting.torque_source != "masses":
+            return ()
+        return mass_specs(_NAMES, stated_mass(setting.robot, setting.robot.n_joints - 1))
+
+    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
+        """Load the joints."""
+        last = rows.robot.n_joints - 1
+        return [
+            term
+            for k, name in enumerate(names)
+            for term in mass_terms(k, last, name.removeprefix("payload_"), rows)
+        ]
+
+    def unseen(self, scene: Scene) -> str | None:
+        """Need springs that gravity loads."""
+        return unseen_masses(scene)
+
+    def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
+        """Propose the tool's mass and centre of gravity."""
+        if unseen_masses(scene) is not None or not scene.present.isdisjoint(_NAMES):
+            return ()
+        return (Candidate(NAME, "tool", self.specs(scene.setting)),)
+
+    def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
+        """Say how much heavier the tool is and where its centre of gravity lies."""
+        stated = stated_mass(scene.setting.robot, scene.setting.robot.n_joints - 1)
+        wrong = wrong_mass(fitted, self.specs(scene.setting), stated)
+        way = "more" if wrong.extra_kg >= 0.0 else "less"
+        sentence = (
+            f"The tool weighs {abs(wrong.extra_kg):.2f} kg {way} than the {stated.mass_kg:g} kg stated; its "
+            f"centre of gravity is {float(np.linalg.norm(wrong.shift_mm)):.0f} mm from where it should be."
+        )
+        return Shown(
+            subject,
+            wrong.extra_kg,
+            "kg",
+            wrong.extra_spread_kg,
+            sentence,
+            wrong.details(),
+            mass_limits(stated),
+        )

@@ -1,0 +1,149 @@
+"""What keeps clear of what: arm and tool of table, base fixture and each other; every bar of everything."""
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.kinematics.chain import Chain
+from truepose.planning.ballbar.fixture import BaseFixture, fixture_body
+from truepose.planning.ballbar.motion.bodies import (
+    BallbarCell,
+    arm_body,
+    arm_links,
+    bars,
+    chain_of,
+    nest_places,
+    tool_body,
+    tool_normal,
+)
+from truepose.planning.ballbar.motion.capsules import Capsules, gaps, joined, lowest_mm, smallest_gap, still
+
+# A half-inch ball lies in its magnetic cup to a bit below its middle; further over, the bar touches the rim.
+LEAN_RAD: Final = float(np.radians(100.0))
+_COLUMN_LINKS = 2  # foot and what the first joint turns: they stand on the table
+_NEIGHBOURS = 2  # links that close to each other meet in a joint and are no collision
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The bodies of n configurations about one placement of the base fixture."""
+
+    cell: BallbarCell
+    chain: Chain
+    arm: Capsules
+    links: tuple[int, ...]  # of each piece of the arm
+    tool: Capsules
+    fixture: Capsules
+    nests_mm: FloatArray  # (3, n, 3)
+    tool_normal: FloatArray  # (n, 3) direction in which the tool nests open
+    fixture_cups_mm: FloatArray  # (K, 3)
+    fixture_axes: FloatArray  # (K, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Bars:
+    """Which cup and which nest the L bars of n configurations join, one after the other."""
+
+    base_point: IntArray  # (L, n) 1-based
+    nest: IntArray  # (L, n) 1-based
+
+
+def scene(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> Scene:
+    """Return the bodies of configurations (n, J)."""
+    chain = chain_of(cell, joints_rad)
+    return Scene(
+        cell,
+        chain,
+        arm_body(cell, chain),
+        arm_links(cell),
+        tool_body(cell, chain),
+        fixture_body(fixture, cell.table_z_mm),
+        nest_places(cell, chain),
+        np.asarray(chain.end_rotation @ tool_normal(cell.nests_mm)),
+        fixture.cups_mm,
+        fixture.axes,
+    )
+
+
+def arm_room_mm(bodies: Scene) -> FloatArray:
+    """Return the free space about arm and tool [mm], shape (n,): to table, base fixture and to themselves."""
+    links = len(bodies.cell.link_radii_mm)
+    off_table = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
+    beside_table = lowest_mm(off_table) - bodies.cell.table_z_mm
+    beside_fixture = smallest_gap(joined([bodies.arm, bodies.tool]), bodies.fixture)
+    return np.asarray(np.min([beside_table, beside_fixture, *_self_gaps(bodies)], axis=0))
+
+
+def hands_room_mm(bodies: Scene) -> FloatArray:
+    """Return the free space about the sides of the base [mm], shape (n,): to tool and moving links."""
+    links = len(bodies.cell.link_radii_mm)
+    moving = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
+    return smallest_gap(moving, still(list(combinations(bodies.fixture_cups_mm, 2)), 0.0))
+
+
+def _of_links(bodies: Scene, links: range) -> Capsules:
+    return bodies.arm.some([k for k, link in enumerate(bodies.links) if link in links])
+
+
+def _self_gaps(bodies: Scene) -> list[FloatArray]:
+    """Gaps between the tool and the links before the wrist, and between links that do not meet.
+
+    The stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
+    """
+    last = bodies.cell.robot.n_joints
+    forearm = _of_links(bodies, range(last - _NEIGHBOURS, last - _NEIGHBOURS + 1))
+    before = _of_links(bodies, range(last - _NEIGHBOURS))
+    plate = bodies.tool.some(range(len(bodies.tool) - 1))
+    free = [smallest_gap(bodies.tool, before), smallest_gap(plate, forearm)]
+    for link in range(_NEIGHBOURS + 2, last + 1):
+        lower = _of_links(bodies, range(link - _NEIGHBOURS - 1))
+        free.append(smallest_gap(_of_links(bodies, range(link, link + 1)), lower))
+    return free
+
+
+def bar_room_mm(bodies: Scene, places: Bars) -> FloatArray:
+    """Return the free space about each bar alone in the cell [mm], shape (L, n); -inf where it leans too far.
+
+    A bar touches the two cups that hold it; how far it may lean over their rims is what limits it there.
+    """
+    cups = bodies.fixture_cups_mm[places.base_point - 1]
+    nests = np.take_along_axis(bodies.nests_mm, places.nest[:, :, None] - 1, axis=0)
+    placed = bars(cups, nests)
+    own_cup = _gaps_but_one(placed, bodies.fixture, places.base_point - 1)
+    own_nest = _gaps_but_one(placed, bodies.tool, places.nest - 1)
+    arm = gaps(placed, bodies.arm).min(axis=1)
+    ends = np.minimum(placed.start_mm[..., 2], placed.end_mm[..., 2])
+    table = ends - placed.radius_mm[:, None] - bodies.cell.table_z_mm
+    room = np.min([own_cup, own_nest, arm, table], axis=0)
+    return np.where(_leans(bodies, places, cups, nests) <= LEAN_RAD, room, -np.inf)
+
+
+def _gaps_but_one(placed: Capsules, others: Capsules, left_out: IntArray) -> FloatArray:
+    """Smallest gap of each bar to a set without the member (L, n) that holds it, shape (L, n)."""
+    free = gaps(placed, others)
+    np.put_along_axis(free, left_out[:, None, :], np.inf, axis=1)
+    return np.asarray(free.min(axis=1))
+
+
+def _leans(bodies: Scene, places: Bars, cups: FloatArray, nests: FloatArray) -> FloatArray:
+    """Larger angle between each bar and the directions in which its two cups open, shape (L, n)."""
+    way = (nests - cups) / np.linalg.norm(nests - cups, axis=-1, keepdims=True)
+    at_cup = np.einsum("lni,lni->ln", way, bodies.fixture_axes[places.base_point - 1])
+    at_nest = -np.einsum("lni,ni->ln", way, bodies.tool_normal)
+    return np.asarray(np.arccos(np.clip(np.minimum(at_cup, at_nest), -1.0, 1.0)))
+
+
+def is_clear(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> BoolArray:
+    """Whether arm and tool keep their room, without a bar, shape (n,)."""
+    room: BoolArray = arm_room_mm(scene(cell, fixture, joints_rad)) >= cell.arm_room_mm
+    return room
+
+
+def without_cups(bodies: Scene, point: int) -> Scene:
+    """Return the bodies without the two cups that hold the setting ball between them at a base point."""
+    tool = bodies.tool.some(range(1, len(bodies.tool)))
+    others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]
+    return replace(bodies, tool=tool, fixture=bodies.fixture.some(others))

@@ -1,0 +1,190 @@
+"""Chosen plans none of whose ways touches, by the bodies that given ways are judged by (`way_room`).
+
+Orders are found by points (`clear_ways`), which know the table only. What the bodies still say touches is
+mended with the least change: a stop of such a way moves elsewhere, or changes places with another; where
+none of that helps, another configuration takes its place. A plan that is clear stays as it is.
+
+A way is a pair of rows of a pool: from the one to the approach of the other and to it. The pair of a row
+with itself leads to its approach and back, so it also stands for a first way that comes from nobody knows
+where.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, pairwise
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.planning.errors import NoWayError
+from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_in
+from truepose.planning.work_volume.room_on_ways import Ways, least_rooms_mm, what_touches
+from truepose.planning.work_volume.work_space import WorkSpace
+
+_KEPT_MM: Final = (10.0, 0.0)  # wanted on new ways, as round arm and tool in ballbar plans; else no touch
+_NEAREST: Final = 40  # places that a stop is tried at
+_SUBSTITUTES: Final = 200  # configurations that are tried in the place of one
+_AT_ONCE: Final = 10  # changed orders whose ways are looked at together
+_MOST_TRIED: Final = 3000  # changed orders before a cell is given up: some seconds
+
+_Way = tuple[int, int]
+Allowed = Callable[[Sequence[int]], bool]
+Substitutes = Callable[[Sequence[int], int], IntArray]  # of an order and a place in it: rows, best first
+
+
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """Configurations that stops are chosen from, and what is known of the ways between them."""
+
+    bodies: CellBodies
+    joints_rad: FloatArray  # (N, J)
+    approach_offset_rad: float
+    rooms_mm: dict[_Way, float] = field(default_factory=dict)
+
+    def look_at(self, ways: Iterable[_Way]) -> None:
+        """Find out the room on ways."""
+        new = [way for way in dict.fromkeys(ways) if way not in self.rooms_mm]
+        if not new:
+            return
+        legs = self.legs(new)
+        least = least_rooms_mm(self.bodies, legs).reshape(2, len(new)).min(axis=0)
+        self.rooms_mm.update(zip(new, least.tolist(), strict=True))
+
+    def legs(self, ways: Sequence[_Way]) -> Ways:
+        """Return the motions to the approaches, and after all of them those from there."""
+        start, end = self.joints_rad[np.array(ways).T]
+        approach = end + self.approach_offset_rad
+        return Ways((), np.vstack([start, approach]), np.vstack([approach, end]))
+
+    def stand(self, rows: IntArray, kept_mm: float) -> BoolArray:
+        """Return which configurations have that room themselves, and on the way from their approach."""
+        ways = [(int(row), int(row)) for row in rows]
+        self.look_at(ways)
+        return np.array([self.rooms_mm[way] >= kept_mm for way in ways], dtype=bool)
+
+
+def pool_of(space: WorkSpace, joints_rad: FloatArray) -> Pool:
+    """Return a pool of configurations (N, J) of a work space."""
+    return Pool(bodies_in(space), joints_rad, space.approach_offset_rad or 0.0)
+
+
+def is_clear(pool: Pool) -> bool:
+    """Whether nothing touches on any way from each configuration to the next."""
+    return not _Route(pool, [*range(len(pool.joints_rad))], None).blocked()
+
+
+def mended(
+    pool: Pool,
+    order: Iterable[int],
+    substitutes: Substitutes,
+    *,
+    start: int | None = None,
+    allowed: Allowed = lambda _: True,
+) -> IntArray:
+    """Return an order of rows, changed as little as it takes for nothing to touch on any of its ways.
+
+    Parameters
+    ----------
+    pool : Pool
+    order : iterable of int
+        Rows of the pool, in the order that is wanted.
+    substitutes : callable
+        Returns what may take the place of one of them.
+    start : int, optional
+        The row that the arm comes from; None: nobody knows.
+    allowed : callable, optional
+        Whether an order may be at all.
+
+    Raises
+    ------
+    NoWayError
+        No such order was found.
+    """
+    route = _Route(pool, [int(row) for row in order], start)
+    while blocked := route.blocked():
+        better = (_better(route, blocked, substitutes, allowed, kept_mm) for kept_mm in _KEPT_MM)
+        found = next(filter(None, better), None)
+        if found is None:
+            raise NoWayError(_why(route, blocked))
+        route = found
+    return np.array(route.order, dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class _Route:
+    """An order of rows of a pool, and where it comes from."""
+
+    pool: Pool
+    order: list[int]
+    start: int | None
+
+    def ways(self) -> list[_Way]:
+        before = self.order[:1] if self.start is None else [self.start]
+        return list(pairwise([*before, *self.order]))
+
+    def blocked(self) -> list[int]:
+        """Return the places in the order on the way to which something touches."""
+        ways = self.ways()
+        self.pool.look_at(ways)
+        return [at for at, way in enumerate(ways) if self.pool.rooms_mm[way] < 0.0]
+
+    def but(self, order: list[int]) -> "_Route":
+        return _Route(self.pool, order, self.start)
+
+
+def _better(
+    route: _Route, blocked: Sequence[int], substitutes: Substitutes, allowed: Allowed, kept_mm: float
+) -> _Route | None:
+    """Return the first change after which something touches on fewer ways, with room kept on all new ones."""
+    known = set(route.ways())
+    orders = (
+        other for at in blocked for other in _changed(route, at, substitutes, kept_mm) if allowed(other)
+    )
+    tried = islice(orders, _MOST_TRIED)
+    while some := [route.but(order) for order in islice(tried, _AT_ONCE)]:
+        route.pool.look_at(way for other in some for way in other.ways())
+        for other in some:
+            new = set(other.ways()) - known
+            roomy = all(route.pool.rooms_mm[way] >= kept_mm for way in new)
+            if roomy and len(other.blocked()) < len(blocked):
+                return other
+    return None
+
+
+def _changed(route: _Route, at: int, substitutes: Substitutes, kept_mm: float) -> Iterator[list[int]]:
+    """Yield orders without the way to a place: its ends elsewhere, then others instead of them."""
+    ends = [at, at - 1] if at else [at]
+    for end in ends:
+        if route.pool.stand(np.array(route.order[end : end + 1]), 0.0).all():
+            yield from _elsewhere(route.order, end)
+    for end in ends:
+        others = substitutes(route.order, end)
+        for row in others[route.pool.stand(others, kept_mm)][:_SUBSTITUTES]:
+            yield [*route.order[:end], int(row), *route.order[end + 1 :]]
+
+
+def _elsewhere(order: list[int], at: int) -> Iterator[list[int]]:
+    """Yield the order with one stop at other places, then exchanged with others; the nearest come first."""
+    places = sorted(set(range(len(order))) - {at}, key=lambda place: abs(place - at))[:_NEAREST]
+    others = order[:at] + order[at + 1 :]
+    for place in places:
+        yield [*others[:place], order[at], *others[place:]]
+    for place in places:
+        exchanged = [*order]
+        exchanged[at], exchanged[place] = order[place], order[at]
+        yield exchanged
+
+
+def _why(route: _Route, blocked: Sequence[int]) -> str:
+    """Return in words why an order cannot be mended."""
+    at = blocked[0]
+    legs = route.pool.legs([route.ways()[at]])
+    leg = int(np.argmin(least_rooms_mm(route.pool.bodies, legs)))
+    angles = ", ".join(f"{angle:.0f}" for angle in np.degrees(route.pool.joints_rad[route.order[at]]))
+    return (
+        f"No plan was found on whose ways nothing touches: {len(blocked)} of {len(route.order)} "
+        "configurations cannot be reached, nor others in their place. On the way to the joints "
+        f"{angles} deg {what_touches(route.pool.bodies, legs, leg)}. Check the floor, the centres of the "
+        "tool nests and the joint ranges in the cell file, or have others chosen with another seed."
+    )

@@ -1,0 +1,105 @@
+"""Random configurations that can be measured: within the ranges, clear of things, one nest in sight."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.work_volume.work_space import (
+    SEEN_WITHIN_RAD,
+    WorkSpace,
+    cosines_to_tracker,
+    is_clear,
+    nominal_chain,
+    require_consistent,
+    within,
+)
+
+_BATCH: Final = 8192
+_MOST_BATCHES: Final = 60  # half a million draws; a cell in which so many fail is set up wrongly
+
+
+@dataclass(frozen=True, slots=True)
+class Candidates:
+    """n feasible configurations and the nest to measure in each."""
+
+    joints_rad: FloatArray  # (n, J)
+    nest: IntArray  # (n,) 1-based, the one that faces the tracker best
+
+    def __len__(self) -> int:
+        return len(self.nest)
+
+    def subset(self, rows: IntArray) -> "Candidates":
+        """Return some of them, in the order of `rows`."""
+        return Candidates(self.joints_rad[rows], self.nest[rows])
+
+    def joined(self, others: "Candidates") -> "Candidates":
+        """Return these and behind them others."""
+        return Candidates(
+            np.vstack([self.joints_rad, others.joints_rad]), np.concatenate([self.nest, others.nest])
+        )
+
+
+def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candidates:
+    """Draw n feasible configurations, uniformly in the joint ranges.
+
+    Raises
+    ------
+    WorkSpaceError
+        What is said of the cell contradicts itself.
+    TooFewCandidatesError
+        Hardly any configuration is feasible.
+    """
+    require_consistent(space)
+    joints: list[FloatArray] = []
+    nests: list[IntArray] = []
+    found = 0
+    for _ in range(_MOST_BATCHES):
+        drawn = _draw(space, rng)
+        feasible, nest = judge(space, drawn, rng)
+        joints.append(drawn[feasible])
+        nests.append(nest[feasible])
+        found += int(feasible.sum())
+        if found >= n:
+            return Candidates(np.concatenate(joints)[:n], np.concatenate(nests)[:n])
+    raise TooFewCandidatesError(
+        f"Of {_BATCH * _MOST_BATCHES} random configurations {found} can be measured, {n} are needed: check "
+        "joint ranges, the tracker's place, the directions in which the reflectors face, the table's height."
+    )
+
+
+def _draw(space: WorkSpace, rng: np.random.Generator) -> FloatArray:
+    low = np.array([limit.lower_rad for limit in space.ranges])
+    high = np.array([limit.upper_rad for limit in space.ranges])
+    drawn: FloatArray = low + (high - low) * rng.random((_BATCH, len(low)))
+    return drawn
+
+
+def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) -> tuple[BoolArray, IntArray]:
+    """Judge configurations.
+
+    Parameters
+    ----------
+    space : WorkSpace
+    joints_rad : ndarray, shape (n, J)
+    rng : numpy.random.Generator
+        Decides between nests that face the tracker equally well.
+
+    Returns
+    -------
+    feasible : ndarray, shape (n,)
+    nest : ndarray, shape (n,)
+        1-based nest that faces the tracker best, whether it is seen or not.
+    """
+    chain = nominal_chain(space, joints_rad)
+    cosines = cosines_to_tracker(space, chain)
+    shuffled = rng.permutation(len(cosines))
+    best = shuffled[np.argmax(cosines[shuffled], axis=0)]
+    seen = np.max(cosines, axis=0) >= np.cos(SEEN_WITHIN_RAD)
+    feasible = seen & is_clear(space, chain) & within(space.motion_limits, joints_rad)
+    if space.approach_offset_rad is not None:
+        begin = joints_rad + space.approach_offset_rad
+        feasible &= is_clear(space, nominal_chain(space, begin)) & within(space.motion_limits, begin)
+    return feasible, (best + 1).astype(np.int64)

@@ -1,0 +1,117 @@
+"""Arm and tool of a cell as capsules, and their room: above floor or table, the tool off the arm.
+
+One notion of room for stops (`stop_room`) and for the ways between them (`way_room`), by the capsules that
+ballbar plans have (`ballbar/bodies`). The links of the arm are not held against each other: their capsules
+are outlines rounded up, and say of a twentieth of what an LR Mate can be chosen to do that forearm and
+shoulder touch.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray
+from truepose.domain.cell import Cell
+from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
+from truepose.planning.ballbar.motion.bodies import BallbarCell, arm_body, arm_links, chain_of
+from truepose.planning.ballbar.motion.capsules import Capsules, gaps
+from truepose.planning.work_volume.work_space import WorkSpace
+
+_NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim
+_COLUMN_LINKS: Final = 2  # foot and what the first joint turns: they stand on the floor
+_WRIST_LINKS: Final = 3  # that the tool is beside in every position
+_BELOW: Final = "below floor or table"
+_INSIDE: Final = "inside the arm itself"
+
+
+@dataclass(frozen=True, slots=True)
+class CellBodies:
+    """What is looked at of a cell."""
+
+    arm: BallbarCell  # its outline; that asks for three nests, those of the tool are beside it
+    nests_mm: FloatArray  # (K, 3) in the last frame
+    floor_z_mm: float  # world
+    floor_is_stated: bool  # False: assumed
+
+
+@dataclass(frozen=True, slots=True)
+class Rooms:
+    """Free space [mm] of each body at n configurations, negative where it would touch."""
+
+    names: tuple[str, ...]  # of the m bodies
+    places: tuple[str, ...]  # where a body without room would be
+    room_mm: FloatArray  # (m, n)
+
+    def least_mm(self) -> FloatArray:
+        """Return the least room of each configuration, shape (n,)."""
+        return np.asarray(self.room_mm.min(axis=0))
+
+    def what_touches(self, row: int) -> str:
+        """Return in words the first body that has no room in a configuration; nests come first."""
+        body = int(np.argmax(self.room_mm[:, row] < 0.0))
+        return f"{self.names[body]} would be {-self.room_mm[body, row]:.0f} mm {self.places[body]}"
+
+
+def bodies_of(cell: Cell) -> CellBodies:
+    """Return the bodies of a cell; a nest whose centre nobody knows is none."""
+    stated = cell.limits.floor_z_mm
+    floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
+    return CellBodies(
+        _outline(cell.robot, cell.base_nominal), _centres_mm(cell.nests), floor_mm, stated is not None
+    )
+
+
+def bodies_in(space: WorkSpace) -> CellBodies:
+    """Return the bodies of a work space, whose table counts as stated."""
+    return CellBodies(
+        _outline(space.robot, space.base), _centres_mm(space.nests), space.table_z_mm, floor_is_stated=True
+    )
+
+
+def _outline(robot: Robot, base: FramePlacement) -> BallbarCell:
+    return BallbarCell(robot, base, np.zeros((3, 3)), (JointRange(-np.pi, np.pi),) * robot.n_joints)
+
+
+def _centres_mm(nests: Sequence[Nest]) -> FloatArray:
+    return np.array([nest.centre_mm for nest in nests if nest.centre_mm is not None]).reshape(-1, 3)
+
+
+def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = False) -> Rooms:
+    """Return the room of every body at configurations (n, J), to the floor alone or to the arm as well."""
+    frames = chain_of(bodies.arm, joints_rad)
+    arm, links = arm_body(bodies.arm, frames), arm_links(bodies.arm)
+    flange = frames.points(np.zeros(3))
+    nests = np.array([frames.points(nest) for nest in bodies.nests_mm]).reshape(-1, *flange.shape)
+    radii = np.full(len(nests), _NEST_RADIUS_MM)
+    tool = Capsules(np.broadcast_to(flange, nests.shape), nests, radii)
+    found = list(_above_floor(bodies, arm, links, tool))
+    found += [] if floor_only else list(_off_the_arm(arm, links, tool))
+    names, places, room_mm = zip(*found, strict=True)
+    return Rooms(names, places, np.array(room_mm))
+
+
+def _above_floor(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[str, str, FloatArray]]:
+    for nest, height in enumerate(_heights(tool), start=1):
+        yield f"tool nest {nest}", _BELOW, height - bodies.floor_z_mm
+    for link, height in zip(links, _heights(arm), strict=True):
+        if link >= _COLUMN_LINKS:
+            yield f"link {link} of the arm", _BELOW, height - bodies.floor_z_mm
+
+
+def _off_the_arm(
+    arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[str, str, FloatArray]]:
+    """Yield the rooms of the tool beside the links before the wrist."""
+    inner = [k for k, link in enumerate(links) if link <= max(links) - _WRIST_LINKS]
+    for nest, gap in enumerate(np.min(gaps(tool, arm.some(inner)), axis=1, initial=np.inf), start=1):
+        yield f"tool nest {nest}", _INSIDE, gap
+
+
+def _heights(capsules: Capsules) -> FloatArray:
+    """Return the height of the lowest point of each capsule [mm], shape (m, n)."""
+    ends = np.minimum(capsules.start_mm[..., 2], capsules.end_mm[..., 2])
+    return np.asarray(ends - capsules.radius_mm[:, None])

@@ -1,0 +1,1 @@
+"""The parameters of a model as a reader meets them: rows and meanings."""

@@ -1,0 +1,152 @@
+"""The parameter table: nominal and identified value of every parameter, and what it is."""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from truepose.domain.campaign import Campaign
+from truepose.domain.results import Identification, Model, Parameter
+from truepose.exchange.models.document import file_factor, file_unit
+from truepose.identification.model.structure import base_axes
+from truepose.kinematics.frames import (
+    angles_xyz,
+    placement_rotation,
+    placement_translation,
+    rotation_xyz,
+)
+from truepose.reports.parameters.meanings import meaning
+from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
+
+Standing = Literal["determined", "combination", "prior"]
+_AXES = ("x", "y", "z")
+_UNDETERMINED = 0.5  # of the prior width; the identification draws the same line
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterRow:
+    """One parameter in the unit of documents, as text; angles in deg."""
+
+    name: str
+    effect: str
+    nominal: str
+    change: str
+    identified: str
+    standard_uncertainty: str
+    unit: str
+    prior_width: str
+    meaning: str
+    standing: Standing
+
+
+def parameter_rows(identification: Identification, campaign: Campaign) -> tuple[ParameterRow, ...]:
+    """Return a row per parameter, in their order; none without a model."""
+    model = identification.model
+    if model is None:
+        return ()
+    together = _seen_together(identification)
+    return tuple(
+        _row(
+            parameter,
+            _nominal(parameter, model, campaign),
+            _identified(parameter, model),
+            parameter.name in together,
+        )
+        for parameter in identification.parameters
+    )
+
+
+def _seen_together(identification: Identification) -> set[str]:
+    """Parameters of which the data leave a combination open; what never was a parameter is no such case."""
+    names = {parameter.name for parameter in identification.parameters}
+    return {
+        name
+        for group in identification.not_identifiable
+        if names.issuperset(group.parameters)
+        for name in group.parameters
+    }
+
+
+def _row(parameter: Parameter, nominal: float | None, identified: float, together: bool) -> ParameterRow:
+    factor = file_factor(parameter.unit)
+    u = parameter.standard_uncertainty * factor
+
+    return ParameterRow(
+        name=parameter.name,
+        effect=parameter.effect,
+        nominal=MISSING if nominal is None else exact(nominal * factor),
+        change=MISSING if nominal is None else rounded((identified - nominal) * factor, u),
+        identified=rounded(identified * factor, u),
+        standard_uncertainty=uncertainty(u),
+        unit=file_unit(parameter.unit),
+        prior_width=f"{parameter.prior_width * factor:.2g}",
+        meaning=meaning(parameter.name, parameter.effect),
+        standing=_standing(parameter, together),
+    )
+
+
+def _standing(parameter: Parameter, together: bool) -> Standing:
+    if is_held_by_prior(parameter):
+        return "prior"
+    return "combination" if together else "determined"
+
+
+def is_held_by_prior(parameter: Parameter) -> bool:
+    """Whether the data say so little that the prior holds the parameter."""
+    return parameter.standard_uncertainty > _UNDETERMINED * parameter.prior_width
+
+
+def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | None:
+    """Nominal value in internal units; None where nobody states one."""
+    kind, index = _split(parameter.name)
+    if kind in {"alpha", "a", "theta", "d"}:
+        row = model.robot.joints[index - 1]
+        table = {"alpha": row.alpha_rad, "a": row.a_mm, "theta": row.theta_offset_rad, "d": row.d_mm}
+        return table[kind]
+    if kind == "base":
+        return None if campaign.base_nominal is None else _start(parameter.name, model)
+    if kind in {"nest", "tool", "anchor"} or parameter.name == "length_offset":
+        return None
+    return 0.0
+
+
+def _identified(parameter: Parameter, model: Model) -> float:
+    """Return the identified value in internal units: the start and what the parameter adds to it."""
+    if re.fullmatch(r"(base|tool)_r[xyz]", parameter.name):
+        return _turned(parameter.name, model)
+    kind, index = _split(parameter.name)
+    if kind in {"alpha", "a", "theta", "d"}:
+        row = model.robot.joints[index - 1]
+        table = {"alpha": row.alpha_rad, "a": row.a_mm, "theta": row.theta_offset_rad, "d": row.d_mm}
+        return table[kind] + parameter.value
+    if kind in {"base", "nest"}:
+        return _start(parameter.name, model) + parameter.value
+    return parameter.value
+
+
+def _start(name: str, model: Model) -> float:
+    """Start value of a base or nest parameter."""
+    if name.startswith("nest_"):
+        _, number, axis = name.split("_")
+        centre = next(nest.centre_mm for nest in model.nests if nest.nest == int(number))
+        return centre[_AXES.index(axis)]
+    component = name.removeprefix("base_")
+    if component in _AXES:
+        return float(placement_translation(model.base)[_AXES.index(component)])
+    return angles_xyz(placement_rotation(model.base))[_AXES.index(component[1])]
+
+
+def _turned(name: str, model: Model) -> float:
+    """Angle of the identified rotation: the parameters turn before the start and do not simply add."""
+    frame, component = name.split("_")
+    value = {parameter.name: parameter.value for parameter in model.parameters}
+    angles = np.array([value.get(f"{frame}_r{axis}", 0.0) for axis in _AXES])
+    start = placement_rotation(model.base) if frame == "base" else rotation_xyz(*model.tool_rotation_rad)
+    return angles_xyz(base_axes(start, angles)[0])[_AXES.index(component[1])]
+
+
+def _split(name: str) -> tuple[str, int]:
+    """Return quantity and number of e.g. `alpha_3`; 0 where there is no number at the end."""
+    kind, _, number = name.partition("_")
+    return kind, int(number) if number.isdigit() else 0

@@ -1,0 +1,1 @@
+"""The uncertainty budget: judged readings, and what systematic sources do to them."""

@@ -1,0 +1,1 @@
+"""The true cell: arm, air, clock and journal, and what is planted in them."""

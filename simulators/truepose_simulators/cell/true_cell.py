@@ -1,0 +1,291 @@
+"""The true cell: robot, artefact, table, tracker and air, on one clock and from one seed."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from truepose_simulators.cell.air import Air
+from truepose_simulators.cell.building import Chances, adapted, draw_effects, draw_nests, draw_plant
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.planted import PlantedEffects
+from truepose_simulators.cell.robot import JointMotion, Robot, SpeedLimits, check_range
+from truepose_simulators.faults.kinds import Fault, TrackerBlinded
+from truepose_simulators.faults.scripted import Faults
+from truepose_simulators.instruments.tracker.device import (
+    HOME_MM,
+    Target,
+    Tracker,
+    place_tracker,
+    returns_beam,
+    seen_from,
+)
+from truepose_simulators.person.equipment import equip
+from truepose_simulators.physics.effects import Conditions, PlantedChange
+from truepose_simulators.physics.effects.ports import NestNumbers
+from truepose_simulators.physics.equilibrium import Rest, find_rest
+from truepose_simulators.physics.identified import IdentifiedModel, realise
+from truepose_simulators.physics.rigid import FloatArray, apply, small_motion
+from truepose_simulators.scenarios.scenario import Scenario
+
+# Enough configurations all over the ranges that an arm which folds under its weight does so in one of them.
+_TRIED_STOPS = 32
+
+
+class Cell:
+    """One cell. Instruments ask it; it knows no protocol."""
+
+    def __init__(
+        self, scenario: Scenario, seed: int, clock: CellClock, model: IdentifiedModel | None = None
+    ) -> None:
+        """Build the cell that `seed` gives; the plant does not depend on the order of readings.
+
+        With a model its robot stands in the place of the scenario's; cell time 0 is the origin of its times.
+
+        Raises ScenarioError, ModelError or NoEquilibriumError for a cell that cannot be.
+        """
+        identified = None if model is None else realise(model)
+        if model is not None and identified is not None:
+            scenario = adapted(scenario, model, identified)
+        # One more part leaves the others as they are: older cells keep their numbers.
+        *parts, of_equipment, of_curves = np.random.SeedSequence(seed).spawn(6)
+        plant_rng, self.rng, everyday_rng, self._spoil_rng = (np.random.default_rng(part) for part in parts)
+        self.model = model
+        self.scenario = scenario
+        self.seed = seed
+        self.clock = clock
+        self.faults = Faults()
+        self.attachment = 1
+        self.plant = draw_plant(scenario, plant_rng) if identified is None else identified.plant
+        self.tool_nests_mm = draw_nests(scenario.tool.nests_mm, scenario.tool.nest_u_mm, plant_rng)
+        self._fixed_nests_mm = draw_nests(scenario.table.fixed_nests_mm, scenario.table.nest_u_mm, plant_rng)
+        effects = () if identified is None else identified.effects
+        chances = Chances(everyday_rng, np.random.default_rng(of_curves))
+        self.planted = draw_effects(scenario, self.plant, seed, chances, effects)
+        phase_rad = float(plant_rng.uniform(-math.pi, math.pi))
+        self.air = Air(scenario.air, phase_rad, lambda time_s: self.planted.warming_k(time_s))
+        self._first_frame = place_tracker(scenario.tracker, plant_rng)
+        self.tracker = Tracker(scenario.tracker, self._frame_now, self._targets, self.noise, self._spoil)
+        scatter_mm = scenario.arm.scatter_mm if scenario.noise else 0.0
+        self.robot = Robot(self.plant.arm, np.radians(scenario.arm.home_deg), scatter_mm, self.rng)
+        self._stop: tuple[tuple[float, ...], Rest, FloatArray] | None = None
+        self._standing: tuple[tuple[float, ...], FloatArray] | None = None
+        equipment = equip(scenario, lambda: self.planted, self.air, self, of_equipment)
+        self.ballbar, self.fixture, self.hands = equipment.ballbar, equipment.fixture, equipment.hands
+        facing = np.array(scenario.tool.facing)
+        self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)  # (nests, 3) last frame
+        for fault in scenario.faults:
+            self.add_fault(fault)
+        # Springs so soft that the arm folds are refused here, not in front of a client.
+        self._check_stands(self.planted, max((change.from_s for change in scenario.effects), default=0.0))
+
+    @property
+    def noise(self) -> np.random.Generator | None:
+        """Source of reading noise, None in a noise-free cell."""
+        return self.rng if self.scenario.noise else None
+
+    def plant_change(self, change: PlantedChange) -> None:
+        """Plant a change; raises ScenarioError or NoEquilibriumError, and then nothing has changed."""
+        planted = self.planted.with_change(change)
+        self._check_stands(planted, change.from_s)
+        self.planted = planted
+        self._stop = None
+
+    def add_fault(self, fault: Fault) -> None:
+        """Script a failure; raises ScenarioError when it cannot happen here."""
+        self.scenario.check_fault(fault)
+        self.faults.add(fault)
+
+    async def move_robot(
+        self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
+    ) -> None:
+        """Move along waypoints and return when the arm is at rest; raises TargetOutOfRangeError."""
+        await self.clock.sleep(self.set_off(waypoints_rad, limits, tool_mm).duration_s)
+
+    def set_off(
+        self, waypoints_rad: Sequence[FloatArray], limits: SpeedLimits, tool_mm: FloatArray
+    ) -> JointMotion:
+        """Begin to move along waypoints; raises TargetOutOfRangeError, and then nothing has moved."""
+        for waypoint in waypoints_rad:
+            check_range(self.plant.arm, waypoint)
+        motion = self.robot.start(waypoints_rad, limits, tool_mm, self.clock.now_s)
+        self._lose_sight(motion)
+        self.hands.follow(motion)
+        return motion
+
+    def halt_robot(self) -> None:
+        """Stop the arm where it is now; without a motion under way that is nothing."""
+        self.robot.halt(self.clock.now_s)
+
+    @property
+    def now_s(self) -> float:
+        """Present cell time [s]."""
+        return self.clock.now_s
+
+    @property
+    def robot_moves(self) -> bool:
+        """Whether the arm is under way."""
+        return self.robot.moving(self.clock.now_s)
+
+    def nests_at_mm(self, time_s: float) -> FloatArray:
+        """Where the tool nests are at a cell time with the arm's scatter, shape (nests, 3) [world]."""
+        if self.robot.moving(time_s):
+            return self._nests_mm(self.robot.motion.joints_at(time_s), time_s)
+        # Nothing but a planted change does anything to a standing arm that shows within a second.
+        changes = sum(change.from_s <= time_s for change in self.planted.changes)
+        second = math.floor(time_s) if self.planted else 0
+        key = (self.robot.stop_number, second, changes, len(self.planted.changes), self.attachment)
+        if self._standing is None or self._standing[0] != key:
+            nests = self._nests_mm(self.robot.target_rad, time_s)
+            self._standing = (key, nests + self.robot.scatter_mm)
+        return self._standing[1]
+
+    def nests_along_mm(self, motion: JointMotion) -> FloatArray:
+        """Where the tool nests come along a motion, shape (m, nests, 3) [world]."""
+        return self.true_positions(self._conditions(motion.path_rad, motion.start_s))
+
+    def nest_taken(self, nest: int) -> int:
+        """Return the nest that is truly taken for `nest` now; another one where labels are swapped."""
+        return int(self.nests_read(np.array([nest]), np.array([self.clock.now_s]))[0])
+
+    def wild_mm(self) -> float:
+        """By how much a length that is connected now is read wrong."""
+        return float(self.wild_lengths_mm(np.array([self.clock.now_s]))[0])
+
+    def true_positions(self, conditions: Conditions) -> FloatArray:
+        """Tool nest centres without noise and scatter [mm, world], shape (n, nests, 3)."""
+        return self.rest(conditions).nest_positions(self.true_nests_mm(conditions))
+
+    def rest(self, conditions: Conditions) -> Rest:
+        """Let the arm come to rest."""
+        return find_rest(self.plant, self.planted.arm, conditions, self.planted.mass_changes(conditions))
+
+    def true_nests_mm(self, conditions: Conditions) -> FloatArray:
+        """Tool nests where they truly are, last frame, shape (1 or n, nests, 3)."""
+        places: FloatArray = self.tool_nests_mm + self.planted.nest_offsets_mm(conditions)
+        return places
+
+    def conditions(
+        self, joints_rad: FloatArray, direction: FloatArray, time_s: FloatArray, attachment: FloatArray
+    ) -> Conditions:
+        """Circumstances of n stops; the temperature follows from the times."""
+        return Conditions(joints_rad, direction, time_s, self.air.temperature_c(time_s), attachment)
+
+    def conditions_now(self) -> Conditions:
+        """Circumstances of the arm as it is now."""
+        return self._conditions(self.robot.motion.joints_at(self.clock.now_s)[np.newaxis], self.clock.now_s)
+
+    def fixed_nests_mm(self) -> FloatArray:
+        """Where the fixed nests are now [mm, world], shape (nests, 3)."""
+        now = self.clock.now_s
+        shifts = [self.faults.fixed_nest_shift_mm(i + 1, now) for i in range(len(self._fixed_nests_mm))]
+        moved: FloatArray = self._fixed_nests_mm + np.array(shifts).reshape(-1, 3)
+        return moved
+
+    def tracker_frames(self, time_s: FloatArray) -> FloatArray:
+        """Where the tracker stands in the world at times, shape (n,) -> (n, 4, 4)."""
+        frames: FloatArray = small_motion(self.planted.frame_motion(time_s)) @ self._first_frame
+        return frames
+
+    def spoiled(self, reading_mm: FloatArray, time_s: FloatArray) -> FloatArray:
+        """Return what planted effects make of readings in the tracker frame, shape (n, 3)."""
+        scale = 1.0 + self.planted.relative_scale(time_s)[:, np.newaxis]
+        spoiled: FloatArray = reading_mm * scale + self.planted.displacement_mm(time_s, self._spoil_rng)
+        return spoiled
+
+    def wild_lengths_mm(self, time_s: FloatArray) -> FloatArray:
+        """Return what planted effects add to single lengths, shape (n,)."""
+        return self.planted.wild_mm(time_s, self._spoil_rng)
+
+    def nests_read(self, nest: NestNumbers, time_s: FloatArray) -> NestNumbers:
+        """Nests (1-based) that are truly read under the labels `nest`, shape (n,)."""
+        return self.planted.nests_read(nest, time_s, self._spoil_rng)
+
+    def _nests_mm(self, joints_rad: FloatArray, time_s: float) -> FloatArray:
+        nests: FloatArray = self.true_positions(self._conditions(joints_rad[np.newaxis], time_s))[0]
+        return nests
+
+    def _frame_now(self) -> FloatArray:
+        if not self.planted:
+            return self._first_frame
+        now: FloatArray = self.tracker_frames(np.array([self.clock.now_s]))[0]
+        return now
+
+    def _spoil(self, target: str, reading_mm: FloatArray) -> FloatArray:
+        """Return what the tracker makes of one reading now."""
+        if not self.planted:
+            return reading_mm
+        now = np.array([self.clock.now_s])
+        if target.startswith("tool"):
+            nest = int(target.removeprefix("tool "))
+            read = int(self.nests_read(np.array([nest]), now)[0])
+            places = seen_from(self.tracker.frame, self._tool_nests_now())
+            reading_mm = reading_mm + places[read - 1] - places[nest - 1]
+        spoiled: FloatArray = self.spoiled(reading_mm[np.newaxis], now)[0]
+        return spoiled
+
+    def _targets(self) -> list[Target]:
+        """Every reflector in the cell, as the tracker may see it now."""
+        now = self.clock.now_s
+        if self.faults.holds(TrackerBlinded, now):
+            return []
+        frame = self.tracker.frame
+        acceptance = math.radians(self.scenario.tool.acceptance_deg)
+        positions = self._tool_nests_now()
+        visible = returns_beam(frame, positions, self._facing_now(), acceptance)
+        tool = enumerate(zip(seen_from(frame, positions), visible, strict=True), start=1)
+        targets = [
+            Target(f"tool {number}", position, bool(seen))
+            for number, (position, seen) in tool
+            if not self.faults.smr_missing(number, now)
+        ]
+        fixed = enumerate(seen_from(frame, self.fixed_nests_mm()), start=1)
+        home = Target("home", np.array(HOME_MM), True)
+        return [*targets, *(Target(f"fixed {number}", position, True) for number, position in fixed), home]
+
+    def _tool_nests_now(self) -> FloatArray:
+        scatter = 0.0 if self.robot.moving(self.clock.now_s) else self.robot.scatter_mm
+        position: FloatArray = self._stop_now()[1] + scatter
+        return position
+
+    def _facing_now(self) -> FloatArray:
+        return apply(self._stop_now()[0].bodies.last_frame[0, :3, :3], self.facing)
+
+    def _stop_now(self) -> tuple[Rest, FloatArray]:
+        """Return the arm as it is now and its nests (nests, 3); found again only when something changed."""
+        now = self.clock.now_s
+        moving = self.robot.moving(now)
+        # Without effects nothing about a stop depends on time.
+        key = (self.robot.stop_number, now if moving or self.planted else -1.0, self.attachment)
+        if self._stop is None or self._stop[0] != key:
+            conditions = self.conditions_now()
+            rest = self.rest(conditions)
+            self._stop = (key, rest, rest.nest_positions(self.true_nests_mm(conditions))[0])
+        return self._stop[1:]
+
+    def _conditions(self, joints_rad: FloatArray, time_s: float) -> Conditions:
+        n = len(joints_rad)
+        direction = np.broadcast_to(self.robot.direction, joints_rad.shape)
+        attachment = np.full(n, float(self.attachment))
+        return self.conditions(joints_rad, direction, np.full(n, time_s), attachment)
+
+    def _check_stands(self, planted: PlantedEffects, time_s: float) -> None:
+        """Raise NoEquilibriumError when the arm would fold under its weight with these effects."""
+        lower, upper = self.plant.arm.limits_rad.T
+        tries = np.random.default_rng(0).uniform(lower, upper, (_TRIED_STOPS, len(lower)))
+        conditions = self._conditions(tries, time_s)
+        find_rest(self.plant, planted.arm, conditions, planted.mass_changes(conditions))
+
+    def _lose_sight(self, motion: JointMotion) -> None:
+        """Break the lock on a tool nest that turns away from the tracker somewhere on the path."""
+        name = self.tracker.target
+        if name is None or not name.startswith("tool"):
+            return
+        nest = int(name.removeprefix("tool ")) - 1
+        conditions = self._conditions(motion.path_rad, motion.start_s)
+        rest = self.rest(conditions)
+        facing = apply(rest.bodies.last_frame[:, :3, :3], self.facing[nest])
+        positions = rest.nest_positions(self.true_nests_mm(conditions))[:, nest]
+        acceptance = math.radians(self.scenario.tool.acceptance_deg)
+        if not returns_beam(self.tracker.frame, positions, facing, acceptance).all():
+            self.tracker.release()

@@ -1,0 +1,165 @@
+"""The ballbar as a Digimatic gauge on a Mitutoyo USB-ITN cable: a keyboard, until it is told otherwise."""
+
+import asyncio
+import math
+
+from truepose_drivers.mitutoyo_usb_itn.protocol import (
+    GET_MODE,
+    NOT_CONNECTED,
+    NOT_CONVERTIBLE,
+    PACKET_BYTES,
+    PRODUCT,
+    READ_DEVICE,
+    READ_VALUE,
+    SEND_COMMAND,
+    SERIAL_MODE,
+    SET_MODE,
+    VENDOR,
+    DeviceInfo,
+    Error,
+    Reply,
+    Value,
+    encode,
+)
+from truepose_drivers.usb.protocol.control import (
+    CLASS_FROM_INTERFACE,
+    CLASS_TO_INTERFACE,
+    VENDOR_FROM_DEVICE,
+    VENDOR_TO_DEVICE,
+    HidRequest,
+    Setup,
+)
+from truepose_drivers.usb.protocol.descriptors import (
+    HID_CLASS,
+    INTERRUPT,
+    Configuration,
+    Device,
+    Endpoint,
+    Interface,
+)
+from truepose_simulators.faults.wire import BallbarInches, BallbarKeyPressed, LineDoublesDigits
+from truepose_simulators.instruments.ballbars.bad_lines import with_doubled_digit
+from truepose_simulators.instruments.ballbars.length_source import Electronics
+from truepose_simulators.instruments.ballbars.usb_gadget import StallError, StandardRequests
+
+_SERIAL = "70012345"  # of the cable; it knows nothing of the gauge behind it
+_INFO = "USB-ITN V1.00"
+_BOOT_INTERFACE, _KEYBOARD = 1, 1
+_DECIMALS, _DECIMALS_OF_INCHES = 4, 5
+_MM_PER_INCH = 25.4
+_UNKNOWN_COMMAND = 913  # no source tells what the cable answers to a command that it does not know
+_NO_KEY = bytes(PACKET_BYTES)
+_BOOT_PROTOCOL, _REPORT_PROTOCOL = 0, 1
+
+# HID 1.11, appendix B.1: the boot keyboard's own report descriptor.
+_KEYBOARD_REPORT = bytes.fromhex(
+    "05010906a101050719e029e71500250175019508810295017508810195057501050819012905910295017503910195067508"
+    "150025650507190029658100c0"
+)
+
+
+class UsbItnGadget:
+    """State of the cable: its mode, and what it still has to send."""
+
+    def __init__(self, bar: Electronics) -> None:
+        self._bar = bar
+        self._serial_mode = False
+        self._pressed = False  # the DATA button, before the last question
+        self._protocol = _REPORT_PROTOCOL
+        self._outbox = bytearray()
+        self._something_to_send = asyncio.Event()
+        self.device = Device(VENDOR, PRODUCT, release=0x0100, packet_bytes=8)
+        endpoint = Endpoint(0x81, INTERRUPT, PACKET_BYTES, interval=10)
+        interface = Interface(
+            0,
+            HID_CLASS,
+            _BOOT_INTERFACE,
+            _KEYBOARD,
+            (endpoint,),
+            report_descriptor_bytes=len(_KEYBOARD_REPORT),
+        )
+        self.configuration = Configuration(1, (interface,))
+        self._standard = StandardRequests(self.device, self.configuration, self._strings, _KEYBOARD_REPORT)
+
+    @property
+    def plugged(self) -> bool:
+        """Whether it is plugged in."""
+        return self._bar.plugged
+
+    def attach(self) -> None:
+        """Begin anew, as a keyboard."""
+        self._standard.reset(self._strings)
+        self._serial_mode = False
+        self._protocol = _REPORT_PROTOCOL
+        self._outbox.clear()
+        self._something_to_send.clear()
+
+    def control(self, setup: Setup, data: bytes) -> bytes:
+        """Answer a control transfer; raises StallError."""
+        match setup.request_type, setup.request:
+            case (int(kind), int(request)) if kind == VENDOR_TO_DEVICE:
+                self._vendor(request, setup.value, data)
+                return b""
+            case (int(kind), int(request)) if kind == VENDOR_FROM_DEVICE and request == GET_MODE:
+                return bytes([self._serial_mode])[: setup.length]
+            case (int(kind), int(request)) if kind in (CLASS_TO_INTERFACE, CLASS_FROM_INTERFACE):
+                return self._keyboard(request, setup)
+        return self._standard.answer(setup)
+
+    @property
+    def _strings(self) -> tuple[str, str, str]:
+        return "Mitutoyo", "USB-ITN", self._bar.serial(_SERIAL)
+
+    async def ready(self) -> None:
+        """Return when there is something to send; a keyboard on which nobody types has nothing."""
+        await self._something_to_send.wait()
+
+    def take_packet(self) -> bytes:
+        """Return the next eight characters, or what is left."""
+        packet = bytes(self._outbox[:PACKET_BYTES])
+        del self._outbox[:PACKET_BYTES]
+        if not self._outbox:
+            self._something_to_send.clear()
+        return packet
+
+    def _vendor(self, request: int, value: int, data: bytes) -> None:
+        if request == SET_MODE:
+            self._serial_mode = value == SERIAL_MODE
+        elif request == SEND_COMMAND and self._serial_mode:
+            self._pressed = self._bar.has(BallbarKeyPressed) and not self._pressed
+            if self._pressed:  # before every second question
+                self._outbox += encode(self._reply(READ_VALUE))
+            said = encode(self._reply(data))
+            self._outbox += with_doubled_digit(said) if self._bar.has(LineDoublesDigits) else said
+            self._something_to_send.set()
+        else:
+            raise StallError
+
+    def _keyboard(self, request: int, setup: Setup) -> bytes:
+        match request:
+            case HidRequest.GET_REPORT:
+                return _NO_KEY[: setup.length]
+            case HidRequest.GET_PROTOCOL:
+                return bytes([self._protocol])
+            case HidRequest.SET_PROTOCOL if setup.value in (_BOOT_PROTOCOL, _REPORT_PROTOCOL):
+                self._protocol = setup.value
+                return b""
+            case HidRequest.GET_IDLE:
+                return bytes(1)
+            case HidRequest.SET_IDLE | HidRequest.SET_REPORT:  # the lamps of a keyboard
+                return b""
+        raise StallError
+
+    def _reply(self, command: bytes) -> Reply:
+        if command == READ_DEVICE:
+            return DeviceInfo(_INFO)
+        if command != READ_VALUE:
+            return Error(_UNKNOWN_COMMAND)
+        sample = self._bar.show()
+        if sample.too_fast:
+            return Error(NOT_CONVERTIBLE)
+        if sample.signal == "none" or math.isnan(sample.deviation_mm):
+            return Error(NOT_CONNECTED)
+        if self._bar.has(BallbarInches):
+            return Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
+        return Value(sample.deviation_mm, _DECIMALS)

@@ -1,0 +1,1 @@
+"""The robot controller: the servers that speak for the arm."""

@@ -1,0 +1,291 @@
+"""The robot controller: open_abb's motion server, as its RAPID program behaves.
+
+Motion errors are not reported: the RAPID program stops, and the client sees no reply ("hang") or loses its
+connection ("drop"), as the scenario says. Whoever stands beside the robot restarts the program when the
+client has gone. Straight lines (MoveL) and arcs are followed in steps of the joints; external axes have no
+mechanics.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+
+from truepose_drivers.abb_open_abb.protocol import (
+    OUR_SERVER,
+    Code,
+    OpenAbbProtocolError,
+    Reply,
+    ReplyStatus,
+    Request,
+    decode_request,
+    encode_reply,
+    encode_request,
+    rapid_number,
+)
+from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, nominal_flange
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.errors import SimulatorError
+from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.physics.inverse import UnreachableError, reach
+from truepose_simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
+
+_BUFFER_POSES = 512
+_LINE_STEP_MM = 20.0
+_LONGEST_LINE_MM = 4000.0  # these arms reach less than 1.2 m to every side, tool included
+_NO_AXIS = 9e9  # RAPID's value of an external axis that is not connected
+_ROBOTWARE = "5.61.0100"
+
+# Numbers of parameters that the program accepts.
+_COUNTS: Mapping[int, tuple[int, ...]] = {
+    Code.PING: (0,),
+    Code.MOVE_LINEAR: (7,),
+    Code.MOVE_JOINTS: (6,),
+    Code.GET_POSE: (0,),
+    Code.GET_JOINTS: (0,),
+    Code.GET_EXTERNAL_AXES: (0,),
+    Code.SET_TOOL: (7,),
+    Code.SET_WORK_OBJECT: (7,),
+    Code.SET_SPEED: (2, 4),
+    Code.SET_ZONE: (4,),
+    Code.BUFFER_ADD: (7,),
+    Code.BUFFER_CLEAR: (0,),
+    Code.BUFFER_LENGTH: (0,),
+    Code.BUFFER_RUN: (0,),
+    Code.MOVE_EXTERNAL_AXES: (6,),
+    Code.SET_CIRCLE_POINT: (7,),
+    Code.MOVE_CIRCLE: (7,),
+    Code.CONTROLLER_INFO: (0,),
+}
+# What our own program has beside these.
+_OWN_COUNTS: Mapping[int, tuple[int, ...]] = {Code.GET_SPEED: (0,), Code.WATCH: (1,)}
+_BEAT = encode_request(Code.BEAT)
+_LOOK_S = 0.1  # between two looks of our program at whether its client is still there
+_ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
+
+
+class ProgramStoppedError(SimulatorError):
+    """The RAPID program stopped; `drops` says whether its sockets die with it."""
+
+    def __init__(self, message: str, *, drops: bool) -> None:
+        super().__init__(message)
+        self.drops = drops
+
+
+class Client(Protocol):
+    """Who is connected, as the program hears it while the arm moves."""
+
+    def silent_s(self) -> float:
+        """How long nothing was heard [s, cell time]; infinite once the connection is gone."""
+        ...
+
+
+class AlwaysThere:
+    """A client that is heard all the time."""
+
+    def silent_s(self) -> float:
+        """Never silent."""
+        return 0.0
+
+
+class InvalidPoseError(SimulatorError):
+    """A pose whose quaternion has no length."""
+
+
+class MotionProgram:
+    """The RAPID program: its variables and what each code does."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew, as somebody starts a stopped program; variables outlive clients but not this."""
+        self._tool = np.eye(4)
+        self._work_object = np.eye(4)
+        self._limits = SpeedLimits()
+        self._external_axes = [_NO_AXIS] * 6
+        self._circle_point: FloatArray | None = None
+        self._buffer: list[tuple[FloatArray, SpeedLimits]] = []
+        self._last_code = 0
+        self.forget_client()
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether the program is our own, which can watch its client."""
+        return self._cell.scenario.arm.server == "truepose"
+
+    def forget_client(self) -> None:
+        """Watch nobody: a client that wants to be watched says so."""
+        self._watched_s = 0.0
+        self._client: Client = AlwaysThere()
+
+    async def answer(self, data: bytes, client: Client | None = None) -> bytes | None:
+        """Carry out what one receive delivered and return the reply, None for the wish to close (code 99).
+
+        Our program replies nothing to a beat. Raises ProgramStoppedError where the real one would stop.
+        """
+        self._client = client or AlwaysThere()
+        while self.is_ours and data.startswith(_BEAT):  # sent before the end of a motion was heard of
+            data = data[len(_BEAT) :]
+            if not data:
+                return b""
+        try:
+            request = decode_request(data)
+        except OpenAbbProtocolError:
+            # The program keeps the code of the message before, and says that one is bad.
+            return encode_reply(Reply(self._last_code, ReplyStatus.BAD_MESSAGE))
+        self._last_code = request.code
+        if request.code == Code.CLOSE:
+            return None
+        if len(request.values) not in self._counts(request.code):
+            return encode_reply(Reply(request.code, ReplyStatus.BAD_MESSAGE))
+        try:
+            text = await self._carry_out(request)
+        except (TargetOutOfRangeError, UnreachableError, InvalidPoseError) as error:
+            raise self._stopped(str(error)) from error
+        return encode_reply(Reply(request.code, ReplyStatus.OK, text))
+
+    def _counts(self, code: int) -> tuple[int, ...]:
+        own = _OWN_COUNTS.get(code, ()) if self.is_ours else ()
+        return _COUNTS.get(code, own)
+
+    async def _carry_out(self, request: Request) -> str:
+        values = np.array(request.values)
+        match request.code:
+            case Code.MOVE_JOINTS:
+                await self._move([np.radians(values)], self._limits)
+            case Code.MOVE_LINEAR:
+                await self._move_through([_pose(values)], self._limits)
+            case Code.MOVE_CIRCLE:
+                await self._move_circle(_pose(values))
+            case Code.BUFFER_RUN:
+                for pose, limits in self._buffer:
+                    await self._move_through([pose], limits)
+            case _:
+                self._set(request.code, values)
+                return self._report(request.code)
+        return ""
+
+    def _report(self, code: int) -> str:
+        match code:
+            case Code.GET_POSE:
+                numbers = self.pose()
+                position = [rapid_number(value, 2) for value in numbers[:3]]
+                return " ".join([*position, *(rapid_number(value, 3) for value in numbers[3:])])
+            case Code.GET_JOINTS:
+                decimals = _ANGLE_DECIMALS[self._cell.scenario.arm.server]
+                return " ".join(rapid_number(float(angle), decimals) for angle in np.degrees(self.joints()))
+            case Code.GET_SPEED:
+                turning = math.degrees(self._limits.orientation_rad_s)
+                return f"{rapid_number(self._limits.tool_mm_s, 2)} {rapid_number(turning, 2)}"
+            case Code.GET_EXTERNAL_AXES:
+                return " ".join(rapid_number(value, 2)[:8] for value in self._external_axes)
+            case Code.BUFFER_LENGTH:
+                return str(len(self._buffer))
+            case Code.CONTROLLER_INFO:
+                serial = self._cell.faults.serial("robot", f"SIM-{self._cell.seed}", self._cell.clock.now_s)
+                own = f"*{OUR_SERVER}" if self.is_ours else ""
+                return f"{serial}*{_ROBOTWARE}*{self._cell.plant.arm.model}{own}"
+        return ""
+
+    def _set(self, code: int, values: FloatArray) -> None:
+        match code:
+            case Code.SET_TOOL:
+                self._tool = _pose(values)
+            case Code.SET_WORK_OBJECT:
+                self._work_object = _pose(values)
+            case Code.SET_SPEED:
+                self._limits = SpeedLimits(float(values[0]), math.radians(values[1]))
+            case Code.WATCH:
+                self._watched_s = float(values[0])
+            case Code.MOVE_EXTERNAL_AXES:
+                self._external_axes = values.tolist()
+            case Code.SET_CIRCLE_POINT:
+                self._circle_point = _pose(values)
+            case Code.BUFFER_ADD if len(self._buffer) < _BUFFER_POSES:
+                self._buffer.append((_pose(values), self._limits))
+            case Code.BUFFER_CLEAR:
+                self._buffer.clear()
+
+    async def _move_circle(self, end: FloatArray) -> None:
+        if self._circle_point is None:
+            raise self._stopped("no point of the circle was set")
+        # The measured stops are what counts: the arc is replaced by its two chords.
+        await self._move_through([self._circle_point, end], self._limits)
+
+    async def _move_through(self, poses: list[FloatArray], limits: SpeedLimits) -> None:
+        """Follow straight lines of the tool centre point."""
+        waypoints: list[FloatArray] = []
+        joints = self._cell.robot.target_rad
+        for pose in poses:
+            target = self._work_object @ pose @ inverse(self._tool)
+            for frame in _line(nominal_flange(self._cell.plant.arm, joints[np.newaxis])[0], target):
+                joints = reach(self._cell.plant.arm, frame, joints)
+                waypoints.append(joints)
+        await self._move(waypoints, limits)
+
+    async def _move(self, waypoints: list[FloatArray], limits: SpeedLimits) -> None:
+        fault = self._cell.faults.next_move()
+        if isinstance(fault, RobotRefuses):
+            raise self._stopped("the target was refused")
+        if limits.tool_mm_s <= 0.0 or limits.orientation_rad_s <= 0.0:
+            raise self._stopped("a speed must be above 0")
+        await self._rest_after(self._cell.set_off(waypoints, limits, self._tool[:3, 3]).duration_s)
+        if isinstance(fault, RobotHangs):
+            raise ProgramStoppedError("the reply got lost", drops=False)
+
+    async def _rest_after(self, duration_s: float) -> None:
+        """Wait for the end of a motion; a watched one is given up when its client falls silent."""
+        watched = self._watched_s > 0.0 and self._cell.clock.waits  # where time costs nothing nobody is late
+        while watched and duration_s > _LOOK_S:
+            await self._cell.clock.sleep(_LOOK_S)
+            duration_s -= _LOOK_S
+            if self._client.silent_s() > self._watched_s:
+                self._cell.halt_robot()
+                raise ProgramStoppedError("nothing was heard of the client", drops=True)
+        await self._cell.clock.sleep(duration_s)
+
+    def _stopped(self, reason: str) -> ProgramStoppedError:
+        return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
+
+    def pose(self) -> list[float]:
+        """Return x y z [mm] and the quaternion, w first, of the present tool in the present work object."""
+        flange = nominal_flange(self._cell.plant.arm, self.joints()[np.newaxis])[0]
+        frame = inverse(self._work_object) @ flange @ self._tool
+        return [*frame[:3, 3].tolist(), *to_quaternion(frame[:3, :3]).tolist()]
+
+    def joints(self) -> FloatArray:
+        """Return the joint angles now, shape (6,) [rad]."""
+        return self._cell.robot.motion.joints_at(self._cell.clock.now_s)
+
+
+def _pose(values: FloatArray) -> FloatArray:
+    """Placement from x y z [mm] and a quaternion, w first; raises InvalidPoseError."""
+    if not np.any(values[3:]):
+        raise InvalidPoseError("a quaternion of length 0 is no orientation")
+    return motion(values[:3], from_quaternion(values[3:]))
+
+
+def _line(start: FloatArray, end: FloatArray) -> list[FloatArray]:
+    """Return placements on the straight line from `start` (left out) to `end`, orientation turning evenly.
+
+    Raises UnreachableError when it is longer than any arm here.
+    """
+    length_mm = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+    if not length_mm <= _LONGEST_LINE_MM:
+        raise UnreachableError(f"a line of {length_mm:g} mm leads out of the arm's reach")
+    steps = max(1, math.ceil(length_mm / _LINE_STEP_MM))
+    turn = to_quaternion(end[:3, :3] @ start[:3, :3].T)
+    frames = [_between(start, end, turn, step / steps) for step in range(1, steps)]
+    return [*frames, end]
+
+
+def _between(start: FloatArray, end: FloatArray, turn: FloatArray, share: float) -> FloatArray:
+    half = share * math.acos(min(1.0, float(turn[0])))
+    sine = float(np.linalg.norm(turn[1:]))
+    axis = turn[1:] / sine if sine > 0.0 else np.zeros(3)
+    partial = from_quaternion(np.array([math.cos(half), *(math.sin(half) * axis)]))
+    position = start[:3, 3] + share * (end[:3, 3] - start[:3, 3])
+    return motion(position, partial @ start[:3, :3])

@@ -1,0 +1,211 @@
+"""What the emScon server does for every command: a request in, steps out.
+
+The state (settings, tracker) outlives connections. Commands that an AT40x lacks (probes, cameras, continuous
+and 6D modes, point lists) are answered NotImplemented.
+"""
+
+from collections.abc import Callable, Mapping
+
+from truepose_drivers.leica_emscon.protocol import (
+    Answer,
+    Command,
+    ErrorReport,
+    Record,
+    Request,
+    ResultStatus,
+    StatusChange,
+    SystemStatusChange,
+)
+from truepose_drivers.leica_emscon.protocol.settings import MeasMode
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.instruments.tracker.leica_emscon.aiming import Aiming, initialised_only
+from truepose_simulators.instruments.tracker.leica_emscon.identity import (
+    COMPENSATION_IDS,
+    REFLECTOR_IDS,
+    compensation,
+    description,
+    reflectors,
+    serial_number,
+)
+from truepose_simulators.instruments.tracker.leica_emscon.parameters import (
+    COMPENSATION,
+    ENVIRONMENT,
+    MODE,
+    PARAMETERS,
+    REFLECTOR,
+    Parameter,
+    not_finite,
+    wrong_parameter,
+)
+from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
+from truepose_simulators.instruments.tracker.leica_emscon.shooting import Shooting
+from truepose_simulators.instruments.tracker.leica_emscon.status import StatusReports
+from truepose_simulators.instruments.tracker.leica_emscon.steps import HangUp, Steps
+from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity
+
+Handler = Callable[[Request], Steps]
+
+_DESCRIBED_QUANTITIES: Mapping[str, Quantity] = {
+    "max_distance": Quantity.LENGTH,
+    "min_distance": Quantity.LENGTH,
+    "accuracy_adm_distance": Quantity.LENGTH,
+    "std_dev_dist_offset_adm": Quantity.LENGTH,
+    "hz_angle_range": Quantity.ANGLE,
+    "vt_angle_range": Quantity.ANGLE,
+    "field_of_view": Quantity.ANGLE,
+    "measurement_range": Quantity.ANGLE,
+    "std_dev_angle_const": Quantity.ANGLE,
+}
+
+
+class Dialogue:
+    """One server's side of the conversation."""
+
+    def __init__(self, cell: Cell) -> None:
+        self.settings = ServerSettings()
+        self.last_status: int = ResultStatus.ALL_OK
+        self.aiming = Aiming(cell, self.settings)
+        self.shooting = Shooting(cell, self.settings)
+        self._cell = cell
+        self._handlers: dict[int, Handler] = {
+            Command.EXIT_APPLICATION: self._exit,
+            Command.GET_REFLECTORS: self._list_reflectors,
+            Command.GET_COMPENSATIONS: self._list_compensations,
+            Command.GET_COMPENSATIONS2: self._list_compensations,
+            Command.SET_LONG_SYSTEM_PARAMETER: self._set_long_parameter,
+            Command.GET_LONG_SYSTEM_PARAMETER: self._get_long_parameter,
+            Command.SET_DOUBLE_SYSTEM_PARAMETER: self._set_double_parameter,
+            Command.GET_DOUBLE_SYSTEM_PARAMETER: self._get_double_parameter,
+            Command.RESTORE_STARTUP_CONDITIONS: self._restore_start,
+            Command.GO_AND_MEASURE: initialised_only(cell, self._go_and_measure),
+            Command.STOP_MEASUREMENT: self._stop,
+            Command.CLEAR_COMMAND_QUEUE: self._acknowledge,
+            Command.SWITCH_LASER: self._acknowledge,  # a diode: nothing to warm up
+            **StatusReports(cell, self.settings, lambda: self.last_status).handlers(),
+            **self.aiming.handlers(),
+            **self.shooting.handlers(),
+        }
+        for parameter in PARAMETERS:
+            self._handlers[parameter.setter] = self._setter(parameter)
+            self._handlers[parameter.getter] = self._getter(parameter)
+        self._handlers[Command.GET_ENVIRONMENT_PARAMS] = self._get_environment
+
+    def handle(self, request: Request) -> Steps:
+        """Return what the server does for a request, step by step as it is asked for."""
+        for step in self._steps(request):
+            if isinstance(step, Answer | ErrorReport) and step.command != Command.GET_SYSTEM_STATUS:
+                self.last_status = step.status
+            if not isinstance(step, StatusChange) or self.settings.flag("send_unsolicited_messages"):
+                yield step
+
+    def _steps(self, request: Request) -> Steps:
+        status = not_finite(request.values)
+        if status != ResultStatus.ALL_OK:
+            return iter([Answer(request.command, status)])
+        handler = self._handlers.get(request.command)
+        if handler is not None:
+            return handler(request)
+        described = description(request.command, serial_number(self._cell))
+        if described is not None:
+            return iter([Answer(request.command, values=self._in_user_units(described))])
+        return iter([Answer(request.command, ResultStatus.NOT_IMPLEMENTED)])
+
+    def _in_user_units(self, described: Record) -> Record:
+        to_wire = self.settings.units.to_wire
+        for name, quantity in _DESCRIBED_QUANTITIES.items():
+            if name in described:
+                described[name] = to_wire(quantity, described.number(name))
+        return described
+
+    def _setter(self, parameter: Parameter) -> Handler:
+        def handle(request: Request) -> Steps:
+            status = parameter.fault(request.values) or self._fault(parameter, request.values)
+            if status == ResultStatus.ALL_OK:
+                self.settings.keep(parameter, request.values)
+            yield Answer(request.command, status)
+            if status == ResultStatus.ALL_OK:
+                yield StatusChange(parameter.event)
+
+        return handle
+
+    def _fault(self, parameter: Parameter, values: Record) -> int:
+        """Status of members whose validity depends on this tracker."""
+        if parameter is MODE and values["meas_mode"] != MeasMode.STATIONARY:
+            return ResultStatus.NOT_IMPLEMENTED
+        if parameter is REFLECTOR and values["internal_reflector_id"] not in REFLECTOR_IDS:
+            return wrong_parameter(1)
+        if parameter is COMPENSATION and values["internal_compensation_id"] not in COMPENSATION_IDS:
+            return ResultStatus.NO_SUCH_COMPENSATION
+        return ResultStatus.ALL_OK
+
+    def _getter(self, parameter: Parameter) -> Handler:
+        def handle(request: Request) -> Steps:
+            yield Answer(request.command, values=self.settings.show(parameter))
+
+        return handle
+
+    def _get_environment(self, request: Request) -> Steps:
+        """With the weather station connected its sensors count, otherwise what the user has set."""
+        if self.settings.weather_station_read:
+            yield Answer(request.command, values=self.shooting.air())
+        else:
+            yield Answer(request.command, values=self.settings.show(ENVIRONMENT))
+
+    def _go_and_measure(self, request: Request) -> Steps:
+        aim = self.aiming.aim_of(request.values)
+        if aim is None:
+            yield Answer(request.command, wrong_parameter(1))
+            return
+        yield from self.aiming.go_and_lock(aim, self.aiming.search_radius_mm)
+        yield from self.shooting.stationary(request.command)
+
+    def _list_reflectors(self, request: Request) -> Steps:
+        to_wire = self.settings.units.to_wire
+        for item in reflectors():
+            item["surface_offset"] = to_wire(Quantity.LENGTH, item.number("surface_offset"))
+            yield Answer(request.command, values=item)
+
+    def _list_compensations(self, request: Request) -> Steps:
+        yield Answer(request.command, values=compensation(Command(request.command)))
+
+    def _set_long_parameter(self, request: Request) -> Steps:
+        number, value = (request.values.integer(name) for name in ("system_param", "parameter"))
+        status = self.settings.set_long_parameter(number, value)
+        yield Answer(request.command, status)
+
+    def _get_long_parameter(self, request: Request) -> Steps:
+        number = request.values.integer("system_param")
+        value = self.settings.long_parameters.get(number)
+        if value is None:
+            yield Answer(request.command, wrong_parameter(1))
+        else:
+            yield Answer(request.command, values=Record(system_param=number, parameter=value))
+
+    def _set_double_parameter(self, request: Request) -> Steps:
+        number, value = request.values.integer("system_param"), request.values.number("parameter")
+        yield Answer(request.command, self.settings.set_double_parameter(number, value))
+
+    def _get_double_parameter(self, request: Request) -> Steps:
+        number = request.values.integer("system_param")
+        value = self.settings.double_parameters.get(number)
+        if value is None:
+            yield Answer(request.command, wrong_parameter(1))
+        else:
+            yield Answer(request.command, values=Record(system_param=number, parameter=value))
+
+    def _restore_start(self, request: Request) -> Steps:
+        self.settings.restore_start()
+        yield Answer(request.command)
+        yield StatusChange(SystemStatusChange.SYSTEM_SETTINGS_CHANGED)
+
+    def _acknowledge(self, request: Request) -> Steps:
+        yield Answer(request.command)
+
+    def _stop(self, request: Request) -> Steps:
+        """Acknowledge; the server has broken off what was running."""
+        yield Answer(request.command)
+        yield StatusChange(SystemStatusChange.MEAS_STATUS_READY)
+
+    def _exit(self, request: Request) -> Steps:
+        yield Answer(request.command)
+        yield HangUp()

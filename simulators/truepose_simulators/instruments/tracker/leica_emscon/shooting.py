@@ -1,0 +1,136 @@
+"""Commands that measure: stationary points, the tilt sensor, the prism where it is."""
+
+from collections.abc import Callable
+
+from truepose_drivers.leica_emscon.protocol import (
+    Answer,
+    Command,
+    ErrorReport,
+    PacketType,
+    Record,
+    Request,
+    Result,
+    StatusChange,
+    SystemStatusChange,
+)
+from truepose_drivers.leica_emscon.protocol.equipment import NivelStatus
+from truepose_drivers.leica_emscon.protocol.settings import LengthUnit
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.errors import BeamError
+from truepose_simulators.faults.kinds import BeamBroken, TrackerCut, TrackerSilent
+from truepose_simulators.faults.wire import TrackerRepeatsResult, TrackerStaleResult, TrackerUnitsChanged
+from truepose_simulators.instruments.tracker.leica_emscon.aiming import NO_REFLECTOR, initialised_only
+from truepose_simulators.instruments.tracker.leica_emscon.measuring import (
+    air_members,
+    coordinates,
+    stationary_result,
+)
+from truepose_simulators.instruments.tracker.leica_emscon.parameters import STATIONARY, UNITS
+from truepose_simulators.instruments.tracker.leica_emscon.settings import ServerSettings
+from truepose_simulators.instruments.tracker.leica_emscon.steps import CutShort, Steps, Wait
+from truepose_simulators.instruments.tracker.leica_emscon.units import Quantity
+
+_NIVEL_S = 2.0
+_PRISM_S = 0.02  # one sample
+
+Handler = Callable[[Request], Steps]
+
+
+class Shooting:
+    """The distance meter and the sensors behind the protocol."""
+
+    def __init__(self, cell: Cell, settings: ServerSettings) -> None:
+        self._cell = cell
+        self._tracker = cell.tracker
+        self._settings = settings
+        self._last_result: Result | None = None
+
+    def handlers(self) -> dict[int, Handler]:
+        """Return the commands served here."""
+        served: dict[int, Handler] = {
+            Command.START_MEASUREMENT: self._start,
+            Command.START_NIVEL_MEASUREMENT: self._start_nivel,
+            Command.GET_CURRENT_PRISM_POSITION: self._prism,
+            Command.CALL_ORIENT_TO_GRAVITY: self._orient_to_gravity,
+        }
+        return {command: initialised_only(self._cell, handler) for command, handler in served.items()}
+
+    def stationary(self, command: int) -> Steps:
+        """Measure the reflector locked on: the answer at once, the value after the measuring time."""
+        try:
+            before = self._tracker.locked_target().position_mm
+        except BeamError:
+            yield Answer(command, NO_REFLECTOR)
+            return
+        fault = self._cell.faults.next_reading()
+        if isinstance(fault, TrackerStaleResult) and self._last_result is not None:
+            yield self._last_result
+        yield Answer(command)
+        yield StatusChange(SystemStatusChange.MEAS_STATUS_BUSY)
+        if isinstance(fault, TrackerSilent):
+            return
+        if isinstance(fault, TrackerUnitsChanged):
+            inches = Record(self._settings.kept(UNITS), len_unit_type=LengthUnit.INCH)
+            self._settings.keep(UNITS, inches)
+            yield StatusChange(UNITS.event)
+        duration_s = self._settings.kept(STATIONARY).integer("meas_time") / 1000.0
+        yield Wait(duration_s)
+        try:
+            if isinstance(fault, BeamBroken):
+                self._tracker.release()
+            point = self._tracker.measure(duration_s, before)
+        except BeamError:
+            yield ErrorReport(command, NO_REFLECTOR)
+            yield StatusChange(SystemStatusChange.MEAS_STATUS_NOT_READY)
+            return
+        self._tracker.last_measured_mm = point.position_mm
+        packet = stationary_result(point, self.air(), self._settings)
+        if isinstance(fault, TrackerRepeatsResult) and self._last_result is not None:
+            packet = self._last_result
+        self._last_result = packet
+        yield CutShort(packet) if isinstance(fault, TrackerCut) else packet
+        yield StatusChange(SystemStatusChange.MEAS_STATUS_READY)
+
+    def air(self) -> Record:
+        """Return what the weather station says now."""
+        temperature_c = self._cell.air.sensed_c(self._cell.clock.now_s, self._cell.noise)
+        return air_members(self._settings, temperature_c)
+
+    def reflector_position(self) -> Result | None:
+        """Return the packet of the position stream, None when nothing is locked on."""
+        try:
+            point = self._tracker.measure(_PRISM_S)
+        except BeamError:
+            return None
+        members = coordinates(self._settings, point.position_mm)
+        return Result(PacketType.REFLECTOR_POS_RESULT, members)
+
+    def _start(self, request: Request) -> Steps:
+        return self.stationary(request.command)
+
+    def _start_nivel(self, request: Request) -> Steps:
+        """Read the tilt; the plain answer never comes, the result packet stands for it."""
+        del request
+        yield Wait(_NIVEL_S)
+        x_rad, y_rad = self._tracker.tilt_rad
+        to_wire = self._settings.units.to_wire
+        temperature_c = self._cell.air.sensed_c(self._cell.clock.now_s, self._cell.noise)
+        members = Record(
+            nivel_status=NivelStatus.ALL_OK,
+            x_tilt=to_wire(Quantity.ANGLE, x_rad),
+            y_tilt=to_wire(Quantity.ANGLE, y_rad),
+            nivel_temperature=to_wire(Quantity.TEMPERATURE, temperature_c),
+        )
+        yield Result(PacketType.NIVEL_RESULT, members)
+
+    def _orient_to_gravity(self, request: Request) -> Steps:
+        yield Wait(4 * _NIVEL_S)
+        omega, phi = (self._settings.units.to_wire(Quantity.ANGLE, tilt) for tilt in self._tracker.tilt_rad)
+        yield Answer(request.command, values=Record(omega=omega, phi=phi))
+
+    def _prism(self, request: Request) -> Steps:
+        position = self.reflector_position()
+        if position is None:
+            yield Answer(request.command, NO_REFLECTOR)
+        else:
+            yield Answer(request.command, values=position.values)

@@ -1,0 +1,1 @@
+"""Physical effects of joints."""

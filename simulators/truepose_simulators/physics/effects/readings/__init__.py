@@ -1,0 +1,1 @@
+"""Physical effects on single readings."""

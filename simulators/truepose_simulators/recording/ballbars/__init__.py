@@ -1,0 +1,1 @@
+"""Ballbar campaigns recorded without a wire."""

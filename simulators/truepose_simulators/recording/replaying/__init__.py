@@ -1,0 +1,1 @@
+"""A measured campaign measured once more, in the simulated cell."""
