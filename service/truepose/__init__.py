@@ -1,5 +1,70 @@
-"""The truepose service: measures, identifies and validates industrial robots."""
+"""Measures, identifies and validates industrial robots, and names what their model gets wrong.
+
+`import truepose as tp` is the face for notebooks and programs. Names are loaded when they are first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from truepose.version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from truepose.domain.errors import TrueposeError
+    from truepose.exchange.errors import InputFileError
+    from truepose.notebook.campaign import Campaign, read_campaign
+    from truepose.notebook.diagnosis import Diagnosis, diagnose
+    from truepose.notebook.identification import Identification, identify
+    from truepose.notebook.model import Model, read_model
+    from truepose.notebook.plan import Plan, plan
+    from truepose.notebook.prediction import Predictions, predict
+    from truepose.notebook.validation import Validation, validate
+
+__all__ = [
+    "Campaign",
+    "Diagnosis",
+    "Identification",
+    "InputFileError",
+    "Model",
+    "Plan",
+    "Predictions",
+    "TrueposeError",
+    "Validation",
+    "__version__",
+    "diagnose",
+    "identify",
+    "plan",
+    "predict",
+    "read_campaign",
+    "read_model",
+    "validate",
+]
+
+_HOMES = {
+    "Campaign": "notebook.campaign",
+    "Diagnosis": "notebook.diagnosis",
+    "Identification": "notebook.identification",
+    "InputFileError": "exchange.errors",
+    "Model": "notebook.model",
+    "Plan": "notebook.plan",
+    "Predictions": "notebook.prediction",
+    "TrueposeError": "domain.errors",
+    "Validation": "notebook.validation",
+    "diagnose": "notebook.diagnosis",
+    "identify": "notebook.identification",
+    "plan": "notebook.plan",
+    "predict": "notebook.prediction",
+    "read_campaign": "notebook.campaign",
+    "read_model": "notebook.model",
+    "validate": "notebook.validation",
+}
+
+if not TYPE_CHECKING:  # to a type checker every misspelt name would be one of ours
+
+    def __getattr__(name: str) -> object:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'truepose' has no attribute {name!r}")
+        return getattr(import_module(f"truepose.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

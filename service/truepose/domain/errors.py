@@ -10,7 +10,17 @@ TrueposeError
 
 
 class TrueposeError(Exception):
-    """Base of every error that the service raises on purpose; its text is one sentence for the user."""
+    """Base of every error that the service raises on purpose; its text is one sentence for the user.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> try:
+    ...     tp.read_campaign("no-such-folder")
+    ... except tp.TrueposeError as error:
+    ...     print(error)
+    no-such-folder: there is no such campaign folder.
+    """
 
 
 class ConfigurationError(TrueposeError):

@@ -20,7 +20,7 @@ class ExchangeError(TrueposeError):
 
 
 class InputFileError(ExchangeError):
-    """A file given by the user cannot be used.
+    """A file or table given by the user cannot be used.
 
     Parameters
     ----------
@@ -36,6 +36,15 @@ class InputFileError(ExchangeError):
         Name of the column of a table.
     key : str, optional
         Path of the key in a JSON or TOML document, such as ``dhm_nominal[2].a_mm`` (0-based).
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> try:
+    ...     tp.read_campaign({"config": [1]}, robot="abb-irb-120")
+    ... except tp.InputFileError as error:
+    ...     print(error, error.file)
+    calibration: column q1_deg is missing; it is required. calibration
     """
 
     def __init__(

@@ -66,9 +66,16 @@ def judged(identification: Identification, campaign: Campaign) -> Judged | None:
     if readings is None:
         return None
     scatter = 0.0 if campaign.repeatability_in_uncertainty else campaign.robot.repeatability_mm
+    return judged_by(model, readings, held_out=readings is held_out, scatter_mm=scatter)
+
+
+def judged_by(
+    model: Model, readings: PointReadings | LegReadings, *, held_out: bool, scatter_mm: float
+) -> Judged:
+    """Return readings with their residuals; raises ConfigurationError where they do not fit the model."""
     if isinstance(readings, PointReadings):
-        return _points(model, readings, readings is held_out, scatter)
-    return _legs(model, readings, readings is held_out, scatter)
+        return _points(model, readings, held_out, scatter_mm)
+    return _legs(model, readings, held_out, scatter_mm)
 
 
 def _points(model: Model, points: PointReadings, held_out: bool, scatter_mm: float) -> Judged:

@@ -1,0 +1,263 @@
+"""A campaign in a notebook: from a folder, a zip, or tables in memory."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args, overload
+
+import numpy as np
+
+from truepose.domain import campaign as domain
+from truepose.domain.errors import ConfigurationError
+from truepose.effects.registry import unusable_causes
+from truepose.exchange.campaigns.arrays import campaign_from_arrays
+from truepose.exchange.campaigns.folder import campaign_files, write_campaign
+from truepose.exchange.campaigns.path import read_campaign_at
+from truepose.exchange.tables.table import Arrays
+from truepose.notebook import html
+from truepose.notebook.frames import frame_of_text
+from truepose.notebook.robots import RobotGiven, known_robot, robot_keys, with_limits_of
+from truepose.notebook.tables import Table, columns_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Role = Literal[
+    "calibration", "validation", "reference", "legs", "validation_legs", "fixture", "setup", "cups"
+]
+Vector = Sequence[float]
+_WORDS: dict[Role, str] = {
+    "calibration": "points to calibrate",
+    "validation": "points to validate",
+    "legs": "legs to calibrate",
+    "validation_legs": "legs to validate",
+    "reference": "looks at fixed nests",
+}
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Campaign:
+    """One robot measured with one set-up: its readings, and what is known beforehand.
+
+    Attributes
+    ----------
+    data : truepose.domain.campaign.Campaign
+        The tables as arrays, angles in rad: `data.calibration.position_mm` has the shape (n, 3),
+        `data.calibration.stops.joints_rad` (n, J).
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> campaign = tp.read_campaign("docs/examples/campaign")
+    >>> campaign
+    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 points to calibrate, 20 points to validate
+    >>> campaign.data.calibration.position_mm.shape
+    (30, 3)
+    """
+
+    data: domain.Campaign
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was not understood and is ignored, and which installed causes cannot be used, as sentences."""
+        return (*self.data.ignored, *unusable_causes())
+
+    def to_frame(self, role: Role = "calibration") -> "DataFrame":
+        """Return one table as a DataFrame with the columns of the file format, angles in deg.
+
+        Raises
+        ------
+        ConfigurationError
+            The campaign has no such table.
+        MissingExtraError
+            pandas is not installed.
+        """
+        files = campaign_files(self.data)
+        if f"{role}.csv" not in files:
+            there = ", ".join(name.removesuffix(".csv") for name in files if name.endswith(".csv"))
+            raise ConfigurationError(f"The campaign has no table {role!r}; it has {there}.")
+        return frame_of_text(files[f"{role}.csv"])
+
+    def save(self, folder: str | Path) -> None:
+        """Write the campaign as a folder that the command line reads; raises OSError."""
+        write_campaign(self.data, Path(folder))
+
+    def _roles(self) -> Iterator[Role]:
+        yield from (role for role in _WORDS if getattr(self.data, role) is not None)
+
+    def _counts(self) -> Iterator[str]:
+        for role in self._roles():
+            yield f"{len(getattr(self.data, role))} {_WORDS[role]}"
+
+    def __repr__(self) -> str:
+        robot, nests = self.data.robot, len(self.data.nests)
+        size = f"{robot.n_joints} joints, {nests} nest{'s' if nests > 1 else ''}"
+        return f"Campaign of {robot.name}: {size}; {', '.join(self._counts())}"
+
+    def _repr_html_(self) -> str:
+        return html.page(html.paragraphs((repr(self), *self.data.notes, *self.remarks)))
+
+
+@overload
+def read_campaign(source: str | Path) -> Campaign: ...
+
+
+@overload
+def read_campaign(
+    source: Table,
+    *,
+    robot: RobotGiven,
+    validation: Table | None = None,
+    nests_mm: Sequence[Vector | None] | None = None,
+    nest_u_mm: float | Sequence[float | None] | None = None,
+    base: Mapping[str, float] | None = None,
+    repeatability_mm: float | None = None,
+    tables: Mapping[Role, Table] | None = None,
+    keys: Mapping[str, object] | None = None,
+) -> Campaign: ...
+
+
+def read_campaign(
+    source: str | Path | Table,
+    *,
+    robot: RobotGiven | None = None,
+    validation: Table | None = None,
+    nests_mm: Sequence[Vector | None] | None = None,
+    nest_u_mm: float | Sequence[float | None] | None = None,
+    base: Mapping[str, float] | None = None,
+    repeatability_mm: float | None = None,
+    tables: Mapping[Role, Table] | None = None,
+    keys: Mapping[str, object] | None = None,
+) -> Campaign:
+    """Read a campaign: a folder, the zip of one, or tables that are in memory.
+
+    Parameters
+    ----------
+    source : path, or table
+        A campaign folder or zip; all else comes from its `campaign.json` then. Or the readings to calibrate
+        with: a DataFrame, a mapping of names to arrays, or a structured array. Its columns are those of the
+        file format, shape (n,): `config`, `q1_deg`.. (or `q1_rad`..), `nest`, `x_mm`, `y_mm`, `z_mm`,
+        `u_mm` (standard uncertainty per axis), and what else is known of a stop. In a mapping a single value
+        holds for every row, and blocks stand for columns: `joints_deg` or `joints_rad` (n, J),
+        `position_mm` (n, 3), `dir` (n, J), `tau_Nm` (n, J). Columns of legs make it a campaign of lengths.
+    robot : str, path or table
+        Name of a shipped robot, a robot file (TOML), or one row per joint of the Denavit-Hartenberg table
+        (modified, after Craig): `alpha_deg`, `a_mm`, `theta_offset_deg`, `d_mm`, and `sign` where a joint
+        counts the other way.
+    validation : table, optional
+        Readings that judge and are never used to identify, shape and columns as above.
+    nests_mm : sequence of 3 numbers or None, optional
+        Centres of the tool nests in the last joint's frame [mm], None for one that is unknown. Without it all
+        are unknown, and found from the readings.
+    nest_u_mm : float or sequence of float, optional
+        Standard uncertainty of these centres per axis [mm].
+    base : mapping, optional
+        Nominal place of the robot in the frame of the readings: `x_mm`, `y_mm`, `z_mm`, `rx_deg`, `ry_deg`,
+        `rz_deg`. Without it the base is found from the readings.
+    repeatability_mm : float, optional
+        Standard deviation of the arm itself per axis [mm]; by default that of the shipped robot.
+    tables : mapping of role to table, optional
+        Further tables by their role in the file format: `reference`, `fixture`, `setup`, `cups`.
+    keys : mapping, optional
+        Further keys of `campaign.json`, such as `masses` or `tracker_position_world_mm`. The masses of a
+        shipped robot contain the tool that it was measured with; give your own.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputFileError
+        With file, line and column, or for tables with name, row (from 0) and column, in one sentence.
+    UnknownRobotError
+        No shipped robot has that name; the sentence lists those that there are.
+    ConfigurationError
+        Arguments that do not go together.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> tp.read_campaign("docs/examples/campaign")
+    Campaign of ABB IRB 120, simulated: 6 joints, 3 nests; 30 points to calibrate, 20 points to validate
+
+    Columns may as well come from arrays, or from a DataFrame with the same names:
+
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> readings = {
+    ...     "config": np.arange(40),
+    ...     "joints_rad": rng.uniform(-1.0, 1.0, (40, 6)),
+    ...     "nest": 1,
+    ...     "position_mm": rng.uniform(300.0, 600.0, (40, 3)),
+    ...     "u_mm": 0.015,
+    ... }
+    >>> tp.read_campaign(readings, robot="abb-irb-120")
+    Campaign of ABB IRB 120: 6 joints, 1 nest; 40 points to calibrate
+    >>> tp.read_campaign(readings | {"u_mm": -0.015}, robot="abb-irb-120")
+    Traceback (most recent call last):
+    ...
+    truepose.exchange.errors.BadValueError: calibration, row 0, column u_mm: '-0.015' must be greater than 0.
+    """
+    if isinstance(source, str | Path):
+        return Campaign(read_campaign_at(Path(source)))
+    if robot is None:
+        raise ConfigurationError(
+            "Readings need their robot: give robot=..., a shipped name or the rows of its table."
+        )
+    roles = _arrays(source, validation, tables or {})
+    found = known_robot(robot)
+    described = {
+        **robot_keys(robot, found),
+        "tool_nests_mm": _centres(nests_mm, roles),
+        "tool_nest_u_mm": _plain(nest_u_mm),
+        "base_in_world_nominal": base,
+        **({} if repeatability_mm is None else {"robot_repeatability_mm": repeatability_mm}),
+        **{key: _plain(value) for key, value in (keys or {}).items()},
+    }
+    return Campaign(with_limits_of(campaign_from_arrays(described, roles), found))
+
+
+def _arrays(source: Table, validation: Table | None, tables: Mapping[Role, Table]) -> dict[str, Arrays]:
+    """Return the tables by role; lengths without positions are legs."""
+    given = columns_of(source, "calibration")
+    lengths = "length_mm" in given and "x_mm" not in given
+    first, held_out = ("legs", "validation_legs") if lengths else ("calibration", "validation")
+    roles: dict[str, Arrays] = {first: given}
+    if validation is not None:
+        roles[held_out] = columns_of(validation, held_out)
+    for role, table in tables.items():
+        roles[_known(role)] = columns_of(table, role)
+    return roles
+
+
+def _known(role: Role) -> Role:
+    known = get_args(Role)
+    if role not in known:
+        raise ConfigurationError(f"There is no table {role!r} in a campaign; known are {', '.join(known)}.")
+    return role
+
+
+def _centres(nests_mm: Sequence[Vector | None] | None, roles: Mapping[str, Arrays]) -> list[object]:
+    """Return the centres of the nests; where none is stated, as many unknown ones as the readings name."""
+    if nests_mm is not None:
+        return [_plain(centre) for centre in nests_mm]
+    named = [
+        columns[name]
+        for columns in roles.values()
+        for name in ("nest", "tool_point")
+        if name in columns and columns[name].dtype.kind == "f" and columns[name].size
+    ]
+    most = max((float(np.nanmax(column)) for column in named), default=1.0)
+    return [None] * max(1, int(most))
+
+
+def _plain(value: object) -> object:
+    """Return a value as a JSON document would have it: lists and Python's own numbers."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(entry) for entry in value]
+    return value

@@ -1,0 +1,167 @@
+"""Identification in a notebook."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from truepose.domain import campaign as measured
+from truepose.domain import results as domain
+from truepose.exchange.json_text import Json
+from truepose.exchange.results.documents import identification_document
+from truepose.identification import identify as identify_campaign
+from truepose.notebook import html
+from truepose.notebook.campaign import Campaign
+from truepose.notebook.frames import frame
+from truepose.notebook.model import Model
+from truepose.notebook.wording import STATISTICS, change, counted, parameter_texts, rows_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Identification:
+    """The answer of an identification, whatever its status.
+
+    Attributes
+    ----------
+    answer : truepose.domain.results.Identification
+        Everything that was found, in mm and rad.
+    campaign : truepose.domain.campaign.Campaign
+        What it was found from.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> answer = tp.identify(tp.read_campaign("docs/examples/campaign"))
+    >>> answer.status
+    'converged'
+    >>> answer.document["counts"]["parameters"]
+    31
+    """
+
+    answer: domain.Identification
+    campaign: measured.Campaign
+
+    @property
+    def status(self) -> str:
+        """How it ended.
+
+        `converged`, `not_converged`, `too_few_data`, `wrong_nominal_model` or `outliers_dominate`.
+        """
+        return self.answer.status.value
+
+    @property
+    def message(self) -> str:
+        """What to make of it, in words."""
+        return self.answer.message
+
+    @property
+    def model(self) -> Model | None:
+        """The identified model; None where nothing could be fitted."""
+        return None if self.answer.model is None else Model(self.answer.model)
+
+    @property
+    def document(self) -> dict[str, Json]:
+        """What `truepose identify --json` prints."""
+        return identification_document(self.answer, self.campaign.robot.name)
+
+    def to_frame(self) -> "DataFrame":
+        """Return one row per parameter: name, effect, value, unit, standard uncertainty, prior width.
+
+        Angles in deg, lengths in mm. Raises MissingExtraError where pandas is not installed.
+        """
+        return frame(self.document["parameters"])
+
+    def plot(self) -> "Figure | None":
+        """Return the histogram of errors before and after, on the readings that judge the model.
+
+        Held-out readings where there are any, else those of the calibration; None without a model. The figure
+        is of matplotlib and belongs to no window: change and save it as any other.
+        """
+        from truepose.reports.figures.histogram import plain_histogram
+        from truepose.reports.judged import judged, shown_noise_mm
+
+        shown = judged(self.answer, self.campaign)
+        return None if shown is None else plain_histogram(shown, shown_noise_mm(self.answer, shown))
+
+    def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
+        """Yield the statistics that the model is judged by, the most telling first."""
+        named = {
+            "validation": self.answer.validation,
+            "cross-validation": None if self.answer.validation else self.answer.cross_validation,
+            "calibration": self.answer.calibration,
+        }
+        yield from ((name, pair) for name, pair in named.items() if pair is not None)
+
+    def __repr__(self) -> str:
+        counts = self.answer.counts
+        judged = next((f"{name} {change(pair)}; " for name, pair in self._blocks()), "")
+        sizes = (
+            counted(counts.configurations, "configuration"),
+            counted(counts.parameters, "parameter"),
+            counted(counts.outliers, "outlier"),
+        )
+        return f"Identification of {self.campaign.robot.name}: {self.status}; {judged}{', '.join(sizes)}"
+
+    def _repr_html_(self) -> str:
+        errors = [
+            row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)
+        ]
+        left_open = [
+            f"Not told apart: {', '.join(group.parameters)}: {group.reason}."
+            for group in self.answer.not_identifiable
+        ]
+        parameters = map(parameter_texts, self.answer.parameters)
+        head = ("parameter", "unit", "value", "u")
+        return html.page(
+            html.paragraphs((repr(self), self.message)),
+            html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
+            html.table("Parameters, added to the nominal values", head, parameters, numbers_from=2),
+            html.paragraphs(left_open),
+        )
+
+
+def identify(
+    campaign: Campaign, effects: Sequence[str] | None = None, progress: Progress | None = None
+) -> Identification:
+    """Identify the robot of a campaign: by how much it differs from its nominal model.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    effects : sequence of str, optional
+        What may differ, by name: `["base", "tool", "geometry"]`. By default base, tool as far as unknown,
+        geometry, and compliance where masses or torques are known.
+    progress : callable, optional
+        Told the fraction done (0 to 1) and what is being done.
+
+    Returns
+    -------
+    Identification
+        Whatever the status.
+
+    Raises
+    ------
+    UnknownEffectError
+        There is no effect of that name; the sentence lists those that there are.
+    ConfigurationError
+        An effect is named twice, or does not go with the campaign.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> campaign = tp.read_campaign("docs/examples/campaign")
+    >>> tp.identify(campaign)
+    Identification of ABB IRB 120, simulated: converged; validation RMS 0.7... -> 0.0... mm; 30 ...
+    >>> tp.identify(campaign, ["base", "geometrie"])
+    Traceback (most recent call last):
+    ...
+    truepose.domain.errors.UnknownEffectError: There is no effect 'geometrie'; known are base, ...
+    """
+    names = (effects,) if isinstance(effects, str) else effects
+    chosen = None if names is None else tuple(names)
+    return Identification(identify_campaign(campaign.data, chosen, progress), campaign.data)

@@ -1,0 +1,148 @@
+"""Validation in a notebook."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from truepose.domain import results as domain
+from truepose.domain.campaign import LegReadings, PointReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.json_text import Json
+from truepose.exchange.results.documents import statistics_document, validation_document
+from truepose.exchange.tables.files import held_out_readings
+from truepose.judgement.cautions import validation_cautions
+from truepose.judgement.held_out import validate as validate_model
+from truepose.notebook import html
+from truepose.notebook.frames import frame
+from truepose.notebook.model import Model
+from truepose.notebook.tables import TableOrFile, named_data
+from truepose.notebook.wording import STATISTICS, change, counted, rows_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Validation:
+    """A model against readings that it was not made from.
+
+    Attributes
+    ----------
+    answer : truepose.domain.results.Validation
+        Statistics of the errors [mm].
+    remarks : tuple of str
+        What was ignored in the table, and what the judgement does not contain.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> campaign = tp.read_campaign("docs/examples/campaign")
+    >>> judged = tp.validate(tp.identify(campaign).model, "docs/examples/campaign/validation.csv")
+    >>> judged.passed
+    True
+    >>> judged.document["position"]["identified"]["n"]
+    20
+    """
+
+    answer: domain.Validation
+    model: domain.Model
+    readings: PointReadings | LegReadings
+    remarks: tuple[str, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every error is within the limit; without one, whether the model keeps what it claims."""
+        return self.answer.passed
+
+    @property
+    def document(self) -> dict[str, Json]:
+        """What `truepose validate --json` prints."""
+        return validation_document(self.answer)
+
+    def to_frame(self) -> "DataFrame":
+        """Return the statistics [mm], one row for each quantity and model.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        return frame([
+            {"quantity": quantity, "model": model, **statistics_document(figures)}
+            for quantity, pair in self._blocks()
+            for model, figures in (("nominal", pair.nominal), ("identified", pair.identified))
+        ])
+
+    def plot(self) -> "Figure":
+        """Return the histogram of errors of the nominal and the identified model, a figure of matplotlib."""
+        from truepose.reports.figures.histogram import plain_histogram
+        from truepose.reports.judged import judged_by
+
+        shown = judged_by(self.model, self.readings, held_out=True, scatter_mm=self.model.repeatability_mm)
+        return plain_histogram(shown, self.answer.position.identified.noise_mm)
+
+    def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
+        yield self.answer.quantity, self.answer.position
+        if self.answer.distance is not None:
+            yield "distance", self.answer.distance
+
+    def __repr__(self) -> str:
+        said = "passed" if self.passed else "not passed"
+        limit = "" if self.answer.limit_mm is None else f" (limit {self.answer.limit_mm:g} mm)"
+        figures = "; ".join(f"{name} {change(pair)}" for name, pair in self._blocks())
+        judged = f"{self.model.robot.name} on {counted(len(self.readings), 'reading')}"
+        return f"Validation of {judged}: {said}{limit}; {figures}"
+
+    def _repr_html_(self) -> str:
+        rows = [row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)]
+        return html.page(
+            html.paragraphs((repr(self),)),
+            html.table("Errors, mm", STATISTICS, rows, numbers_from=2),
+            html.paragraphs(self.remarks),
+        )
+
+
+def validate(model: Model, points: TableOrFile, limit_mm: float | None = None) -> Validation:
+    """Judge a model on readings that it was not made from.
+
+    Parameters
+    ----------
+    model : Model
+    points : table or path
+        n readings with the columns of `read_campaign`; a file is CSV.
+    limit_mm : float, optional
+        Largest error that passes. Without it the model passes when its mean error is neither above the
+        nominal model's nor far above what it claims itself.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    InputFileError
+        The table cannot be used: with file and line, or row (from 0), and column.
+    ConfigurationError
+        The readings do not fit the model, or the limit is no length.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> model = tp.identify(tp.read_campaign("docs/examples/campaign")).model
+    >>> tp.validate(model, "docs/examples/campaign/validation.csv", limit_mm=0.1)
+    Validation of ABB IRB 120, simulated on 20 readings: passed (limit 0.1 mm); position RMS 0.7... -> 0.0...
+    >>> tp.validate(model, {"config": [1], "q1_deg": [0.0]})
+    Traceback (most recent call last):
+    ...
+    truepose.exchange.errors.MissingEntryError: points: column q2_deg is missing; it is required.
+    """
+    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
+        raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
+    data = model.data
+    nests = [nest.nest for nest in data.nests]
+    table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
+    answer = validate_model(data, table.readings, limit_mm=limit_mm)
+    remarks = (*table.ignored, *validation_cautions(data, table.readings))
+    return Validation(answer, data, table.readings, remarks)

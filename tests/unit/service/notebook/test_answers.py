@@ -1,0 +1,181 @@
+"""Answers in a notebook: the command line's numbers, short to read, to be drawn, kept and worked on."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import truepose as tp
+from tests.unit.service.notebook.conftest import EXAMPLES
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import Robot
+
+_HELD_OUT = EXAMPLES / "campaign" / "validation.csv"
+
+
+def _command(*arguments):
+    command = [sys.executable, "-m", "truepose", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120).stdout
+
+
+@pytest.fixture(scope="module")
+def model_file(model, tmp_path_factory):
+    file = tmp_path_factory.mktemp("model") / "robot.json"
+    model.save(file)
+    return file
+
+
+def test_documents_are_those_of_the_commands(campaign, identified, model, model_file):
+    folder = EXAMPLES / "campaign"
+
+    assert identified.document == json.loads(_command("identify", folder, "--json"))
+    assert tp.diagnose(campaign).document == json.loads(_command("diagnose", folder, "--json"))
+    judged = json.loads(_command("validate", model_file, _HELD_OUT, "--json", "--limit-mm", "0.1"))
+    assert tp.validate(model, _HELD_OUT, limit_mm=0.1).document == judged
+
+
+def test_predictions_are_those_of_the_command(model, model_file, tmp_path):
+    _command("predict", model_file, _HELD_OUT, "--out", tmp_path / "command.csv")
+
+    tp.predict(model, _HELD_OUT).save(tmp_path / "notebook.csv")
+
+    assert (tmp_path / "notebook.csv").read_bytes() == (tmp_path / "command.csv").read_bytes()
+
+
+def test_a_saved_model_predicts_the_same(model, model_file):
+    again = tp.read_model(model_file)
+
+    assert again.document == model.document
+    assert tp.predict(again, _HELD_OUT).position_mm == pytest.approx(tp.predict(model, _HELD_OUT).position_mm)
+
+
+def test_rows_without_a_nest_are_predicted_for_every_nest(model):
+    predicted = tp.predict(model, {"config": [7], "joints_rad": [[0.1] * 6]})
+
+    assert predicted.nest.tolist() == [1, 2, 3]
+    assert predicted.config.tolist() == [7, 7, 7]
+
+
+def test_a_hidden_wave_is_named_from_frames_alone(diagnosed):
+    """Neither base nor nests are stated; the truth is 0.03 deg, two periods per turn of joint 4."""
+    (finding,) = diagnosed.answer.findings
+
+    assert (diagnosed.verdict, finding.effect, finding.subject) == ("explained", "joint_harmonics", "joint 4")
+    # Four of its own standard uncertainties, which at 0.015 mm over 80 readings are some 0.001 deg.
+    assert finding.amplitude == pytest.approx(0.03, abs=4.0 * finding.amplitude_standard_uncertainty)
+    assert finding.amplitude_standard_uncertainty < 0.002
+    assert "explained, 1 finding (joint_harmonics of joint 4)" in repr(diagnosed)
+
+
+def test_nothing_is_found_where_nothing_is_hidden(campaign):
+    diagnosed = tp.diagnose(campaign)
+
+    assert (diagnosed.verdict, diagnosed.answer.findings) == ("consistent", ())
+    assert "consistent, no finding" in repr(diagnosed)
+    with pytest.raises(ConfigurationError, match=r"There is no finding 1: the diagnosis has no finding\."):
+        diagnosed.plot(1)
+
+
+def test_where_nothing_can_be_fitted_there_is_an_answer_and_no_model(campaign):
+    few = {"config": [1, 2], "joints_deg": np.eye(2, 6), "nest": 1, "position_mm": np.eye(2, 3), "u_mm": 0.01}
+
+    answer = tp.identify(tp.read_campaign(few, robot="abb-irb-120"))
+
+    assert (answer.status, answer.model, answer.plot()) == ("too_few_data", None, None)
+    assert "too_few_data; 2 configurations, no parameter" in repr(answer)
+    assert "too few" in answer._repr_html_().lower() or answer.message in answer._repr_html_()
+
+
+def _shown(answers):
+    return {type(answer).__name__: answer for answer in answers}
+
+
+@pytest.fixture(scope="module")
+def answers(campaign, identified, model, diagnosed):
+    plan = tp.plan(EXAMPLES / "networked-cell.toml", 3, role="validation")
+    judged, predicted = tp.validate(model, _HELD_OUT), tp.predict(model, _HELD_OUT)
+    return _shown((campaign, identified, model, diagnosed, judged, predicted, plan))
+
+
+@pytest.mark.parametrize(
+    "name", ["Campaign", "Identification", "Model", "Diagnosis", "Validation", "Predictions", "Plan"]
+)
+def test_an_answer_is_short_and_has_a_table(answers, name):
+    pandas = pytest.importorskip("pandas")
+
+    frame = answers[name].to_frame()
+
+    assert len(repr(answers[name])) < 250
+    assert "\n" not in repr(answers[name])
+    assert isinstance(frame, pandas.DataFrame)
+    assert len(frame) > 0
+    assert answers[name]._repr_html_().startswith("<div><p>")
+
+
+@pytest.mark.parametrize("name", ["Identification", "Diagnosis", "Validation"])
+def test_a_plot_is_a_figure_of_matplotlib_that_may_be_changed(answers, name, tmp_path):
+    figure = answers[name].plot()
+
+    figure.axes[0].set_title("left arm")
+    figure.savefig(tmp_path / "errors.png")
+
+    assert (tmp_path / "errors.png").stat().st_size > 5000
+
+
+def test_a_finding_is_drawn_with_its_curve(diagnosed):
+    axes = diagnosed.plot(1).axes[0]
+
+    assert axes.get_xlabel() == "angle of joint 4 [deg]"
+
+
+def test_names_from_files_are_escaped(identified):
+    robot = replace(identified.campaign.robot, name="<script>alert(1)</script>")
+
+    page = tp.Identification(identified.answer, replace(identified.campaign, robot=robot))._repr_html_()
+
+    assert isinstance(robot, Robot)
+    assert "<script>" not in page
+    assert "&lt;script&gt;" in page
+
+
+def test_a_plan_is_that_of_the_service_and_repeats_itself():
+    cell = EXAMPLES / "networked-cell.toml"
+
+    first, second, other = (tp.plan(cell, 4, role="validation", seed=seed) for seed in (1, 1, 2))
+
+    assert np.array_equal(first.joints_rad, second.joints_rad)
+    assert not np.array_equal(first.joints_rad, other.joints_rad)
+    with pytest.raises(ConfigurationError, match="n is 0: ask for one configuration at least"):
+        tp.plan(cell, 0)
+
+
+def test_a_plan_to_calibrate_visits_some_again():
+    plan = tp.plan(EXAMPLES / "networked-cell.toml", 12, seed=3)
+
+    assert repr(plan) == "Plan of a calibration of ABB IRB 120: 12 configurations, 5 revisits"
+    assert (plan.repeat_of[:12] == -1).all()
+
+
+def test_without_pandas_a_frame_says_what_to_install(identified, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+
+    with pytest.raises(tp.TrueposeError, match=r"pip install 'truepose\[notebook\]'"):
+        identified.to_frame()
+
+
+@pytest.mark.parametrize("limit_mm", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_limit_that_is_no_length_is_refused(model, limit_mm):
+    with pytest.raises(ConfigurationError, match="give the largest error that passes, above 0 mm"):
+        tp.validate(model, _HELD_OUT, limit_mm=limit_mm)
+
+
+def test_what_rows_do_not_tell_is_remarked(model):
+    judged = tp.validate(model, _HELD_OUT)
+
+    assert judged.remarks == ()
+    assert tp.predict(model, {"config": [1], "joints_deg": [[0.0] * 6], "shift": ["late"]}).remarks == (
+        "points: column shift is not part of the format and is ignored.",
+    )
