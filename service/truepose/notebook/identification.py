@@ -83,7 +83,7 @@ class Identification:
         is of matplotlib and belongs to no window: change and save it as any other.
         """
         from truepose.reports.figures.histogram import plain_histogram
-        from truepose.reports.judged import judged, shown_noise_mm
+        from truepose.reports.uncertainty.judged import judged, shown_noise_mm
 
         shown = judged(self.answer, self.campaign)
         return None if shown is None else plain_histogram(shown, shown_noise_mm(self.answer, shown))

@@ -15,8 +15,8 @@ from truepose.exchange.tables.stops import NO_REPEAT, joint_names
 from truepose.notebook import html
 from truepose.notebook.frames import frame
 from truepose.notebook.wording import counted
-from truepose.planning.cell_space import space_to_measure
-from truepose.planning.session_plans import plan_session
+from truepose.planning.tracker.session_plans import plan_session
+from truepose.planning.work_volume.cell_space import space_to_measure
 
 if TYPE_CHECKING:
     from pandas import DataFrame

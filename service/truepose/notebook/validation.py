@@ -78,7 +78,7 @@ class Validation:
     def plot(self) -> "Figure":
         """Return the histogram of errors of the nominal and the identified model, a figure of matplotlib."""
         from truepose.reports.figures.histogram import plain_histogram
-        from truepose.reports.judged import judged_by
+        from truepose.reports.uncertainty.judged import judged_by
 
         shown = judged_by(self.model, self.readings, held_out=True, scatter_mm=self.model.repeatability_mm)
         return plain_histogram(shown, self.answer.position.identified.noise_mm)
