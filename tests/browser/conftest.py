@@ -8,6 +8,7 @@ import httpx
 import pytest
 from playwright.sync_api import sync_playwright
 
+from tests.browser.windows import Windows, without_complaint
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
 from truepose.app import create_app
@@ -75,10 +76,11 @@ class Service:
         return path
 
     def diagnosed(self, session, answer):
-        """Diagnose a session and return the path of the page."""
+        """Diagnose a session and return the address of the page."""
         self._worker.answer = answer
         job = self.post(f"{session}/diagnosis", {}).headers["Location"]
-        return self.until(job, "state", "succeeded")["result_url"].removeprefix("/api/v1")
+        page = self.until(job, "state", "succeeded")["result_url"].removeprefix("/api/v1")
+        return self.url + page
 
 
 @pytest.fixture
@@ -98,22 +100,17 @@ def chromium():
         pytest.skip("no Chromium is installed here")
     with sync_playwright() as playwright:
         # The sandbox needs rights that a container's root user does not have; the pages are our own.
-        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield browser
+        arguments = ["--no-sandbox", "--host-resolver-rules=MAP evil.test 127.0.0.1"]
+        browser = playwright.chromium.launch(executable_path=path, args=arguments)
+        yield Windows(browser)
         browser.close()
 
 
 @contextlib.contextmanager
 def looking(chromium, origin):
     """Open a page of a tablet's size; whatever it complains of or fetches from elsewhere fails the test."""
-    page = chromium.new_page(viewport={"width": 800, "height": 1280}, base_url=origin)
-    complaints = []
-    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("request", lambda r: None if r.url.startswith((origin, "data:")) else complaints.append(r.url))
-    yield page
-    page.close()
-    assert complaints == []
+    with chromium.one(origin) as page, without_complaint(page, origin):
+        yield page
 
 
 @pytest.fixture

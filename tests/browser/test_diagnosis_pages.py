@@ -49,7 +49,7 @@ def test_the_map_fits_the_tablet_and_is_told_to_those_who_cannot_see_it(service,
 def test_the_list_leads_to_the_report(service, tablet):
     service.diagnosed(service.measured_session("left arm"), consistent())
 
-    tablet.goto("/")
+    tablet.goto(service.url)
     tablet.get_by_role("link", name="Diagnoses").click()
     tablet.get_by_text(consistent().message).click()
 

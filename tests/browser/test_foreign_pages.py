@@ -1,14 +1,11 @@
 """What a page of somebody else can do to a service on the same computer, tried in a browser."""
 
 import contextlib
-import shutil
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
-from playwright.sync_api import sync_playwright
 
-_NAMES = ("chromium", "chromium-browser", "google-chrome")
 _PAGE = b"<!doctype html><title>evil</title><iframe name=framed></iframe>"
 _ATTACKS = """async (base) => {
   const pause = `${base}/api/v1/sessions/1/pause`, abort = `${base}/api/v1/sessions/1/abort`;
@@ -65,59 +62,52 @@ def somebody_elses_server():
             thread.join()
 
 
-@pytest.fixture
-def browser():
-    path = next(filter(None, map(shutil.which, _NAMES)), None)
-    if path is None:
-        pytest.skip("no Chromium is installed here")
-    with sync_playwright() as playwright:
-        arguments = ["--no-sandbox", "--host-resolver-rules=MAP evil.test 127.0.0.1"]
-        browser = playwright.chromium.launch(executable_path=path, args=arguments)
-        yield browser
-        browser.close()
-
-
 @pytest.mark.parametrize("site", ["evil.test", "localhost", "127.0.0.1"])
-def test_a_page_of_others_neither_presses_nor_reads_nor_frames(browser, service, site):
+def test_a_page_of_others_neither_presses_nor_reads_nor_frames(chromium, service, site):
     session = service.paused_session("left arm")
     service.post(f"{session}/resume", {"person": "Ada Byron"})
     service.until(session, "state", "running")
 
-    with somebody_elses_server() as port:
-        page = browser.new_page()
+    with somebody_elses_server() as port, chromium.one(f"http://{site}:{port}") as page:
         page.goto(f"http://{site}:{port}/")
         told = page.evaluate(_ATTACKS, service.url)
-        page.close()
 
     assert service.get(session)["state"] in ("running", "finished")
     # A frame that was refused "loads" an error of the browser's own; nothing that was read came through.
     assert not [what for what in told if what.startswith(("read", "script", "img"))]
 
 
-def test_a_name_that_leads_here_is_answered_with_a_refusal_only(browser, service):
+def test_a_name_that_leads_here_is_answered_with_a_refusal_only(chromium, service):
     port = service.url.rpartition(":")[2]
-    page = browser.new_page()
-
-    reply = page.goto(f"http://evil.test:{port}/operator")
-    # The refusal itself lets nothing be fetched.
-    fetched = page.evaluate("fetch('/api/v1/sessions').then((r) => r.status, () => 'not allowed')")
+    with chromium.one(f"http://evil.test:{port}") as page:
+        reply = page.goto(f"http://evil.test:{port}/operator")
+        # The refusal itself lets nothing be fetched.
+        fetched = page.evaluate("fetch('/api/v1/sessions').then((r) => r.status, () => 'not allowed')")
 
     assert reply.status == 421
     assert fetched == "not allowed"
-    page.close()
+
+
+@contextlib.contextmanager
+def unbroken_policy(page):
+    """Fail what the browser says of a broken policy."""
+    broken = []
+
+    def heard(message):
+        broken.extend([message.text] if "Policy" in message.text else [])
+
+    page.on("console", heard)
+    yield
+    page.remove_listener("console", heard)
+    assert broken == []
 
 
 @pytest.mark.parametrize("path", ["/", "/docs", "/diagnoses", "/operator", "/operator/1", "/diagnoses/1"])
-def test_our_own_pages_break_none_of_their_rules(browser, service, path):
-    page = browser.new_page()
-    broken = []
-    page.on("console", lambda message: broken.append(message.text) if "Policy" in message.text else None)
+def test_our_own_pages_break_none_of_their_rules(chromium, service, path):
+    with chromium.one(service.url) as page, unbroken_policy(page):
+        page.goto(service.url + path)
+        page.wait_for_load_state("networkidle" if not path.startswith("/operator") else "load")
 
-    page.goto(service.url + path)
-    page.wait_for_load_state("networkidle" if not path.startswith("/operator") else "load")
-
-    assert page.evaluate("getComputedStyle(document.body).fontFamily")
-    assert page.evaluate("[...document.styleSheets].every((sheet) => sheet.cssRules.length > 0)")
-    assert page.evaluate("document.styleSheets.length") > 0
-    assert broken == []
-    page.close()
+        assert page.evaluate("getComputedStyle(document.body).fontFamily")
+        assert page.evaluate("[...document.styleSheets].every((sheet) => sheet.cssRules.length > 0)")
+        assert page.evaluate("document.styleSheets.length") > 0

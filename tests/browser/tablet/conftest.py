@@ -6,12 +6,11 @@ import pytest
 
 from tests.browser.tablet.fake_desk import FakeDesk
 from tests.browser.tablet.wire import wire_to
+from tests.browser.windows import PORTRAIT, without_complaint
 from tests.integration.web.listening import listening
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
 
-PORTRAIT = {"width": 800, "height": 1280}
-LANDSCAPE = {"width": 1280, "height": 800}
 _UNREACHED = "Failed to load resource"  # Chromium's own word where nobody answers
 
 
@@ -32,31 +31,26 @@ def url(desk):
 
 
 @contextlib.contextmanager
-def a_tablet(chromium, url, *, size=None, person="Ada Byron", language="en", may_fail=False, number=None):
-    """Open a tablet that keeps nothing of another one, unless it is given its number.
+def a_tablet(chromium, url, *, size=PORTRAIT, may_fail=False, scripts=(), **told):
+    """Open a tablet that keeps nothing of another one, but what it is told: `language`, `person`, `tablet`.
 
     Complaints of the page fail the test.
     """
-    context = chromium.new_context(viewport=size or PORTRAIT, base_url=url, has_touch=True)
-    kept = {"language": language, "person": person, "tablet": number}
-    for name, value in ((f"truepose.{name}", value) for name, value in kept.items() if value):
-        context.add_init_script(
-            f"localStorage.getItem('{name}') ?? localStorage.setItem('{name}', '{value}')"
-        )
-    page = context.new_page()
-    complaints = []
-    page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.on("request", lambda r: None if r.url.startswith((url, "data:")) else complaints.append(r.url))
-    yield page
-    context.close()
-    assert [text for text in complaints if not (may_fail and text.startswith(_UNREACHED))] == []
+    kept = {"language": "en", "person": "Ada Byron", **told}
+    storing = [_storing(f"truepose.{name}", value) for name, value in kept.items() if value]
+    window = chromium.one(url, size, touch=True, scripts=[*storing, *scripts])
+    with window as page, without_complaint(page, url, [_UNREACHED] if may_fail else []):
+        yield page
+
+
+def _storing(name, value):
+    return f"localStorage.getItem('{name}') ?? localStorage.setItem('{name}', '{value}')"
 
 
 @pytest.fixture
 def tablet(chromium, desk, url):
     with a_tablet(chromium, url) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         yield page
 
 
@@ -64,6 +58,6 @@ def tablet(chromium, desk, url):
 def wired(chromium, desk, url):
     """A tablet behind a wire that a test can cut."""
     with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True) as page:
-        page.goto("/operator/3")
+        page.goto(f"{near}/operator/3")
         page.locator("#link[data-state=up]").wait_for()
         yield page, wire

@@ -81,7 +81,7 @@ def test_where_nothing_shows_that_the_ballbar_is_off_one_says_how_one_knows(desk
 
 def test_a_reason_to_choose_goes_into_the_records_in_one_language(desk, chromium, url):
     with a_tablet(chromium, url, language="fr") as tablet:
-        tablet.goto("/operator/3")
+        tablet.goto(f"{url}/operator/3")
         tablet.get_by_role("button", name="Passer", exact=True).click()
         tablet.get_by_text("La longueur ne se stabilise pas").click()
         tablet.get_by_role("button", name="Passer pour cette raison").click()
@@ -263,7 +263,7 @@ def test_a_doubt_about_the_calibrator_is_about_no_pair(desk, tablet):
 
 def test_the_name_is_asked_for_once(desk, chromium, url):
     with a_tablet(chromium, url, person=None) as tablet:
-        tablet.goto("/operator/3")
+        tablet.goto(f"{url}/operator/3")
         tablet.get_by_label("Name", exact=True).fill("Grace Hopper")
         tablet.get_by_role("button", name="Keep my name").click()
         tablet.get_by_role("button", name="Store now").click()
@@ -304,7 +304,7 @@ def hands(tablet, desk, n):
 def test_a_refusal_of_the_simulated_hands_is_a_sentence(desk, chromium, url):
     desk.hands_refuse = "the ballbar does not fit between B2 and T1: they are 305.1 mm apart"
     with a_tablet(chromium, url, may_fail=True) as tablet:
-        tablet.goto("/operator/3")
+        tablet.goto(f"{url}/operator/3")
 
         tablet.get_by_role("button", name="Do as asked").click()
 

@@ -36,7 +36,7 @@ SAID = [
 @pytest.fixture
 def french(chromium, url):
     with a_tablet(chromium, url, language="fr") as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.locator("#simulated").wait_for()
         yield page
 

@@ -100,7 +100,7 @@ def test_a_tap_whose_answer_was_lost_is_done_once(desk, wired):
 def test_an_answer_lost_behind_a_gateway_is_no_refusal(desk, chromium, url):
     desk.lost_answers = 2
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.get_by_role("button", name="Store now").click()
 
         for _ in range(200):
@@ -113,7 +113,7 @@ def test_an_answer_lost_behind_a_gateway_is_no_refusal(desk, chromium, url):
 
 def test_taps_outlive_the_page(desk, chromium, url):
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.get_by_role("button", name="Store now").wait_for()
         page.locator("#link[data-state=up]").wait_for()
         page.context.route("**/acts", lambda route: route.abort())
@@ -159,7 +159,7 @@ def test_a_motion_is_not_confirmed_while_the_connection_is_lost(desk, wired):
 
 def test_a_confirmation_of_a_motion_that_went_unheard_is_never_sent_again(desk, chromium, url):
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         desk.show(step=move(), ballbar_attached=False)
         page.locator("body[data-screen=move]").wait_for()
         page.context.route("**/acts", lambda route: route.abort())
@@ -224,14 +224,16 @@ def test_a_tablet_that_slept_starts_afresh(desk, tablet):
     expect(tablet.locator("#word")).to_have_text("In range")
 
 
+AWAKE = """
+    window.locks = 0;
+    const request = async () => { window.locks += 1; };
+    Object.defineProperty(navigator, "wakeLock", { value: { request } });
+"""
+
+
 def test_the_screen_is_kept_awake_where_the_browser_can(desk, chromium, url):
-    with a_tablet(chromium, url) as page:
-        page.add_init_script("""
-            window.locks = 0;
-            const request = async () => { window.locks += 1; };
-            Object.defineProperty(navigator, "wakeLock", { value: { request } });
-        """)
-        page.goto("/operator/3")
+    with a_tablet(chromium, url, scripts=[AWAKE]) as page:
+        page.goto(f"{url}/operator/3")
         page.locator("#link[data-state=up]").wait_for()
 
         assert page.evaluate("window.locks") == 1

@@ -16,7 +16,7 @@ PHONE = {"width": 360, "height": 640}
 @pytest.fixture
 def nameless(chromium, url):
     with a_tablet(chromium, url, person=None, may_fail=True) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         yield page
 
 
@@ -72,7 +72,7 @@ def test_a_name_that_was_kept_and_is_not_announced_is_asked_for_anew(desk, chrom
     desk.show(people=PEOPLE)
     for person, asked in (("Mallory", True), ("grace  HOPPER", False)):
         with a_tablet(chromium, url, person=person) as page:
-            page.goto("/operator/3")
+            page.goto(f"{url}/operator/3")
             expect(page.locator("#names")).to_have_text("B2T3")
             expect(page.locator("#dialogue")).to_be_visible(visible=asked)
 

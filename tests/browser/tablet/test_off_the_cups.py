@@ -16,7 +16,7 @@ def test_a_person_reads_that_the_arm_backs_off_the_cups(chromium, url, desk, lan
     desk.show(state="running", step=OFF, suspicion=None, ballbar_attached=False)
 
     with a_tablet(chromium, url, language=language) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.locator("body[data-screen=move]").wait_for()
 
         expect(page.locator("#kicker")).to_contain_text(said)

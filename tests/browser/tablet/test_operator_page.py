@@ -5,8 +5,9 @@ import threading
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet
+from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move, step
+from tests.browser.windows import LANDSCAPE, PORTRAIT
 
 
 def session(id, state, role="ballbar"):
@@ -19,10 +20,10 @@ def page(request, chromium, url):
         yield page
 
 
-def test_ballbar_sessions_are_listed_newest_first(desk, page):
+def test_ballbar_sessions_are_listed_newest_first(desk, page, url):
     desk.sessions = [session(1, "finished"), session(2, "running", "calibration"), session(3, "paused")]
 
-    page.goto("/operator")
+    page.goto(f"{url}/operator")
 
     rows = page.locator("#sessions li")
     expect(rows).to_have_count(2)
@@ -34,16 +35,16 @@ def test_ballbar_sessions_are_listed_newest_first(desk, page):
     expect(page.locator("#names")).to_have_text("B2T3")
 
 
-def test_more_sessions_than_one_answer_holds_are_listed_too(desk, page):
+def test_more_sessions_than_one_answer_holds_are_listed_too(desk, page, url):
     desk.sessions = [session(id, "finished") for id in range(1, 131)]
 
-    page.goto("/operator")
+    page.goto(f"{url}/operator")
 
     expect(page.locator("#sessions li")).to_have_count(130)
 
 
-def test_a_new_session_is_planned_with_what_was_chosen(desk, page):
-    page.goto("/operator")
+def test_a_new_session_is_planned_with_what_was_chosen(desk, page, url):
+    page.goto(f"{url}/operator")
     expect(page.locator("#none")).to_be_visible()
     estimate = page.locator("#estimate").inner_text()
     page.get_by_label("Name").fill("left arm")
@@ -58,9 +59,9 @@ def test_a_new_session_is_planned_with_what_was_chosen(desk, page):
     assert desk.planned == [{"name": "left arm", "placement_count": 2, "base_points": 4, "poses": 12}]
 
 
-def test_planning_is_waited_for_and_seen_to_go_on(desk, page):
+def test_planning_is_waited_for_and_seen_to_go_on(desk, page, url):
     desk.planning = threading.Event()
-    page.goto("/operator")
+    page.goto(f"{url}/operator")
     page.get_by_label("Name").fill("left arm")
 
     page.get_by_role("button", name="Plan the session").click()
@@ -79,7 +80,7 @@ def test_a_plan_whose_answer_was_lost_is_found_in_the_list(desk, chromium, url):
     desk.sessions = [session(1, "finished") | {"name": "left arm"}]
     desk.planning = threading.Event()  # is never set: the answer does not come
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator")
+        page.goto(f"{url}/operator")
         expect(page.locator("#sessions li")).to_have_count(1)
         page.get_by_label("Name").fill("left arm")
         page.get_by_role("button", name="Plan the session").click()
@@ -93,7 +94,7 @@ def test_a_plan_whose_answer_was_lost_is_found_in_the_list(desk, chromium, url):
 
 def test_a_request_to_plan_that_broke_is_repeated_with_its_key(desk, chromium, url):
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator")
+        page.goto(f"{url}/operator")
         page.get_by_label("Name").fill("left arm")
         broken = []
         page.route("**/ballbar-sessions", lambda route: (broken.append(route.request.headers), route.abort()))
@@ -106,8 +107,8 @@ def test_a_request_to_plan_that_broke_is_repeated_with_its_key(desk, chromium, u
     assert [headers["idempotency-key"] for headers in broken] == desk.plan_keys
 
 
-def test_a_session_without_a_name_is_not_planned(desk, page):
-    page.goto("/operator")
+def test_a_session_without_a_name_is_not_planned(desk, page, url):
+    page.goto(f"{url}/operator")
 
     page.get_by_role("button", name="Plan the session").click()
     page.wait_for_timeout(200)
@@ -115,8 +116,8 @@ def test_a_session_without_a_name_is_not_planned(desk, page):
     assert desk.planned == []
 
 
-def test_what_is_tapped_is_large(desk, page):
-    page.goto("/operator")
+def test_what_is_tapped_is_large(desk, page, url):
+    page.goto(f"{url}/operator")
     page.locator("#estimate:not(:empty)").wait_for()
 
     heights = page.locator(".choices .choice span, form .main").evaluate_all(
@@ -125,7 +126,7 @@ def test_what_is_tapped_is_large(desk, page):
     assert min(heights) >= 72
 
 
-def test_the_steps_and_the_length_are_known_beforehand(desk, page):
+def test_the_steps_and_the_length_are_known_beforehand(desk, page, url):
     poses = [
         one
         for pose in (1, 2)
@@ -139,7 +140,7 @@ def test_the_steps_and_the_length_are_known_beforehand(desk, page):
     sides = [step("measure_side", id="tool/side-1-2", artefact="tool", points=["T1", "T2"], placement=None)]
     desk.steps = [*sides, *poses]
     desk.show(state="planned", step=sides[0])
-    page.goto("/operator/3")
+    page.goto(f"{url}/operator/3")
 
     expect(page.locator("#panel .facts")).to_have_text("431 readings in 19 steps, about 1 h 30 min.")
     expect(page.locator("#panel summary").nth(1)).to_contain_text("Placement 1, pose 1")
@@ -152,7 +153,7 @@ def test_the_steps_and_the_length_are_known_beforehand(desk, page):
     assert [act["act"] for act in desk.acts] == ["start"]
 
 
-def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page):
+def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page, url):
     out = {"outcome": "skipped", "text": "Out of range: too long"}
     done = {"outcome": "measured", "length_mm": 300.1}
     desk.steps = [
@@ -162,19 +163,19 @@ def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page):
         {**leg(1, 1, pose=13, attempt=2), **done},  # tried again, and measured
     ]
     desk.show(state="finished", step=None)
-    page.goto("/operator/3")
+    page.goto(f"{url}/operator/3")
 
     expect(page.locator(".left-out li")).to_have_count(1)
     expect(page.locator(".left-out li")).to_contain_text("pose 12: B2\u2013T1, B2\u2013T2")
     expect(page.locator(".left-out li")).to_contain_text("Out of range: too long")
 
 
-def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk, page):
+def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk, page, url):
     skipped = {"outcome": "skipped", "text": "Out of range: too long"}
     first, second = leg(1, 1), {**leg(1, 1, attempt=2), "id": "placement-1/pose-12/again/leg-1-1"}
     desk.steps = [{**first, **skipped}, second]
     desk.show(step=second)
-    page.goto("/operator/3")
+    page.goto(f"{url}/operator/3")
     expect(page.locator("#names")).to_have_text("B1T1")
     page.wait_for_timeout(300)  # the steps are known by now, and not yet the end
 
@@ -186,7 +187,7 @@ def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk
 
 def test_a_session_that_is_not_there_is_told(desk, chromium, url):
     with a_tablet(chromium, url, may_fail=True) as page:
-        page.goto("/operator/77")
+        page.goto(f"{url}/operator/77")
 
         expect(page.locator("#names")).to_have_text("NO SUCH SESSION")
         expect(page.locator("#actions button")).to_have_count(0)

@@ -3,8 +3,9 @@
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.tablet.conftest import LANDSCAPE, PORTRAIT, a_tablet, served
+from tests.browser.tablet.conftest import a_tablet, served
 from tests.browser.tablet.fake_desk import ARM_BEFORE, FakeDesk, leg, move, sample, scene, step
+from tests.browser.windows import LANDSCAPE, PORTRAIT
 
 SUSPICION = {"kind": "other_pair", "asked": ["B2", "T3"], "suspected": ["B1", "T2"]}
 DOUBT = {**SUSPICION, "length_mm": 300.1004, "expected_mm": 300.42}
@@ -142,7 +143,7 @@ def screens(request, chromium):
     size, language = request.param
     desk, found = FakeDesk(), {}
     with served(desk) as url, a_tablet(chromium, url, size=size, language=language) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.locator("#simulated").wait_for()
         for screen in SCREENS:
             shown(page, desk, screen)
@@ -177,7 +178,7 @@ def test_nothing_that_is_told_covers_anything(desk, chromium, url):
     acting = {"tablet": "another", "person": "Wilhelmina Featherstonehaugh"}
     for size, language in LAYOUTS:
         with a_tablet(chromium, url, size=size, language=language, may_fail=True) as page:
-            page.goto("/operator/3")
+            page.goto(f"{url}/operator/3")
             page.locator("#simulated").wait_for()
             for screen in SCREENS:
                 desk.show(acting=acting, swaps_can_be_seen=False)
@@ -191,7 +192,7 @@ def test_nothing_that_is_told_covers_anything(desk, chromium, url):
 @pytest.mark.parametrize("size", [PORTRAIT, LANDSCAPE], ids=["portrait", "landscape"])
 def test_pose_leg_and_attempt_can_always_be_read(desk, chromium, url, size):
     with a_tablet(chromium, url, size=size, language="fr") as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         desk.show(step=leg(attempt=2, index=122, count=431), acting={"tablet": "another", "person": "Ada"})
 
         where = page.locator("#where")
@@ -272,7 +273,7 @@ def test_a_tool_whose_arm_is_unknown_is_seen_from_near(desk, tablet):
 def test_why_nothing_goes_on_is_said_in_the_language_of_the_page(desk, chromium, url, reason, said, lang):
     desk.show(state="awaiting_confirmation", reason=reason)
     with a_tablet(chromium, url, language="fr") as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
 
         expect(page.locator("#panel .reason")).to_have_text(said)
         expect(page.locator("#panel .reason")).to_have_attribute("lang", lang)
@@ -289,7 +290,7 @@ def test_a_pause_needs_no_reason_below_its_title(desk, tablet):
 def any_tablet(request, chromium, url):
     size, language = request.param
     with a_tablet(chromium, url, size=size, language=language) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.locator("#simulated").wait_for()
         yield page
 
@@ -374,7 +375,7 @@ def test_the_record_says_what_is_simulated_and_hands_are_wherever_the_cell_has_t
 
     with a_tablet(chromium, url, size={"width": 390, "height": 844}) as page:
         with page.expect_response("**/api/v1/simulated-hands"):
-            page.goto("/operator/3")
+            page.goto(f"{url}/operator/3")
         expect(page.locator("#names")).to_have_text("B2T3")
         page.locator("#mute").click()  # which draws the page anew
         expect(page.locator("#simulated strong")).to_be_visible(visible=simulated)
@@ -388,7 +389,7 @@ def test_a_real_cell_has_no_simulated_hands(desk, chromium, url):
     desk.show(simulated=False)
 
     with a_tablet(chromium, url) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         expect(page.locator("#names")).to_have_text("B2T3")
         expect(page.locator("#simulated")).to_be_hidden()
 

@@ -33,7 +33,7 @@ OUT_OF_REACH = """(selector) => {
 def a_screen(request, chromium, url):
     width, height = request.param
     with a_tablet(chromium, url, size={"width": width, "height": height}) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         page.locator("#simulated").wait_for()
         yield page
 
@@ -72,7 +72,7 @@ def test_stop_is_large_and_whole_words_are_on_the_controls(desk, a_screen):
 
 def test_what_lies_between_can_be_scrolled_to_on_a_small_screen(desk, chromium, url):
     with a_tablet(chromium, url, size={"width": 320, "height": 568}) as page:
-        page.goto("/operator/3")
+        page.goto(f"{url}/operator/3")
         desk.scene = scene()
         desk.show(step=move(), ballbar_attached=False)
         page.locator("body[data-screen=move]").wait_for()

@@ -12,7 +12,7 @@ CONTROLS = ("Back", "Retry", "Skip", "Pause", "Abort", "Store now")
 def both(chromium, desk, url):
     with a_tablet(chromium, url) as ada, a_tablet(chromium, url, person="Grace Hopper") as grace:
         for page in (ada, grace):
-            page.goto("/operator/3")
+            page.goto(f"{url}/operator/3")
         ada.get_by_role("button", name="Store now").click()
         expect(ada.locator("#who")).to_contain_text("You act here")
         expect(grace.locator("#who")).to_contain_text("Ada Byron acts on another tablet")

@@ -59,7 +59,7 @@ def measured(url, id):
 def test_a_session_is_walked_through_on_the_page_alone(chromium, session):
     url, id = session
     with a_tablet(chromium, url) as page:
-        page.goto("/operator")
+        page.goto(f"{url}/operator")
         page.locator("#sessions a").click()
         page.locator("body[data-screen=planned]").wait_for()
         operator = Operator(page)
@@ -80,8 +80,8 @@ def test_a_session_survives_lost_wifi_a_closed_lid_and_a_restart(chromium, tmp_p
         url = first.enter_context(serving(tmp_path, bench))
         id = plan(url)
         walk_to_leg(3, url, id)
-        with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True, number=TABLET) as page:
-            page.goto(f"/operator/{id}")
+        with wire_to(url) as (wire, near), a_tablet(chromium, near, may_fail=True, tablet=TABLET) as page:
+            page.goto(f"{near}/operator/{id}")
             page.locator("body[data-screen=connect_leg]").wait_for()
             operator = Operator(page)
 
@@ -117,8 +117,8 @@ def test_a_session_survives_lost_wifi_a_closed_lid_and_a_restart(chromium, tmp_p
 def test_a_wrong_pair_is_not_stored_and_the_right_one_is(chromium, session):
     url, id = session
     walk_to_leg(4, url, id)
-    with a_tablet(chromium, url, number=TABLET) as page:
-        page.goto(f"/operator/{id}")
+    with a_tablet(chromium, url, tablet=TABLET) as page:
+        page.goto(f"{url}/operator/{id}")
         page.locator("body[data-screen=connect_leg]").wait_for()
         operator = Operator(page)
 
@@ -138,7 +138,7 @@ def test_two_tablets_of_one_session(chromium, session):
     url, id = session
     with a_tablet(chromium, url) as ada, a_tablet(chromium, url, person="Grace Hopper") as grace:
         for page in (ada, grace):
-            page.goto(f"/operator/{id}")
+            page.goto(f"{url}/operator/{id}")
         ada.locator("body[data-screen=planned]").wait_for()
         Operator(ada).walk(until="measure_side")
         expect(grace.locator("#who")).to_have_text("Ada Byron acts on another tablet \u00b7 2 watching")
@@ -154,7 +154,7 @@ def test_two_tablets_of_one_session(chromium, session):
 def test_the_length_on_the_page_is_young(chromium, session):
     url, id = session
     with a_tablet(chromium, url) as page:
-        page.goto(f"/operator/{id}")
+        page.goto(f"{url}/operator/{id}")
         page.locator("body[data-screen=planned]").wait_for()
         Operator(page).walk(until="measure_side")
         time.sleep(0.5)

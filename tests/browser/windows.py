@@ -1,0 +1,79 @@
+"""Windows of one Chromium, used again: to open one takes longer than most tests look at it."""
+
+import contextlib
+
+PORTRAIT = {"width": 800, "height": 1280}
+LANDSCAPE = {"width": 1280, "height": 800}
+
+
+class Windows:
+    """The windows of a browser; each is as new whenever it is handed out."""
+
+    def __init__(self, browser):
+        self.browser = browser
+        self._free = {True: [], False: []}  # with and without touch
+
+    @contextlib.contextmanager
+    def one(self, origin, size=PORTRAIT, *, touch=False, scripts=()):
+        """Yield a page that has stored nothing for `origin` and runs the scripts before its own."""
+        free = self._free[touch]
+        window = free.pop() if free else _Window(self.browser, touch)
+        try:
+            window.prepared(size, scripts)
+            yield window.page
+            window.cleared(origin)
+        except BaseException:
+            window.close()  # nobody knows what a failed test leaves behind
+            raise
+        free.append(window)
+
+
+class _Window:
+    def __init__(self, browser, touch):
+        self._context = browser.new_context(has_touch=touch)
+        self.page = self._context.new_page()
+        # A script that Playwright adds stays; one that is added below it can be taken away again.
+        self._browser = self._context.new_cdp_session(self.page)
+        self._browser.send("Page.enable")
+        self._scripts = []
+
+    def prepared(self, size, scripts):
+        self.page.set_viewport_size(size)
+        self._scripts = [
+            self._browser.send("Page.addScriptToEvaluateOnNewDocument", {"source": script})
+            for script in scripts
+        ]
+
+    def cleared(self, origin):
+        page = self.page
+        page.goto("about:blank")
+        page.mouse.move(0, 0)
+        page.emulate_media(media="null")
+        page.unroute_all(behavior="wait")
+        self._context.unroute_all(behavior="wait")
+        self._context.set_offline(False)
+        self._context.clear_cookies()
+        for script in self._scripts:
+            self._browser.send("Page.removeScriptToEvaluateOnNewDocument", script)
+        self._browser.send("Storage.clearDataForOrigin", {"origin": origin, "storageTypes": "all"})
+
+    def close(self):
+        self._context.close()
+
+
+@contextlib.contextmanager
+def without_complaint(page, origin, allowed=()):
+    """Fail whatever the page complains of or fetches from elsewhere, but what begins as is `allowed`."""
+    complaints = []
+    heard = {
+        "console": lambda message: complaints.append(message.text) if message.type == "error" else None,
+        "pageerror": lambda error: complaints.append(str(error)),
+        "request": lambda r: None if r.url.startswith((origin, "data:")) else complaints.append(r.url),
+    }
+    for event, hear in heard.items():
+        page.on(event, hear)
+    yield
+    page.evaluate("0")  # whatever it has said by now is heard before the answer
+    for event, hear in heard.items():
+        page.remove_listener(event, hear)
+    assert [text for text in complaints if not text.startswith(tuple(allowed))] == []
