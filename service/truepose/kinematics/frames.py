@@ -1,5 +1,7 @@
 """Rotations and frames; a rotation matrix takes coordinates in the turned frame to the reference frame."""
 
+from math import cos, sin
+
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
@@ -36,7 +38,12 @@ def _about(angle_rad: FloatArray | float, axis: int) -> FloatArray:
 
 def rotation_xyz(rx_rad: float, ry_rad: float, rz_rad: float) -> FloatArray:
     """Return RotX(rx) RotY(ry) RotZ(rz), shape (3, 3)."""
-    return rotation_x(rx_rad) @ rotation_y(ry_rad) @ rotation_z(rz_rad)
+    (cx, cy, cz), (sx, sy, sz) = ([f(angle) for angle in (rx_rad, ry_rad, rz_rad)] for f in (cos, sin))
+    return np.array([
+        [cy * cz, -cy * sz, sy],
+        [cx * sz + sx * sy * cz, cx * cz - sx * sy * sz, -sx * cy],
+        [sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy],
+    ])
 
 
 def turned_axes(angles_rad: FloatArray) -> tuple[FloatArray, FloatArray]:

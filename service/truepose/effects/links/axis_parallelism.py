@@ -30,7 +30,7 @@ class AxisParallelism:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on the link's own quantity, one to one."""
-        return link_terms(names)
+        return list(link_terms(names))
 
     def unseen(self, scene: Scene) -> str | None:
         """Need axes that are meant to be parallel."""

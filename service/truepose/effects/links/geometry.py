@@ -6,6 +6,8 @@ a common normal of parallel axes may lie anywhere, so DH-Modified alone cannot e
 Found from the nominal table, never from a robot's name.
 """
 
+from functools import cache
+
 import numpy as np
 
 from truepose.domain.robot import Robot
@@ -62,7 +64,7 @@ class Geometry:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on the link's own quantity, one to one."""
-        return link_terms(names)
+        return list(link_terms(names))
 
 
 class JointOffset:
@@ -77,11 +79,12 @@ class JointOffset:
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on the joint angle, one to one."""
-        return link_terms(names)
+        return list(link_terms(names))
 
 
-def link_terms(names: tuple[str, ...]) -> list[Term]:
+@cache
+def link_terms(names: tuple[str, ...]) -> tuple[Term, ...]:
     """Terms of parameters that are link quantities themselves, e.g. `alpha_3`."""
-    return [
+    return tuple(
         Term(k, Port(_KINDS[name.rsplit("_", 1)[0]], joint_of(name)), 1.0) for k, name in enumerate(names)
-    ]
+    )

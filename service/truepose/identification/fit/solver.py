@@ -16,6 +16,7 @@ K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Prob
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -146,13 +147,17 @@ class _Normal:
 
     def solved(self, gradient: FloatArray, damping: float) -> FloatArray:
         """Return the step, shape (P,)."""
-        return self._factor(damping).solved(gradient)
+        return (self._damped(damping) if damping else self._undamped).solved(gradient)
 
     def inverse(self) -> FloatArray:
         """Return the covariance of the parameters, shape (P, P)."""
-        return self._factor(0.0).inverse()
+        return self._undamped.inverse()
 
-    def _factor(self, damping: float) -> "_Factor":
+    @cached_property
+    def _undamped(self) -> "_Factor":
+        return self._damped(0.0)
+
+    def _damped(self, damping: float) -> "_Factor":
         factor = _factored(self._matrix, damping)
         return factor or _factored_by_qr(self._jacobian, self._precision, damping)
 
@@ -177,7 +182,7 @@ def _factored(normal: FloatArray, damping: float) -> _Factor | None:
     """Return the factor of a normal matrix; None where rounding has left too little of it."""
     scale = 1.0 / np.sqrt(np.diag(normal))
     unit = normal * np.outer(scale, scale)
-    unit[np.diag_indices_from(unit)] += damping
+    unit.flat[:: len(unit) + 1] += damping
     try:
         root = cholesky(unit)
     except LinAlgError:

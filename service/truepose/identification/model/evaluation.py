@@ -245,7 +245,7 @@ def collect_terms(structure: Structure, rows: Rows) -> tuple[Term, ...]:
     for effect in structure.effects:
         indices = structure.indices_of(effect)
         terms += [
-            term._replace(parameter=indices[term.parameter])
+            Term(indices[term.parameter], term.port, term.weight)
             for term in effect_named(effect).terms(structure.names_of(effect), rows)
         ]
     return tuple(terms)
@@ -275,20 +275,23 @@ def instrument_place(structure: Structure) -> FloatArray:
 
 
 def _displaced(nominal: LinkValues, moved: dict[Port, FloatArray | float]) -> LinkValues:
-    n, joints = nominal.theta_rad.shape
-
-    def shifted(kind: PortKind, start: FloatArray) -> FloatArray:
-        shifts = [moved.get(Port(kind, j), 0.0) for j in range(joints)]
-        if all(np.ndim(shift) == 0 for shift in shifts):
-            change = np.array(shifts, dtype=float)
-        else:
-            change = np.stack([np.broadcast_to(shift, n) for shift in shifts], axis=1)
-        return np.asarray(start + change)
-
+    shifts: defaultdict[PortKind, dict[int, FloatArray | float]] = defaultdict(dict)
+    for port, shift in moved.items():
+        shifts[port.kind][port.number] = shift
     return LinkValues(
-        alpha_rad=shifted(PortKind.ALPHA, nominal.alpha_rad),
-        a_mm=shifted(PortKind.A, nominal.a_mm),
-        beta_rad=shifted(PortKind.BETA, nominal.beta_rad),
-        theta_rad=shifted(PortKind.THETA, nominal.theta_rad),
-        d_mm=shifted(PortKind.D, nominal.d_mm),
+        alpha_rad=_shifted(nominal.alpha_rad, shifts[PortKind.ALPHA]),
+        a_mm=_shifted(nominal.a_mm, shifts[PortKind.A]),
+        beta_rad=_shifted(nominal.beta_rad, shifts[PortKind.BETA]),
+        theta_rad=_shifted(nominal.theta_rad, shifts[PortKind.THETA]),
+        d_mm=_shifted(nominal.d_mm, shifts[PortKind.D]),
     )
+
+
+def _shifted(start: FloatArray, shifts: dict[int, FloatArray | float]) -> FloatArray:
+    """Return link values, (J,) or (n, J), with the joints shifted that are; by rows where one shift is."""
+    rows = [shift for shift in shifts.values() if isinstance(shift, np.ndarray)]
+    by_joint = start.T if start.ndim == 2 or not rows else np.repeat(start[:, None], len(rows[0]), axis=1)
+    by_joint = np.array(by_joint, order="C")
+    for joint, shift in shifts.items():
+        by_joint[joint] += shift
+    return by_joint.T

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import cos, sin
 
 import numpy as np
 
@@ -103,7 +104,10 @@ def base_axes(start: FloatArray, angles_rad: FloatArray) -> tuple[FloatArray, Fl
     rotation : ndarray, shape (3, 3)
     axes : ndarray, shape (3, 3)
     """
-    rx, ry, rz = (float(angle) for angle in angles_rad)
-    about_x, about_xy = rotation_xyz(rx, 0.0, 0.0), rotation_xyz(rx, ry, 0.0)
-    axes = np.stack([np.array([1.0, 0.0, 0.0]), about_x[:, 1], about_xy[:, 2]])
+    rx, ry, rz = angles_rad.tolist()
+    axes = np.array([
+        [1.0, 0.0, 0.0],
+        [0.0, cos(rx), sin(rx)],
+        [sin(ry), -sin(rx) * cos(ry), cos(rx) * cos(ry)],
+    ])
     return rotation_xyz(rx, ry, rz) @ start, axes

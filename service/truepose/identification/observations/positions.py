@@ -11,7 +11,7 @@ from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
-from truepose.identification.observations.whitening import Whitener, whitener
+from truepose.identification.observations.whitening import Whitener, equal_variance, of_independent, whitener
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +24,8 @@ class PositionBlock(Block):
 
     measured_mm: FloatArray  # (n, 3)
     covariance_mm2: FloatArray  # (n, 3, 3) of the readings alone
+    # (n,) per axis with the arm's scatter, where no reading has a fellow at its stop or an axis of its own
+    lone_mm2: FloatArray | None = None
     ready: Whitener | None = None  # the whitening, computed once
 
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
@@ -55,6 +57,8 @@ class PositionBlock(Block):
 
     def squared(self, result: BlockResult) -> FloatArray:
         """Return each reading's squared residual in its own covariance, scatter included, shape (n,)."""
+        if self.lone_mm2 is not None:
+            return np.asarray((result.residual**2).sum(axis=1) / (self.lone_mm2 + self.discrepancy**2))
         covariance = self._lacking() + self.scatter_mm**2 * np.eye(3)
         whitened = np.linalg.solve(covariance, result.residual[:, :, None])[:, :, 0]
         return np.asarray(np.einsum("ni,ni->n", result.residual, whitened))
@@ -78,6 +82,8 @@ class PositionBlock(Block):
 
     def prepared(self) -> Self:
         """Return the block with its whitening computed once."""
+        if self.lone_mm2 is not None:
+            return replace(self, ready=of_independent(self.lone_mm2 + self.discrepancy**2, self.weights))
         shared = np.broadcast_to(self.scatter_mm * np.eye(3), self.covariance_mm2.shape)
         built = whitener(self._lacking(), self.weights, self.targets.stops.config, shared)
         return replace(self, ready=built)
@@ -109,4 +115,11 @@ def position_block(points: PointReadings, scatter_mm: float) -> PositionBlock:
         covariance_mm2=covariance,
         scatter_mm=scatter_mm,
         weights=np.ones(len(points)),
+        lone_mm2=_lone_mm2(points.stops.config, covariance, scatter_mm),
     ).prepared()
+
+
+def _lone_mm2(stop: IntArray, covariance_mm2: FloatArray, scatter_mm: float) -> FloatArray | None:
+    variance = equal_variance(covariance_mm2)
+    shared = scatter_mm > 0.0 and len(np.unique(stop)) < len(stop)
+    return None if variance is None or shared else variance + scatter_mm**2

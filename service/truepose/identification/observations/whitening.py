@@ -14,6 +14,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 
 # A weight below this is none at all: however far off a reading is, it has no part in what is whitened.
 _LEAST_WEIGHT = 1e-12
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +71,21 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
     return Whitener(tuple(groups), None)
 
 
+def of_independent(variance: FloatArray, weights: FloatArray) -> Whitener:
+    """Whitening of n readings that share nothing, of so much variance (n,) in every component."""
+    return Whitener((), np.sqrt(np.where(weights > _LEAST_WEIGHT, weights, 0.0) / variance))
+
+
+def equal_variance(covariance: FloatArray) -> FloatArray | None:
+    """Variance of n readings, shape (n,), where each has the same in all its components; else None."""
+    diagonal = covariance[:, 0, 0]
+    apart = np.abs(covariance - diagonal[:, None, None] * np.eye(covariance.shape[1]))
+    return diagonal.copy() if np.all(apart <= _ROUNDING * diagonal[:, None, None]) else None
+
+
 def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
-    diagonal = total[:, 0, 0]
-    if np.allclose(total, diagonal[:, None, None] * np.eye(total.shape[1]), rtol=1e-12, atol=0.0):
+    diagonal = equal_variance(total)
+    if diagonal is not None:
         return Whitener((), counts[:, 0, 0] / np.sqrt(diagonal))
     rows = np.arange(len(total))[:, None]
     return Whitener(((rows, counts * _inverse_cholesky(total)),), None)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.identification.observations.whitening import whitener
+from truepose.identification.observations.whitening import equal_variance, of_independent, whitener
 
 UNIT = np.broadcast_to(np.eye(3), (6, 3, 3))
 STOPS = np.array([4, 4, 7, 9, 9, 9])
@@ -80,3 +80,22 @@ def test_derivatives_are_whitened_like_residuals():
     together = whitening.apply(several)
 
     assert together == pytest.approx(np.stack([whitening.apply(one) for one in several]))
+
+
+def test_readings_that_share_nothing_weigh_by_their_variance_alone():
+    variance, weights = np.linspace(0.5, 2.0, 6), np.array([1.0, 0.0, 0.3, 1.0, 1e-14, 1.0])
+    residual = np.random.default_rng(1).normal(size=(6, 3))
+
+    once = of_independent(variance + 0.09, weights).apply(residual)
+
+    general = whitener(variance[:, None, None] * np.eye(3), weights, np.arange(6), 0.3 * UNIT).apply(residual)
+    assert once == pytest.approx(general, rel=1e-12)
+
+
+def test_a_reading_that_is_worse_along_one_axis_has_no_one_variance():
+    equal = np.linspace(0.5, 2.0, 6)[:, None, None] * np.eye(3)
+    leaning = equal.copy()
+    leaning[2, 2, 2] *= 1.01
+
+    assert equal_variance(equal) == pytest.approx(np.linspace(0.5, 2.0, 6))
+    assert equal_variance(leaning) is None
