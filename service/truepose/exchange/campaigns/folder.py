@@ -13,17 +13,18 @@ from truepose.exchange.document import json_document
 from truepose.exchange.errors import MissingFileError, UnreadableFileError
 from truepose.exchange.input_file import GREATEST_BYTES, read_bytes
 from truepose.exchange.json_text import render_json
-from truepose.exchange.tables.legs import read_cup_table, read_fixture_table, read_leg_table, read_setup_table
-from truepose.exchange.tables.points import read_point_table, read_reference_table
-from truepose.exchange.tables.table import TableData
-from truepose.exchange.tables.text import (
+from truepose.exchange.tables.legs import (
     cup_text,
     fixture_text,
     leg_text,
-    point_text,
-    reference_text,
+    read_cup_table,
+    read_fixture_table,
+    read_leg_table,
+    read_setup_table,
     setup_text,
 )
+from truepose.exchange.tables.points import point_text, read_point_table, read_reference_table, reference_text
+from truepose.exchange.tables.table import TableData
 
 DESCRIPTION = "campaign.json"
 GREATEST_DESCRIPTION_BYTES = 4 * 2**20  # a thousand notes of a page each
@@ -50,7 +51,7 @@ def read_campaign(folder: Path) -> Campaign:
 def write_campaign(campaign: Campaign, folder: Path) -> None:
     """Write a campaign folder; creates it where needed and replaces files of the same names.
 
-    Reading it back gives an equal campaign to the digits stated in `table_text`, without what the
+    Reading it back gives an equal campaign to the digits stated in `tables.fields`, without what the
     format cannot hold: source, ranges, limits and rated payload of the robot.
     """
     folder.mkdir(parents=True, exist_ok=True)

@@ -9,12 +9,19 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.exchange.input_file import read_bytes
+from truepose.exchange.tables.fields import LENGTH, Field, columns_of, table_text
 from truepose.exchange.tables.legs import leg_columns, read_leg_table
-from truepose.exchange.tables.points import ignored_columns, point_columns, read_point_table
-from truepose.exchange.tables.stops import stop_columns, stops_to_visit, torque_names
+from truepose.exchange.tables.points import POSITION_FIELD, ignored_columns, point_columns, read_point_table
+from truepose.exchange.tables.stops import stop_fields, stops_to_visit, torque_names
 from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
-from truepose.exchange.tables.text import prediction_text
 from truepose.identification.model.stops import each_nest
+
+_PREDICTED = (
+    Field("config", Column("config")),
+    Field("nest", Column("nest")),
+    POSITION_FIELD,
+    Field("standard_uncertainty_mm", Column("u_mm"), LENGTH),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +70,7 @@ def points_to_predict(name: str, data: TableData, n_joints: int, nests: Collecti
         With name, line or row, and column.
     """
     columns = [
-        *stop_columns(n_joints),
+        *columns_of(stop_fields(n_joints)),
         Column("nest", required=False, rules=(WHOLE, one_of(nests, "the known nests"))),
     ]
     measured = [*point_columns(n_joints, nests), *leg_columns(n_joints, nests)]
@@ -111,7 +118,9 @@ def write_predictions(
     standard_uncertainty_mm: FloatArray,
 ) -> None:
     """Write predicted points in the order given; shapes (n,), (n,), (n, 3), (n,)."""
-    text = prediction_text(config, nest, position_mm, standard_uncertainty_mm)
+    arrays = (config, nest, position_mm, standard_uncertainty_mm)
+    cells = [field.cells(values) for field, values in zip(_PREDICTED, arrays, strict=True)]
+    text = table_text({name: column for columns in cells for name, column in columns.items()})
     file.write_text(text, encoding="utf-8", newline="\n")
 
 

@@ -6,8 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
-from truepose.exchange.tables.points import POSITION, ignored_columns
-from truepose.exchange.tables.stops import NO_REPEAT, joint_names, read_stops_of, stop_columns, torque_names
+from truepose.exchange.tables.fields import LENGTH, Field, columns_of, read_fields, table_text, written_fields
+from truepose.exchange.tables.points import POSITION_FIELD, UNCERTAINTY_FIELD, ignored_columns
+from truepose.exchange.tables.stops import (
+    NO_REPEAT,
+    joint_field,
+    read_stops_of,
+    stop_cells,
+    stop_fields,
+    torque_names,
+)
 from truepose.exchange.tables.table import (
     POSITIVE,
     WHOLE,
@@ -21,23 +29,25 @@ from truepose.exchange.tables.table import (
 
 Ignored = tuple[str, ...]  # clauses that name a column each
 _KINDS = ("tool", "base")
-_PLACEMENT = Column("placement", rules=(WHOLE, at_least(1)))
-_BASE_POINT = Column("base_point", rules=(WHOLE, between(1, 4)))
-_UNCERTAINTY = Column("u_mm", rules=(POSITIVE,))
-_LENGTH = Column("length_mm", rules=(POSITIVE,))
+_OF_FOUR = (WHOLE, between(1, 4))  # points of a fixture
+_PLACEMENT = Field("placement", Column("placement", rules=(WHOLE, at_least(1))))
+_OF_ANY_FIXTURE = Field("placement", Column("placement", rules=(WHOLE, at_least(0))))
+_BASE_POINT = Field("base_point", Column("base_point", rules=_OF_FOUR))
+_LENGTH = (Field("length_mm", Column("length_mm", rules=(POSITIVE,)), LENGTH), UNCERTAINTY_FIELD)
+_SIDE = (*(Field(name, Column(name, rules=_OF_FOUR)) for name in ("point_a", "point_b")), *_LENGTH)
+_CUPS = (_PLACEMENT, _BASE_POINT, POSITION_FIELD, UNCERTAINTY_FIELD)
+
+
+def _leg_fields(nests: Collection[int]) -> list[Field]:
+    """Return what a row of measured legs holds besides its placement and its stop."""
+    initialisation = Field("initialisation", Column("init", required=False, rules=(WHOLE,)))
+    nest = Field("nest", Column("tool_point", rules=(WHOLE, one_of(nests, "the tool nests"))))
+    return [initialisation, _BASE_POINT, nest, *_LENGTH]
 
 
 def leg_columns(n_joints: int, nests: Collection[int]) -> list[Column]:
     """Return the columns of measured legs."""
-    return [
-        _PLACEMENT,
-        *stop_columns(n_joints),
-        Column("init", required=False, rules=(WHOLE,)),
-        _BASE_POINT,
-        Column("tool_point", rules=(WHOLE, one_of(nests, "the tool nests"))),
-        _LENGTH,
-        _UNCERTAINTY,
-    ]
+    return columns_of([_PLACEMENT, *stop_fields(n_joints), *_leg_fields(nests)])
 
 
 def read_leg_table(
@@ -46,17 +56,16 @@ def read_leg_table(
     """Read legs; raises an InputFileError that names line and column."""
     columns, groups = leg_columns(n_joints, nests), [torque_names(n_joints)]
     table = read_table(file, data, columns, together=groups)
-    legs = LegReadings(
-        stops=read_stops_of(table, n_joints, numbered_by=("placement",)),
-        placement=table.whole("placement"),
-        base_point=table.whole("base_point"),
-        nest=table.whole("tool_point"),
-        length_mm=table.numbers("length_mm"),
-        standard_uncertainty_mm=table.numbers("u_mm"),
-        initialisation=table.optional_whole("init"),
-    )
+    stops = read_stops_of(table, n_joints, numbered_by=("placement",))
+    legs = LegReadings(stops=stops, **read_fields(table, [_PLACEMENT, *_leg_fields(nests)]))
     legs, clauses = _numbered_apart(legs)
     return legs, (*ignored_columns(table), *clauses)
+
+
+def leg_text(legs: LegReadings) -> str:
+    """Return a `legs` or `validation_legs` table."""
+    where, what = written_fields(legs, [_PLACEMENT]), written_fields(legs, _leg_fields(()))
+    return table_text({**where, **stop_cells(legs.stops), **what})
 
 
 def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
@@ -77,39 +86,41 @@ def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
 
 def read_fixture_table(file: str, data: TableData) -> tuple[FixtureLengths, Ignored]:
     """Read the sides of the triangles; placement 0 is the tool's, all others are base fixtures'."""
-    columns = [
-        Column("placement", rules=(WHOLE, at_least(0))),
-        Column("kind", words=_KINDS),
-        Column("point_a", rules=(WHOLE, between(1, 4))),
-        Column("point_b", rules=(WHOLE, between(1, 4))),
-        _LENGTH,
-        _UNCERTAINTY,
-    ]
-    table = read_table(file, data, columns)
-    placement, point_a, point_b = (table.whole(name) for name in ("placement", "point_a", "point_b"))
-    is_base = table.numbers("kind") == _KINDS.index("base")
-    table.require(is_base == (placement > 0), "kind", "placement 0 is the tool and every other one a base")
-    table.require(point_a != point_b, "point_b", "a side joins two different points")
-    lengths = FixtureLengths(placement, point_a, point_b, table.numbers("length_mm"), table.numbers("u_mm"))
+    kind = Column("kind", words=_KINDS)
+    table = read_table(file, data, [*columns_of([_OF_ANY_FIXTURE]), kind, *columns_of(_SIDE)])
+    lengths = FixtureLengths(**read_fields(table, [_OF_ANY_FIXTURE, *_SIDE]))
+    rightly = (table.numbers("kind") == _KINDS.index("base")) == (lengths.placement > 0)
+    table.require(rightly, "kind", "placement 0 is the tool and every other one a base")
+    table.require(lengths.point_a != lengths.point_b, "point_b", "a side joins two different points")
     return lengths, ignored_columns(table)
+
+
+def fixture_text(fixture: FixtureLengths) -> str:
+    """Return a `fixture` table."""
+    placement = written_fields(fixture, [_OF_ANY_FIXTURE])
+    kind = ["base" if number else "tool" for number in fixture.placement]
+    return table_text({**placement, "kind": kind, **written_fields(fixture, _SIDE)})
 
 
 def read_setup_table(file: str, data: TableData, n_joints: int) -> tuple[CupSetups, Ignored]:
     """Read the joint angles at which cups were clamped on the ball in tool nest 1."""
-    names = joint_names(n_joints)
-    table = read_table(file, data, [_PLACEMENT, _BASE_POINT, *(Column(name) for name in names)])
-    joints_rad = np.radians(table.block(names))
-    return CupSetups(table.whole("placement"), table.whole("base_point"), joints_rad), ignored_columns(table)
+    fields = [_PLACEMENT, _BASE_POINT, joint_field(n_joints)]
+    table = read_table(file, data, columns_of(fields))
+    return CupSetups(**read_fields(table, fields)), ignored_columns(table)
+
+
+def setup_text(setup: CupSetups) -> str:
+    """Return a `setup` table."""
+    joints = joint_field(setup.joints_rad.shape[1])
+    return table_text(written_fields(setup, [_PLACEMENT, _BASE_POINT, joints]))
 
 
 def read_cup_table(file: str, data: TableData) -> tuple[CupReadings, Ignored]:
     """Read the tracker's readings of base cups."""
-    columns = [_PLACEMENT, _BASE_POINT, *(Column(name) for name in POSITION), _UNCERTAINTY]
-    table = read_table(file, data, columns)
-    readings = CupReadings(
-        placement=table.whole("placement"),
-        base_point=table.whole("base_point"),
-        position_mm=table.block(POSITION),
-        standard_uncertainty_mm=table.numbers("u_mm"),
-    )
-    return readings, ignored_columns(table)
+    table = read_table(file, data, columns_of(_CUPS))
+    return CupReadings(**read_fields(table, _CUPS)), ignored_columns(table)
+
+
+def cup_text(cups: CupReadings) -> str:
+    """Return a `cups` table."""
+    return table_text(written_fields(cups, _CUPS))

@@ -8,11 +8,28 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
 from truepose.exchange.errors import MissingEntryError
-from truepose.exchange.tables.stops import SAME_JOINTS_DEG, read_stops_of, stop_columns, torque_names
+from truepose.exchange.tables.fields import (
+    LENGTH,
+    TIME,
+    UNCERTAINTY,
+    Field,
+    columns_of,
+    read_fields,
+    table_text,
+    written_fields,
+)
+from truepose.exchange.tables.stops import (
+    SAME_JOINTS_DEG,
+    read_stops_of,
+    stop_cells,
+    stop_fields,
+    torque_names,
+)
 from truepose.exchange.tables.table import (
     POSITIVE,
     WHOLE,
     Column,
+    Rule,
     Table,
     TableData,
     at_least,
@@ -38,18 +55,35 @@ _LEAST_VARIANCE_MM2 = 1e-18
 Vector = tuple[float, float, float]
 
 
+def _upper_triangle(covariance_mm2: FloatArray) -> FloatArray:
+    return covariance_mm2[:, *UPPER_TRIANGLE]
+
+
+POSITION_FIELD = Field("position_mm", tuple(Column(name) for name in POSITION), LENGTH)
+UNCERTAINTY_FIELD = Field("standard_uncertainty_mm", Column("u_mm", rules=(POSITIVE,)), UNCERTAINTY)
+_ROTATION = Column("u_rot_deg", required=False, rules=(POSITIVE,), blank=math.nan)
+
+
+def _point_fields(nests: Collection[int]) -> list[Field]:
+    """Return what a row of measured points holds besides its stop."""
+    quaternion, covariance = (
+        [Column(name, required=False) for name in names] for names in (QUATERNION, COVARIANCE)
+    )
+    return [
+        Field("nest", Column("nest", rules=(WHOLE, one_of(nests, "the tool nests")))),
+        POSITION_FIELD,
+        UNCERTAINTY_FIELD,
+        Field("quaternion", tuple(quaternion), ".15f"),
+        Field("rotation_uncertainty_rad", _ROTATION, UNCERTAINTY, np.radians, np.degrees),
+        # All digits: rounding must not cost a covariance its definiteness.
+        Field("covariance_mm2", tuple(covariance), ".16e", outward=_upper_triangle),
+    ]
+
+
 def point_columns(n_joints: int, nests: Collection[int]) -> list[Column]:
     """Return the columns of measured points."""
-    return [
-        *stop_columns(n_joints),
-        Column("nest", rules=(WHOLE, one_of(nests, "the tool nests"))),
-        *(Column(name) for name in POSITION),
-        Column("u_mm", rules=(POSITIVE,)),
-        *(Column(name, required=False) for name in QUATERNION),
-        Column("u_rot_deg", required=False, rules=(POSITIVE,), blank=math.nan),
-        *(Column(name, required=False, rules=(POSITIVE,)) for name in BEAM),
-        *(Column(name, required=False) for name in COVARIANCE),
-    ]
+    beam = (Column(name, required=False, rules=(POSITIVE,)) for name in BEAM)
+    return [*columns_of([*stop_fields(n_joints), *_point_fields(nests)]), *beam]
 
 
 def point_groups(n_joints: int) -> list[tuple[str, ...]]:
@@ -65,16 +99,20 @@ def read_point_table(
     Raises an InputFileError that names line and column.
     """
     table = read_table(file, data, point_columns(n_joints, nests), together=point_groups(n_joints))
-    readings = PointReadings(
-        stops=read_stops_of(table, n_joints),
-        nest=table.whole("nest"),
-        position_mm=table.block(POSITION),
-        standard_uncertainty_mm=table.numbers("u_mm"),
-        covariance_mm2=_covariance(table, tracker_position_mm),
-        quaternion=_quaternion(table),
-        rotation_uncertainty_rad=_rotation_uncertainty(table),
-    )
+    said = read_fields(table, _point_fields(nests))
+    said |= {"covariance_mm2": _covariance(table, tracker_position_mm), "quaternion": _quaternion(table)}
+    readings = PointReadings(stops=read_stops_of(table, n_joints), **said)
     return readings, (*ignored_columns(table), *_superseded(table), *_doubtful_repeats(readings.stops))
+
+
+def point_text(readings: PointReadings) -> str:
+    """Return a `calibration` or `validation` table."""
+    return table_text({**stop_cells(readings.stops), **written_fields(readings, _point_fields(()))})
+
+
+def _reference_fields(rule: Rule) -> list[Field]:
+    time_s, fixed_nest = Column("time_s"), Column("fixed_nest", rules=(WHOLE, rule))
+    return [Field("time_s", time_s, TIME), Field("fixed_nest", fixed_nest), POSITION_FIELD, UNCERTAINTY_FIELD]
 
 
 def read_reference_table(
@@ -82,20 +120,14 @@ def read_reference_table(
 ) -> tuple[FixedNestReadings, tuple[str, ...]]:
     """Read looks at fixed nests; `n_fixed_nests` is 0 where none is certified and any number may be named."""
     among = one_of(range(1, n_fixed_nests + 1), "the fixed nests") if n_fixed_nests else at_least(1)
-    columns = [
-        Column("time_s"),
-        Column("fixed_nest", rules=(WHOLE, among)),
-        *(Column(name) for name in POSITION),
-        Column("u_mm", rules=(POSITIVE,)),
-    ]
-    table = read_table(file, data, columns)
-    readings = FixedNestReadings(
-        time_s=table.numbers("time_s"),
-        fixed_nest=table.whole("fixed_nest"),
-        position_mm=table.block(POSITION),
-        standard_uncertainty_mm=table.numbers("u_mm"),
-    )
-    return readings, ignored_columns(table)
+    fields = _reference_fields(among)
+    table = read_table(file, data, columns_of(fields))
+    return FixedNestReadings(**read_fields(table, fields)), ignored_columns(table)
+
+
+def reference_text(readings: FixedNestReadings) -> str:
+    """Return a `reference` table."""
+    return table_text(written_fields(readings, _reference_fields(at_least(1))))
 
 
 def ignored_columns(table: Table) -> tuple[str, ...]:
@@ -187,8 +219,3 @@ def _quaternion(table: Table) -> FloatArray | None:
     length[np.abs(length - 1.0) < _ROUNDING] = 1.0
     normalised: FloatArray = quaternion / length[:, None]
     return normalised
-
-
-def _rotation_uncertainty(table: Table) -> FloatArray | None:
-    uncertainty = table.optional_numbers("u_rot_deg")
-    return None if uncertainty is None else np.radians(uncertainty)

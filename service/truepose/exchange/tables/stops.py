@@ -5,15 +5,31 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
+from truepose.exchange.tables.fields import (
+    ANGLE,
+    TEMPERATURE,
+    TIME,
+    Array,
+    Cells,
+    Field,
+    read_fields,
+    written_fields,
+)
 from truepose.exchange.tables.table import WHOLE, Column, Table, at_least, between
 
-_N_MM_PER_N_M = 1000.0
 NO_REPEAT = -1
 # Controllers report 0.01 deg, and an arm may stop as far off its target; two configurations of a plan lie
 # tens of degrees apart.
 SAME_JOINTS_DEG = 0.5
+
+
+def _n_mm(torque_n_m: Array) -> Array:
+    return torque_n_m * 1000.0
+
+
+def _n_m(torque_n_mm: Array) -> Array:
+    return torque_n_mm * 1e-3
 
 
 def joint_names(n_joints: int) -> list[str]:
@@ -31,22 +47,34 @@ def direction_names(n_joints: int) -> list[str]:
     return [f"dir{joint}" for joint in range(1, n_joints + 1)]
 
 
-def stop_columns(n_joints: int) -> list[Column]:
-    """Return the columns of a stop; an empty cell stands for unknown where that makes sense."""
+def stop_fields(n_joints: int) -> list[Field]:
+    """Return what is known of a stop; an empty cell stands for unknown where that makes sense."""
+    signs = (WHOLE, between(-1, 1))
+    directions = [Column(n, required=False, rules=signs, blank=0.0) for n in direction_names(n_joints)]
+    torques = [Column(name, required=False, blank=math.nan) for name in torque_names(n_joints)]
+    earlier = Column("repeat_of", required=False, rules=(WHOLE, at_least(NO_REPEAT)), blank=NO_REPEAT)
     return [
-        Column("config", rules=(WHOLE, at_least(0))),
-        *(Column(name) for name in joint_names(n_joints)),
-        *(
-            Column(name, required=False, rules=(WHOLE, between(-1, 1)), blank=0.0)
-            for name in direction_names(n_joints)
-        ),
-        Column("time_s", required=False, blank=math.nan),
-        Column("temperature_C", required=False, blank=math.nan),
-        Column("attachment", required=False, rules=(WHOLE,)),
-        *(Column(name, required=False, blank=math.nan) for name in torque_names(n_joints)),
-        Column("group", required=False, rules=(WHOLE,)),
-        Column("repeat_of", required=False, rules=(WHOLE, at_least(NO_REPEAT)), blank=NO_REPEAT),
+        Field("config", Column("config", rules=(WHOLE, at_least(0)))),
+        joint_field(n_joints),
+        Field("direction", tuple(directions)),
+        Field("torque_n_mm", tuple(torques), ".6f", _n_mm, _n_m),
+        Field("time_s", Column("time_s", required=False, blank=math.nan), TIME),
+        Field("temperature_c", Column("temperature_C", required=False, blank=math.nan), TEMPERATURE),
+        Field("attachment", Column("attachment", required=False, rules=(WHOLE,))),
+        Field("group", Column("group", required=False, rules=(WHOLE,))),
+        Field("repeat_of", earlier, empty=NO_REPEAT),
     ]
+
+
+def joint_field(n_joints: int) -> Field:
+    """Return the angles of the joints."""
+    columns = tuple(Column(name) for name in joint_names(n_joints))
+    return Field("joints_rad", columns, ANGLE, np.radians, np.degrees)
+
+
+def stop_cells(stops: Stops) -> Cells:
+    """Return the cells of stops."""
+    return written_fields(stops, stop_fields(stops.joints_rad.shape[1]))
 
 
 def read_stops_of(table: Table, n_joints: int, *, numbered_by: Sequence[str] = ()) -> Stops:
@@ -60,17 +88,7 @@ def read_stops_of(table: Table, n_joints: int, *, numbered_by: Sequence[str] = (
 
 def stops_to_visit(table: Table, n_joints: int) -> Stops:
     """Return the stops of a table whose numbers are nothing but names of its rows."""
-    return Stops(
-        config=table.whole("config"),
-        joints_rad=np.radians(table.block(joint_names(n_joints))),
-        direction=_directions(table, n_joints),
-        time_s=table.optional_numbers("time_s"),
-        temperature_c=table.optional_numbers("temperature_C"),
-        attachment=table.optional_whole("attachment"),
-        torque_n_mm=_torques(table, n_joints),
-        group=table.optional_whole("group"),
-        repeat_of=table.optional_whole("repeat_of"),
-    )
+    return Stops(**read_fields(table, stop_fields(n_joints)))
 
 
 def _require_one_place_each(table: Table, number: Sequence[str], joints: Sequence[str]) -> None:
@@ -88,17 +106,3 @@ def _require_one_place_each(table: Table, number: Sequence[str], joints: Sequenc
         f"with other joints ({joints[joint]} differs by {away_deg[row, joint]:.4g}); "
         "number each place of the arm once",
     )
-
-
-def _directions(table: Table, n_joints: int) -> IntArray | None:
-    """Return the signs, 0 for a joint that has no column; None where no joint has one."""
-    names = direction_names(n_joints)
-    if not any(name in table for name in names):
-        return None
-    unknown = np.zeros(len(table.lines))
-    return np.column_stack([table.values.get(name, unknown) for name in names]).astype(np.int64)
-
-
-def _torques(table: Table, n_joints: int) -> FloatArray | None:
-    names = torque_names(n_joints)
-    return table.block(names) * _N_MM_PER_N_M if names[0] in table else None
