@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test check accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
+.PHONY: setup demo test unit check accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -20,10 +20,16 @@ demo: setup
 # A file of tests at a time, so that what a module sets up is set up once; in the order of the folders, so that
 # the long files (browser, system) do not come last, when there is nothing left to do beside them. Two processes on
 # two cores: with three, tests that look for free ports met each other. One thread of linear algebra each: the
-# matrices are small, and two threads wait for each other on busy cores.
+# matrices are small, and two threads wait for each other on busy cores. Compiled modules are kept, also where the
+# environment says otherwise: a hundred commands are started, and each would compile the service anew.
+PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest \
+  --numprocesses 2 --dist loadfile --no-loadscope-reorder
+
 test: setup
-	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses 2 --dist loadfile \
-	  --no-loadscope-reorder
+	$(PYTEST)
+
+unit: setup
+	$(PYTEST) tests/unit
 
 check: setup
 	$(BIN)/ruff check .

@@ -6,9 +6,22 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.helpers.machine import MEASURED_DATA, what_was_untested
+
 # How long an example takes says how busy the machine is, not whether the code is right.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("any machine")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter):
+    """Say below everything else what this machine could not test."""
+    shown = yield
+    skipped = terminalreporter.stats.get("skipped", [])
+    line = what_was_untested(str(report.longrepr) for report in skipped)
+    if line:
+        terminalreporter.write_line(line, yellow=True)
+    return shown
 
 
 @pytest.fixture(scope="session")
@@ -16,5 +29,5 @@ def measured_data() -> Path:
     """The folder of example campaigns, which is not part of the repository."""
     folder = Path(os.environ.get("TRUEPOSE_DATA", ""))
     if not (folder / "campaigns").is_dir():
-        pytest.skip("TRUEPOSE_DATA does not name the folder of example campaigns")
+        pytest.skip(MEASURED_DATA.reason)
     return folder

@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import sync_playwright
 
 from tests.browser.windows import Windows, without_complaint
+from tests.helpers.machine import CHROMIUM
 from tests.integration.web.bench import CELL, Bench, session_request
 from tests.integration.web.listening import listening
 from truepose.app import create_app
@@ -97,7 +98,7 @@ def service(tmp_path):
 def chromium():
     path = next(filter(None, map(shutil.which, _NAMES)), None)
     if path is None:
-        pytest.skip("no Chromium is installed here")
+        pytest.skip(CHROMIUM.reason)
     with sync_playwright() as playwright:
         # The sandbox needs rights that a container's root user does not have; the pages are our own.
         arguments = ["--no-sandbox", "--host-resolver-rules=MAP evil.test 127.0.0.1"]

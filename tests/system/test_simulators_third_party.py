@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.machine import CESAPI
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
@@ -30,7 +31,7 @@ def port():
 
 
 def test_the_python_client_cesapi_measures_and_is_told_errors(port):
-    pytest.importorskip("CESAPI", reason="the third-party client CESAPI 1.1.3 is not installed")
+    pytest.importorskip("CESAPI", reason=CESAPI.reason)
     packets = importlib.import_module("CESAPI.packet")
     connection = importlib.import_module("CESAPI.connection").Connection()
     connection.connect(host="127.0.0.1", port=port)

@@ -4,9 +4,10 @@ import inspect
 
 import pytest
 
+from tests.helpers.machine import CESAPI
 from truepose_drivers.leica_emscon.protocol import Answer, Command, Record, encode, exchange
 
-packet = pytest.importorskip("CESAPI.packet", reason="CESAPI 1.1.3 is not installed: no independent client")
+packet = pytest.importorskip("CESAPI.packet", reason=CESAPI.reason)
 
 ANSWERS = [
     made

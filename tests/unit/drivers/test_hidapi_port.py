@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.helpers.checkout import CHECKOUT, SOURCES
+from tests.helpers.machine import UMOCKDEV
 from tests.unit.drivers.umockdev_ballbar import write_device
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
 from truepose_drivers.transports.hid import HidapiPort
@@ -19,10 +20,7 @@ from truepose_drivers.transports.usb_address import LocalUsb
 BAR = LocalUsb(0x1209, 0x0001)
 REPORT = bytes([1, *range(16)])
 
-real_hidapi = pytest.mark.skipif(
-    shutil.which("umockdev-run") is None,
-    reason="umockdev is not installed (Debian: umockdev): no device to open",
-)
+real_hidapi = pytest.mark.skipif(shutil.which("umockdev-run") is None, reason=UMOCKDEV.reason)
 
 
 def read_through_hidapi(folder: Path, usb: str, readings: int, deviations_mm: list[float]) -> dict:

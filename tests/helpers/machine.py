@@ -1,0 +1,38 @@
+"""What a machine may lack, why tests are then skipped, and what the run says of it at its end."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """Something that a machine may be without."""
+
+    reason: str  # with which a test is skipped
+    untested: str
+
+
+MEASURED_DATA = Lack(
+    "TRUEPOSE_DATA does not name the folder of example campaigns", "campaigns that were measured"
+)
+UMOCKDEV = Lack(
+    "umockdev is not installed (Debian: umockdev): no device to open",
+    "hidapi on a device that is made up",
+)
+CHROMIUM = Lack("no Chromium is installed here", "pages in a browser")
+CESAPI = Lack("CESAPI 1.1.3 is not installed: no independent client", "a tracker's client by others")
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI)
+
+
+def what_was_untested(reasons: Iterable[str]) -> str:
+    """One line about what could not be tested here, empty where nothing was lacking.
+
+    Parameters
+    ----------
+    reasons : iterable of str
+        Why each of the skipped tests was skipped.
+    """
+    told = list(reasons)
+    counted = [(lack, sum(lack.reason in reason for reason in told)) for lack in _ALL]
+    parts = [f"{lack.untested} ({lack.reason}; {count} skipped)" for lack, count in counted if count]
+    return f"Not tested on this machine: {', '.join(parts)}." if parts else ""
