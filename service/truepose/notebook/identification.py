@@ -13,7 +13,7 @@ from truepose.notebook import html
 from truepose.notebook.campaign import Campaign
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model
-from truepose.notebook.wording import STATISTICS, change, counted, parameter_texts, rows_of
+from truepose.notebook.wording import STATISTICS, change, counted, parameter_table, rows_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -115,12 +115,10 @@ class Identification:
             f"Not told apart: {', '.join(group.parameters)}: {group.reason}."
             for group in self.answer.not_identifiable
         ]
-        parameters = map(parameter_texts, self.answer.parameters)
-        head = ("parameter", "unit", "value", "u")
         return html.page(
             html.paragraphs((repr(self), self.message)),
             html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
-            html.table("Parameters, added to the nominal values", head, parameters, numbers_from=2),
+            parameter_table(self.answer.parameters),
             html.paragraphs(left_open),
         )
 

@@ -11,7 +11,7 @@ from truepose.exchange.models.file import read_model as read_model_file
 from truepose.exchange.models.file import write_model
 from truepose.notebook import html
 from truepose.notebook.frames import frame
-from truepose.notebook.wording import counted
+from truepose.notebook.wording import counted, parameter_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -63,7 +63,7 @@ class Model:
         return f"Model of {self.data.robot.name}: {effects}; {count}"
 
     def _repr_html_(self) -> str:
-        return html.page(html.paragraphs([repr(self)]))
+        return html.page(html.paragraphs([repr(self)]), parameter_table(self.data.parameters))
 
 
 def read_model(file: str | Path) -> Model:

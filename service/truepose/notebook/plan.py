@@ -67,7 +67,14 @@ class Plan:
         return f"Plan of a {self.role} of {self.robot}: {stops}, {counted(again, 'revisit')}"
 
     def _repr_html_(self) -> str:
-        return html.page(html.paragraphs([repr(self)]))
+        names = [f"q{joint}, deg" for joint in range(1, self.joints_rad.shape[1] + 1)]
+        rows = [
+            (str(config), *(f"{angle:.2f}" for angle in angles), str(nest))
+            for config, angles, nest in zip(
+                self.config, np.degrees(self.joints_rad).tolist(), self.nest, strict=True
+            )
+        ]
+        return html.page(html.paragraphs([repr(self)]), html.first_rows(("config", *names, "nest"), rows))
 
 
 def plan(

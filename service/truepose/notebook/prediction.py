@@ -20,8 +20,6 @@ from truepose.reports.rounding import millimetres
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_SHOWN = 10  # rows of a table in a notebook
-
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Predictions:
@@ -82,22 +80,15 @@ class Predictions:
         return f"{count} of nest positions; standard uncertainty {typical} mm (median)"
 
     def _repr_html_(self) -> str:
-        left = len(self.config) - _SHOWN
+        numbers = np.column_stack([self.position_mm, self.standard_uncertainty_mm]).tolist()
         rows = [
-            (str(config), str(nest), *map(millimetres, position), millimetres(u))
-            for config, nest, position, u in zip(
-                self.config[:_SHOWN],
-                self.nest[:_SHOWN],
-                self.position_mm.tolist(),
-                self.standard_uncertainty_mm.tolist(),
-                strict=False,
-            )
+            (str(config), str(nest), *(f"{number:.4f}" for number in row))
+            for config, nest, row in zip(self.config, self.nest, numbers, strict=True)
         ]
-        more = (f"and {left} more rows",) if left > 0 else ()
         return html.page(
-            html.paragraphs((repr(self),)),
-            html.table("", ("config", "nest", "x, mm", "y", "z", "u"), rows, numbers_from=0),
-            html.paragraphs((*more, *self.remarks)),
+            html.paragraphs([repr(self)]),
+            html.first_rows(("config", "nest", "x, mm", "y", "z", "u"), rows),
+            html.paragraphs(self.remarks),
         )
 
 

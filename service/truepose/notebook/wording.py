@@ -1,10 +1,13 @@
 """Numbers of several answers as text: one way to write a size, a change, a count."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+
+from markupsafe import Markup
 
 from truepose.domain.diagnosis import Finding
 from truepose.domain.results import NominalAndIdentified, Parameter, Statistics
 from truepose.exchange.models.document import file_factor, file_unit
+from truepose.notebook import html
 from truepose.reports.causes import printed_unit
 from truepose.reports.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
 
@@ -33,8 +36,14 @@ def rows_of(label: str, before: str, after: str, pair: NominalAndIdentified) -> 
         yield (first, model, str(figures.n), *map(millimetres, values))
 
 
-def parameter_texts(parameter: Parameter) -> tuple[str, ...]:
-    """Return the row of a parameter: name, unit, value and standard uncertainty as documents state them."""
+def parameter_table(parameters: Iterable[Parameter]) -> Markup:
+    """Return the table of parameters: values and standard uncertainties as documents state them."""
+    head = ("parameter", "unit", "value", "u")
+    rows = map(_parameter, parameters)
+    return html.table("Parameters, added to the nominal values", head, rows, numbers_from=2)
+
+
+def _parameter(parameter: Parameter) -> tuple[str, ...]:
     factor = file_factor(parameter.unit)
     u = parameter.standard_uncertainty * factor
     return parameter.name, file_unit(parameter.unit), rounded(parameter.value * factor, u), uncertainty(u)
