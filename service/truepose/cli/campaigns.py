@@ -150,7 +150,7 @@ def validate_command(
     from truepose.exchange.models.file import read_model
     from truepose.exchange.tables.files import read_validation_file
     from truepose.judgement.cautions import validation_cautions
-    from truepose.judgement.held_out import validate
+    from truepose.judgement.validation import validate
 
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
         raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")

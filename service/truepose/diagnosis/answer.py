@@ -17,7 +17,7 @@ from truepose.diagnosis.doubt.small_findings import parted
 from truepose.diagnosis.doubt.standing import Tested, standing
 from truepose.diagnosis.evidence.cell_functions import described
 from truepose.diagnosis.evidence.extended_model import Whole
-from truepose.diagnosis.evidence.held_out import CrossValidation, Judged, on_validation
+from truepose.diagnosis.evidence.held_out import CrossValidation, Improvement, on_validation
 from truepose.diagnosis.evidence.sensitivities import shown_of, worth_of
 from truepose.diagnosis.evidence.structure_left import Depends, Left
 from truepose.diagnosis.evidence.witnesses import CONTRADICTED, accused, speak_against
@@ -65,7 +65,7 @@ class _Answer:
     start: Start
     tested: Tested  # doubts included in what is left
     whole: Whole | None  # None: the findings are all that the model is extended by
-    judged: Judged  # on validation readings, where there are any
+    judged: Improvement  # on validation readings, where there are any
     scene: Scene  # of the extended model
     unseen: Unseen | None  # the extended model at validation readings, where there are any
 
@@ -114,7 +114,7 @@ def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | No
     return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
 
 
-def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole | None) -> Judged:
+def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole | None) -> Improvement:
     groups = tuple(group for _, group in tested.groups)
     end = whole.fit if whole else tested.selected.fit
     seen = on_validation(start.campaign, (start.fit, end), tested.selected, groups)
@@ -123,7 +123,7 @@ def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole
     return seen or tested.judged
 
 
-def _worse_at(judged: Judged) -> WorstPoint | None:
+def _worse_at(judged: Improvement) -> WorstPoint | None:
     """Return the worst held-out point where it is far worse than the worst one was without the findings.
 
     A mean that gets better hides it: a shape that fits where readings are may do anything in between.

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.diagnosis.evidence.gains import gain_of
-from truepose.diagnosis.evidence.held_out import Judged
+from truepose.diagnosis.evidence.held_out import Improvement
 from truepose.diagnosis.evidence.structure_left import Left
 from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.screening.selection import Selected
@@ -24,7 +24,7 @@ from truepose.identification.observations.positions import position_block
 _FAR_MM = 10.0  # further than a bad reading goes: another nest or another row was read
 
 
-def readings_found(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[Finding, ...]:
+def readings_found(start: Start, selected: Selected, left: Left, judged: Improvement) -> tuple[Finding, ...]:
     """Return what is wrong with readings."""
     return (*_swaps(start, selected), *_bad(start, selected, left, judged))
 
@@ -62,7 +62,7 @@ def _swap_gain(start: Start, selected: Selected) -> Gain | None:
     )
 
 
-def _bad(start: Start, selected: Selected, left: Left, judged: Judged) -> tuple[Finding, ...]:
+def _bad(start: Start, selected: Selected, left: Left, judged: Improvement) -> tuple[Finding, ...]:
     bad = left.tails.bad
     if not bad.any():
         return ()
@@ -90,7 +90,7 @@ def _chance(selected: Selected, bad: BoolArray) -> float:
     return min(1.0, len(bad) * float(chi2_exceeded(nearest, result.residual.shape[1])))
 
 
-def _bad_gain(start: Start, selected: Selected, judged: Judged) -> Gain | None:
+def _bad_gain(start: Start, selected: Selected, judged: Improvement) -> Gain | None:
     """Gain on validation points over a fit that takes every reading as good."""
     points = start.campaign.validation
     if points is None or judged.source != "validation":

@@ -1,17 +1,15 @@
 """The identification of a campaign, from its readings to the answer: the one function that others call."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.domain.campaign import Campaign, LegReadings, PointReadings
+from truepose.domain.campaign import Campaign
 from truepose.domain.results import (
     Counts,
     Identification,
     Model,
-    NominalAndIdentified,
     NotIdentifiable,
     PureError,
     Status,
@@ -21,13 +19,10 @@ from truepose.identification.fit.considered import considered
 from truepose.identification.fit.cross_validation import held_out_residuals
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
 from truepose.identification.fit.solver import posterior_covariance
-from truepose.identification.model.prediction import predict, predict_lengths, predict_nominal
 from truepose.identification.model.stops import sites
+from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.models import Fits, model_of
-from truepose.identification.observations.legs import leg_block
-from truepose.identification.observations.positions import position_block
 from truepose.identification.problem.build import (
-    NOMINAL_EFFECTS,
     NUISANCE,
     Problem,
     automatic_effects,
@@ -35,11 +30,11 @@ from truepose.identification.problem.build import (
 )
 from truepose.identification.verdict import status as verdict
 from truepose.identification.verdict.identifiability import not_identifiable
+from truepose.identification.verdict.judge import Judged, judge
 from truepose.identification.verdict.lengths_by_positions import judged_by_positions
 from truepose.identification.verdict.outliers import outliers
 from truepose.identification.verdict.pure_error import pure_error
 from truepose.identification.verdict.reach import WithinReach, within_reach
-from truepose.identification.verdict.statistics import expected_noise_mm, statistics
 from truepose.version import __version__
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
@@ -118,33 +113,22 @@ def nominal_fit(problem: Problem, identified: RobustFit) -> RobustFit:
     return RobustFit(structure, blocks, solution, identified.gross, float("nan"))
 
 
-@dataclass(frozen=True, slots=True)
-class _HeldOut:
-    """Residuals of readings that the parameters never saw."""
-
-    statistics: NominalAndIdentified
-    residual_mm: FloatArray  # (n, d) identified
-    parameter_variance_mm2: FloatArray  # (n,)
-    noise_variance_mm2: FloatArray  # (n,) readings and scatter
-
-
 def _answer(
     campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit, tell: Progress
 ) -> Identification:
     carried = considered(campaign, identified)
     fits = Fits(campaign, identified, nominal, carried.total)
     draft = model_of(fits, discrepancy_mm=0.0, program_version=__version__)
+    calibration = _calibration(identified, nominal)
     # Held-out readings share certificates and registration with those of the fit: that part of the
     # uncertainty cannot show in their residuals.
     validation = _validation(campaign, replace(draft, covariance=carried.readings))
-    crossed = None if validation else _crossed(identified, nominal)
+    crossed = None if validation else _crossed(calibration, identified, nominal)
     held_out = validation or crossed
-    model = (
-        draft if held_out is None else replace(draft, discrepancy_mm=_discrepancy_mm(held_out, identified))
-    )
+    model = draft if held_out is None else replace(draft, discrepancy_mm=held_out.discrepancy_mm())
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
-    status, message = verdict.judge(campaign, problem, identified, nominal)
+    status, message = verdict.outcome(campaign, problem, identified, nominal)
     # Where nothing fits, the covariance speaks of the misfit, not of what the configurations can see.
     trusted = status in (Status.CONVERGED, Status.NOT_CONVERGED)
     named = _not_identifiable(problem, identified) if trusted else ()
@@ -158,10 +142,10 @@ def _answer(
         not_identifiable=named,
         outliers=gross,
         quantity=problem.quantity,
-        calibration=_pair(nominal, identified, np.ones(len(kept), dtype=bool)),
-        validation=validation.statistics if validation else None,
-        cross_validation=crossed.statistics if crossed else None,
-        calibration_without_outliers=_pair(nominal, identified, kept) if gross else None,
+        calibration=calibration.pair(),
+        validation=validation.pair() if validation else None,
+        cross_validation=crossed.pair() if crossed else None,
+        calibration_without_outliers=calibration.pair(kept) if gross else None,
         chi2_per_dof=identified.chi2_per_dof,
         pure_error=_pure_error(identified),
         model=model,
@@ -179,65 +163,30 @@ def _counts(problem: Problem, identified: RobustFit, outliers_found: int) -> Cou
     )
 
 
-def _pair(nominal: RobustFit, identified: RobustFit, rows: BoolArray) -> NominalAndIdentified:
-    noise = expected_noise_mm(identified.blocks[0].taken(np.flatnonzero(rows)))
-    return NominalAndIdentified(
-        statistics(nominal.results[0].residual[rows], noise),
-        statistics(identified.results[0].residual[rows], noise),
-    )
+def _calibration(identified: RobustFit, nominal: RobustFit) -> Judged:
+    """Return the readings of the fits against these, with the uncertainties as stated."""
+    block, result = identified.blocks[0], identified.results[0]
+    stated = block.weighted(block.weights, 0.0)
+    return Judged(stated, nominal.results[0], result, np.zeros(len(block.weights)))
 
 
-def _validation(campaign: Campaign, model: Model) -> _HeldOut | None:
-    if campaign.calibration is not None:
-        return _point_validation(campaign, model, campaign.validation)
-    return _leg_validation(campaign, model, campaign.validation_legs)
+def _validation(campaign: Campaign, model: Model) -> Judged | None:
+    readings = campaign.held_out
+    return None if readings is None else judge(model, readings, campaign.scatter_mm)
 
 
-def _point_validation(campaign: Campaign, model: Model, points: PointReadings | None) -> _HeldOut | None:
-    if points is None or len(points) == 0:
-        return None
-    block = position_block(points, campaign.scatter_mm)
-    noise = expected_noise_mm(block)
-    predicted, uncertainty = predict(replace(model, repeatability_mm=0.0), points.stops, points.nest)
-    residual = points.position_mm - predicted
-    nominal = points.position_mm - predict_nominal(model, points.stops, points.nest)
-    pair = NominalAndIdentified(statistics(nominal, noise), statistics(residual, noise))
-    return _HeldOut(pair, residual, uncertainty**2, block.component_variance() + block.scatter_mm**2)
-
-
-def _leg_validation(campaign: Campaign, model: Model, legs: LegReadings | None) -> _HeldOut | None:
-    if legs is None or len(legs) == 0:
-        return None
-    anchors = tuple(sorted(set(zip(legs.placement.tolist(), legs.base_point.tolist(), strict=True))))
-    block = leg_block(legs, campaign.scatter_mm, anchors)
-    noise = expected_noise_mm(block)
-    residual = (legs.length_mm - predict_lengths(model, legs))[:, None]
-    nominal = (legs.length_mm - predict_lengths(model, legs, nominal=True))[:, None]
-    pair = NominalAndIdentified(statistics(nominal, noise), statistics(residual, noise))
-    return _HeldOut(pair, residual, np.zeros(len(legs)), block.component_variance() + block.scatter_mm**2)
-
-
-def _crossed(identified: RobustFit, nominal: RobustFit) -> _HeldOut | None:
-    if len(np.unique(sites(identified.blocks[0].targets.stops))) < 2:
+def _crossed(calibration: Judged, identified: RobustFit, nominal: RobustFit) -> Judged | None:
+    """Return the readings of the fits, each against fits that never saw its configuration."""
+    if len(np.unique(sites(calibration.stops))) < 2:
         return None  # revisits of one place: nothing is left to predict it from
-    residual, variance = held_out_residuals(identified)
+    after, variance = held_out_residuals(identified)
     before, _ = held_out_residuals(nominal)
-    stated = identified.blocks[0].weighted(identified.blocks[0].weights, 0.0)
-    noise = expected_noise_mm(stated)
-    pair = NominalAndIdentified(statistics(before, noise), statistics(residual, noise))
-    return _HeldOut(pair, residual, variance, stated.component_variance() + stated.scatter_mm**2)
-
-
-def _discrepancy_mm(held_out: _HeldOut, identified: RobustFit) -> float:
-    """Return what held-out residuals show per axis beyond noise, scatter and the parameters' share [mm].
-
-    Readings as far out as those found gross do not count: they say nothing of the model.
-    """
-    squared = (held_out.residual_mm**2).mean(axis=1)
-    typical = float(np.median(squared))
-    usual = squared <= 25.0 * typical
-    expected = held_out.noise_variance_mm2 + held_out.parameter_variance_mm2
-    return float(np.sqrt(max(float((squared - expected)[usual].mean()), 0.0)))
+    return replace(
+        calibration,
+        nominal=replace(calibration.nominal, residual=before),
+        identified=replace(calibration.identified, residual=after),
+        variance=variance,
+    )
 
 
 def _pure_error(identified: RobustFit) -> PureError | None:

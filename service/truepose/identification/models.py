@@ -9,10 +9,10 @@ from truepose.domain.campaign import Campaign
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.identification.fit.robust import RobustFit
+from truepose.identification.model.anchors import LEG_OFFSET, anchor_name
 from truepose.identification.model.missing import spanned
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import Structure, base_axes
-from truepose.identification.observations.legs import LEG_OFFSET, anchor_name
 from truepose.kinematics.frames import angles_xyz, placement_of
 
 

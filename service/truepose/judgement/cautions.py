@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from truepose.domain.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.campaign import Readings, Stops
 from truepose.domain.results import Model
-from truepose.identification import unpredictable, unpredictable_lengths
+from truepose.identification import unpredictable, unpredictable_readings
 
 
 def prediction_cautions(model: Model, stops: Stops) -> Iterator[str]:
@@ -14,13 +14,11 @@ def prediction_cautions(model: Model, stops: Stops) -> Iterator[str]:
         yield f"{sentence}, and u_mm says how far off that may be."
 
 
-def validation_cautions(model: Model, readings: PointReadings | LegReadings) -> Iterator[str]:
+def validation_cautions(model: Model, readings: Readings) -> Iterator[str]:
     """Yield what the judgement of a model by these readings does not contain."""
-    if isinstance(readings, LegReadings):
-        yield from (f"{sentence}." for sentence in unpredictable_lengths(model, readings))
-        return
-    yield from (f"{sentence}." for sentence in unpredictable(model, readings.stops))
-    yield from _unseen_base(model)
+    yield from (f"{sentence}." for sentence in unpredictable_readings(model, readings))
+    if readings.quantity == "position":
+        yield from _unseen_base(model)
 
 
 def _unseen_base(model: Model) -> Iterator[str]:

@@ -86,7 +86,7 @@ class Identification:
         from truepose.reports.uncertainty.judged import judged, shown_noise_mm
 
         shown = judged(self.answer, self.campaign)
-        return None if shown is None else plain_histogram(shown, shown_noise_mm(self.answer, shown))
+        return None if shown is None else plain_histogram(shown, shown_noise_mm(self.answer))
 
     def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
         """Yield the statistics that the model is judged by, the most telling first."""

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from truepose.domain import results as domain
-from truepose.domain.campaign import LegReadings, PointReadings
+from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.documents import statistics_document, validation_document
 from truepose.exchange.tables.files import held_out_readings
+from truepose.identification import judge
 from truepose.judgement.cautions import validation_cautions
-from truepose.judgement.held_out import validate as validate_model
+from truepose.judgement.validation import validate as validate_model
 from truepose.notebook import html
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model
@@ -48,7 +49,7 @@ class Validation:
 
     answer: domain.Validation
     model: domain.Model
-    readings: PointReadings | LegReadings
+    readings: Readings
     remarks: tuple[str, ...]
 
     @property
@@ -78,9 +79,8 @@ class Validation:
     def plot(self) -> "Figure":
         """Return the histogram of errors of the nominal and the identified model, a figure of matplotlib."""
         from truepose.reports.figures.histogram import plain_histogram
-        from truepose.reports.uncertainty.judged import judged_by
 
-        shown = judged_by(self.model, self.readings, held_out=True, scatter_mm=self.model.repeatability_mm)
+        shown = judge(self.model, self.readings, self.model.repeatability_mm)
         return plain_histogram(shown, self.answer.position.identified.noise_mm)
 
     def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 
 from truepose.domain.results import Identification, NominalAndIdentified, Statistics, Status
+from truepose.identification.verdict.judge import Judged
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.uncertainty.budget import Budget
-from truepose.reports.uncertainty.judged import Judged, judging_figures
+from truepose.reports.uncertainty.judged import judging_figures
 
 
 @dataclass(frozen=True, slots=True)

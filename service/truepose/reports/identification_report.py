@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.identification.verdict.judge import Judged
 from truepose.reports.conditions import ReportConditions, condition_rows
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
 from truepose.reports.figures.histogram import histogram
@@ -18,14 +19,7 @@ from truepose.reports.pages import write_page
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
 from truepose.reports.uncertainty.budget import Budget, budget
-from truepose.reports.uncertainty.judged import (
-    FAR_OUT,
-    Judged,
-    judged,
-    noise_split,
-    shown_noise_mm,
-    without_far_out,
-)
+from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm, without_far_out
 from truepose.reports.uncertainty.shifts import DRAWS
 
 
@@ -173,8 +167,8 @@ def _evidence(shown: Judged | None, identification: Identification) -> dict[str,
     )
     return {
         "judged": shown,
-        "histogram": histogram(shown, shown_noise_mm(identification, shown)),
-        "joints": joint_residuals(shown, model),
+        "histogram": histogram(shown, shown_noise_mm(identification)),
+        "joints": joint_residuals(shown),
         "space": work_space(shown),
         "splits": splits,
     }

@@ -14,7 +14,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Anchor, Model
 from truepose.identification import identify, predict
-from truepose.identification.model.prediction import identified_anchors
+from truepose.identification.model.estimates import identified_anchors
 from truepose.identification.thesis_procedure import THESIS_EFFECTS, positions_from_legs
 from truepose.kinematics.frames import rigid_alignment
 

@@ -19,7 +19,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Status
 from truepose.domain.robot import FramePlacement, Nest, Robot
 from truepose.exchange.models.file import model_from_text, model_text
-from truepose.identification import identify, predict, predict_lengths
+from truepose.identification import identify, judge, predict
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.identification.problem.setting import setting_of
@@ -253,13 +253,13 @@ def test_columns_of_unknown_values_change_nothing():
 @pytest.mark.parametrize("base", [WALL, FramePlacement(800.0, 100.0, -300.0, 0.1, -0.2, 2.0)])
 def test_legs_of_a_robot_whose_base_is_known_are_placed_in_the_world(base):
     campaign = leg_campaign(250)
-    legs = campaign.legs
 
     here, there = identify(campaign), identify(replace(campaign, base_nominal=base))
 
     assert there.status is Status.CONVERGED
     assert there.calibration.identified.rms_mm == pytest.approx(here.calibration.identified.rms_mm, rel=1e-3)
-    assert predict_lengths(there.model, legs) == pytest.approx(predict_lengths(here.model, legs), abs=1e-3)
+    residuals = [judge(answer.model, campaign.legs, 0.0).identified_mm for answer in (there, here)]
+    assert residuals[0] == pytest.approx(residuals[1], abs=1e-3)
     anchor = np.array([250.0, -450.0, -80.0])
     placed = placement_rotation(base) @ anchor + placement_translation(base)
     found = [p.value for p in there.parameters if p.name.startswith("anchor_1_1")]

@@ -18,8 +18,8 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose, PoseForecast
 from truepose.domain.campaign import Stops
 from truepose.domain.results import Model
+from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.prediction import structure_of, values_of
 from truepose.planning.ballbar.lengths.aiming import Lengths
 
 _STEP: Final = 1e-2  # of a parameter, in its standard uncertainties: a length is straight over so little

@@ -50,7 +50,7 @@ class ValidateTask:
 
     def perform(self, report: Report) -> Validation:
         """Return the validation; raises TrueposeError."""
-        from truepose.judgement.held_out import validate
+        from truepose.judgement.validation import validate
 
         report(0.0, "reading the campaign")
         readings = held_out(stored_campaign(self.campaign))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from truepose.diagnosis.circumstances import scene_of
 from truepose.diagnosis.doubt.doubts import owed_to_the_rest
-from truepose.diagnosis.evidence.held_out import CrossValidation, Judged
+from truepose.diagnosis.evidence.held_out import CrossValidation, Improvement
 from truepose.diagnosis.evidence.remaining import Prepared, prepared_families
 from truepose.diagnosis.evidence.sensitivities import shown_of
 from truepose.diagnosis.evidence.structure_left import Left, left_by
@@ -29,7 +29,7 @@ class Tested:
 
     selected: Selected
     groups: tuple[Group, ...]
-    judged: Judged  # by cross-validation
+    judged: Improvement  # by cross-validation
     families: tuple[Prepared, ...]
     left: Left
 
@@ -64,7 +64,9 @@ def _tested(
     return Tested(selected, groups, judged, families, left_by(start, selected, families, without, refuted))
 
 
-def _useless(selected: Selected, groups: tuple[Group, ...], judged: Judged, left: Left) -> tuple[int, ...]:
+def _useless(
+    selected: Selected, groups: tuple[Group, ...], judged: Improvement, left: Left
+) -> tuple[int, ...]:
     """Return the findings to withdraw: all where they spoil what is left out, else single ones.
 
     The choice without a fold rests on fewer readings and may miss what all of them show: only where it does
@@ -102,7 +104,7 @@ def _forbidden(start: Start, tested: Tested, index: int) -> str:
     return shown.limits.why if shown.limits and shown.limits.withdrawn and shown.impossible else ""
 
 
-def _explains_little(gain: Gain, judged: Judged) -> bool:
+def _explains_little(gain: Gain, judged: Improvement) -> bool:
     """Whether it is a small part of what is wrong on unseen points that a gain takes away."""
     wrong = gain.rms_before_mm**2 - judged.noise_mm**2
     return gain.rms_before_mm**2 - gain.rms_after_mm**2 < _SMALL_PART * wrong

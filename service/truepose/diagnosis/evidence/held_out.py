@@ -22,15 +22,16 @@ from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import Structure
-from truepose.identification.observations.blocks import Block, BlockResult
+from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.observed import observed
+from truepose.identification.verdict.judge import Judged, judge_estimates
 from truepose.identification.verdict.statistics import expected_noise_mm
 
 Groups = tuple[tuple[Candidate, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class Improvement:
     """Held-out errors of the start model and of the extended one, and what each of its causes gains."""
 
     errors: HeldOutErrors
@@ -54,7 +55,7 @@ class CrossValidation:
     def __init__(self, first: Choice) -> None:
         self._first, self._fit = first, first.first.fit
 
-    def of(self, selected: Selected, groups: Groups, *, described: bool = False) -> Judged:
+    def of(self, selected: Selected, groups: Groups, *, described: bool = False) -> Improvement:
         """Judge the choice, or all that is described; of single causes, the model found with and without."""
         block, result = self._fit.blocks[0], self._fit.results[0]
         config, site = block.targets.stops.config, sites(block.targets.stops)
@@ -65,7 +66,7 @@ class CrossValidation:
         noise_mm = expected_noise_mm(block.weighted(block.weights, 0.0))
         more = gain_of(nested.chosen, nested.described, site) if described else None
         seen_in = tuple(nested.seen_in(group) for group in groups)
-        return Judged(held_out, gains, seen_in, site, noise_mm, "cross_validation", described=more)
+        return Improvement(held_out, gains, seen_in, site, noise_mm, "cross_validation", described=more)
 
     def asks_for_description(self, groups: Groups) -> bool:
         """Whether describing every cell foretells what is left out better than the choice."""
@@ -107,29 +108,26 @@ def _run_in_time(groups: Groups) -> bool:
 
 def on_validation(
     campaign: Campaign, fits: tuple[RobustFit, RobustFit], selected: Selected, groups: Groups
-) -> Judged | None:
+) -> Improvement | None:
     """Judge the start and the model in the end, and single causes; None without validation readings."""
     block = validation_block(campaign, selected.fit.structure)
     if block is None:
         return None
-    start, end = (block.result(fit.structure, fit.values, None) for fit in fits)
+    ends = judge_estimates(block, fits[0].estimate, fits[1].estimate)
     site, found = sites(block.targets.stops), _residual(block, selected.fit.structure, selected.fit.values)
     gains = tuple(gain_of(_without(block, selected.fit, group), found, site) for group in groups)
-    errors = HeldOutErrors(block.targets.stops.config, end.state.position_mm, start.residual, end.residual)
-    beyond = _beyond(block, end, fits[1].solution.covariance)
-    more = None if fits[1] is selected.fit else gain_of(found, end.residual, site)
-    return Judged(errors, gains, (), site, expected_noise_mm(block), "validation", beyond, more)
+    errors = HeldOutErrors(ends.stops.config, ends.position_mm, ends.nominal_mm, ends.identified_mm)
+    beyond = _beyond(ends)
+    more = None if fits[1] is selected.fit else gain_of(found, ends.identified_mm, site)
+    return Improvement(errors, gains, (), site, expected_noise_mm(block), "validation", beyond, more)
 
 
-def _beyond(block: Block, result: BlockResult, covariance: FloatArray) -> float:
+def _beyond(ends: Judged) -> float:
     """Return the typical error over what noise and parameters explain; 1 where no noise is stated."""
-    if block.stated_sigma() == 0.0:
+    if ends.block.stated_sigma() == 0.0:
         return 1.0
-    components = result.residual.shape[1]
-    spread = np.einsum("pni,pq,qni->n", result.jacobian, covariance, result.jacobian, optimize=True)
-    variance = block.component_variance() + block.scatter_mm**2 + spread / components
-    squared = (result.residual**2).sum(axis=1) / variance
-    return float(np.sqrt(np.median(squared) / chi2_median(components)))
+    squared = (ends.identified_mm**2).sum(axis=1) / (ends.noise_variance + ends.variance)
+    return float(np.sqrt(np.median(squared) / chi2_median(ends.block.components)))
 
 
 def validation_block(campaign: Campaign, structure: Structure) -> Block | None:

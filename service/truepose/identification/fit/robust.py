@@ -32,6 +32,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.identification.distributions import chi2_limit, chi2_median
 from truepose.identification.fit.solver import Solution, solve
+from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
 
@@ -61,6 +62,11 @@ class RobustFit:
     def values(self) -> FloatArray:
         """Parameter values, shape (P,)."""
         return self.solution.values
+
+    @property
+    def estimate(self) -> Estimate:
+        """The model with its values."""
+        return Estimate(self.structure, self.values, self.solution.covariance)
 
     @property
     def results(self) -> tuple[BlockResult, ...]:

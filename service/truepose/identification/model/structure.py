@@ -12,6 +12,8 @@ from truepose.domain.robot import Robot
 from truepose.effects.ports import ParameterSpec
 from truepose.kinematics.frames import rotation_xyz
 
+NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
+
 
 @dataclass(frozen=True)  # without slots: what follows from the parameters is kept once it was asked for
 class Structure:

@@ -130,6 +130,10 @@ class Block(Table, ABC):
         """Return the motion of each prediction per shift and turn of the held world, shape (6, n, d)."""
         return np.zeros((6, *result.residual.shape))
 
+    def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
+        """Return the motion of each prediction where all lengths from a place grow by their size, (n, d)."""
+        return np.zeros_like(result.residual)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IndependentReadings(Block):

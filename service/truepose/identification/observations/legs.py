@@ -8,6 +8,7 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import LegReadings
 from truepose.domain.errors import ConfigurationError
+from truepose.identification.model.anchors import LEG_OFFSET, anchor_places, first_anchor
 from truepose.identification.model.evaluation import State, Targets
 from truepose.identification.model.lengths import excess_mm, foot_gradient, length_jacobian, moved_feet
 from truepose.identification.model.structure import Structure
@@ -15,28 +16,11 @@ from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.whitening import Whitener, whitener
 from truepose.kinematics.chain import theta_gradient
 
-LEG_OFFSET = "length_offset"
 # What a model of an arm lacks is angles of joints first of all: gears, backlash, couplings. The legs of a
 # stop see such an angle together, each at its own lever; a discrepancy of d mm is one of d / 400 mm in every
 # joint, and besides a part of d in each leg by itself, for what is no angle of a joint.
 _ARM_MM = 400.0
 _OWN_SHARE = 0.6
-
-
-def anchor_name(anchor: tuple[int, int], component: int) -> str:
-    """Return e.g. `anchor_1_3_x` for placement 1, base point 3, component 0."""
-    return f"anchor_{anchor[0]}_{anchor[1]}_{'xyz'[component]}"
-
-
-def first_anchor(structure: Structure) -> int:
-    """Return the index of the first coordinate of the base cups, which follow one another."""
-    return structure.index_of(anchor_name(structure.anchors[0], 0))
-
-
-def anchor_places(structure: Structure, values: FloatArray) -> FloatArray:
-    """Return the places of the base cups at these values, shape (A, 3) [mm]."""
-    first = first_anchor(structure)
-    return np.asarray(values[first : first + 3 * len(structure.anchors)].reshape(-1, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +77,10 @@ class LegBlock(Block):
     def covariance(self) -> FloatArray:
         """Return the variance of each length, shape (n, 1, 1) [mm2]."""
         return np.asarray(self.uncertainty_mm[:, None, None] ** 2)
+
+    def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
+        """Return the lengths themselves, shape (n, 1): they grow from wherever."""
+        return self.length_mm[:, None]
 
     def component_variance(self) -> FloatArray:
         """Variance of each length [mm2], shape (n,)."""

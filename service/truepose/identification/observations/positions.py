@@ -80,6 +80,10 @@ class PositionBlock(Block):
         turns = np.stack([np.cross(axis, points) for axis in np.eye(3)])
         return np.concatenate([np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)), turns])
 
+    def moved_by_growth(self, result: BlockResult, origin_mm: FloatArray) -> FloatArray:
+        """Return how far each nest is from the place that stays, shape (n, 3)."""
+        return np.asarray(result.state.position_mm - origin_mm)
+
     def prepared(self) -> Self:
         """Return the block with its whitening computed once."""
         if self.lone_mm2 is not None:

@@ -72,8 +72,12 @@ def whitener(covariance: FloatArray, weights: FloatArray, stop: IntArray, shared
 
 
 def of_independent(variance: FloatArray, weights: FloatArray) -> Whitener:
-    """Whitening of n readings that share nothing, of so much variance (n,) in every component."""
-    return Whitener((), np.sqrt(np.where(weights > _LEAST_WEIGHT, weights, 0.0) / variance))
+    """Whitening of n readings that share nothing, of so much variance (n,) in every component.
+
+    What states no uncertainty weighs nothing before residuals have told how much it may.
+    """
+    weighs = (weights > _LEAST_WEIGHT) & (variance > 0.0)
+    return Whitener((), np.sqrt(np.where(weighs, weights, 0.0) / np.where(weighs, variance, 1.0)))
 
 
 def equal_variance(covariance: FloatArray) -> FloatArray | None:
@@ -86,7 +90,7 @@ def equal_variance(covariance: FloatArray) -> FloatArray | None:
 def _of_single(total: FloatArray, counts: BoolArray) -> Whitener:
     diagonal = equal_variance(total)
     if diagonal is not None:
-        return Whitener((), counts[:, 0, 0] / np.sqrt(diagonal))
+        return of_independent(diagonal, counts[:, 0, 0].astype(float))
     rows = np.arange(len(total))[:, None]
     return Whitener(((rows, counts * _inverse_cholesky(total)),), None)
 

@@ -10,7 +10,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
 from truepose.effects.ports import Setting
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
-from truepose.identification.model.structure import Structure
+from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
 from truepose.identification.observations.orientations import orientation_block
@@ -32,7 +32,6 @@ from truepose.kinematics.frames import (
     vector_from_rotation,
 )
 
-NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
 NUISANCE = (
     REFERENCE,
     TOOL_CERTIFICATE,

@@ -12,10 +12,11 @@ from truepose.effects.ports import ParameterSpec, Setting
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.distributions import chi2_limit
+from truepose.identification.model.anchors import LEG_OFFSET, LEG_OWNER, anchor_name
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixture import BALL_NEST, TOOL_PLACEMENT, clamp_block, side_block
-from truepose.identification.observations.legs import LEG_OFFSET, anchor_name, leg_block
+from truepose.identification.observations.legs import leg_block
 from truepose.identification.problem.leg_placement import LegPlacement, place_legs
 from truepose.identification.problem.placement import Known, Placement
 from truepose.identification.problem.setting import known_placement, unknown_nests
@@ -24,7 +25,6 @@ from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
 _ANCHOR_WIDTH_MM = 10.0  # about the start found from the data, as for an unknown base
-_LEG_OWNER = "legs"
 _NOMINAL_OFF_MM = (
     3.0  # no further is a nominal robot off: a cup that fits within that is where it was clamped
 )
@@ -181,7 +181,7 @@ def _with_anchors(
     widened = replace(
         structure,
         specs=structure.specs + extra,
-        owners=structure.owners + (_LEG_OWNER,) * len(extra),
+        owners=structure.owners + (LEG_OWNER,) * len(extra),
         anchors=anchors,
     )
     return widened, np.concatenate([start, values])

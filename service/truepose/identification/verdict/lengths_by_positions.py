@@ -9,8 +9,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, CupReadings
 from truepose.domain.results import Anchor, Model, NominalAndIdentified, PositionsJudged
-from truepose.identification.model.prediction import identified_anchors, predict, predict_nominal
-from truepose.identification.verdict.statistics import covariance_with_scatter_mm2, mean_norm, statistics
+from truepose.identification.model.estimates import identified_anchors
+from truepose.identification.verdict.judge import judge
+from truepose.identification.verdict.statistics import expected_noise_mm, statistics
 from truepose.kinematics.frames import rigid_alignment
 
 _FEWEST = 3  # points, not on a line, that place a frame
@@ -32,9 +33,9 @@ def judged_by_positions(
     points = campaign.validation
     if points is None or len(points) < _FEWEST:
         return None
-    nominal = predict_nominal(model, points.stops, points.nest)
-    identified, _ = predict(model, points.stops, points.nest)
-    noise = mean_norm(covariance_with_scatter_mm2(points, model.repeatability_mm))
+    found = judge(model, points, model.repeatability_mm)
+    nominal, identified = found.nominal.state.position_mm, found.position_mm
+    noise = expected_noise_mm(found.block)
 
     def pair(first: FloatArray, second: FloatArray) -> NominalAndIdentified:
         return NominalAndIdentified(

@@ -4,7 +4,6 @@ import numpy as np
 from scipy.special import elliprg
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings
 from truepose.domain.results import Statistics
 from truepose.identification.observations.blocks import Block
 
@@ -32,14 +31,6 @@ def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
 def expected_noise_mm(block: Block) -> float:
     """Mean norm of the residuals that readings and the arm's scatter alone would give [mm]."""
     return mean_norm(block.covariance() + block.scatter_mm**2 * np.eye(block.components))
-
-
-def covariance_with_scatter_mm2(points: PointReadings, scatter_mm: float) -> FloatArray:
-    """Return the covariance of each reading and of the arm's scatter per axis, shape (n, 3, 3)."""
-    covariance = points.covariance_mm2
-    if covariance is None:
-        covariance = points.standard_uncertainty_mm[:, None, None] ** 2 * np.eye(3)
-    return np.asarray(covariance + scatter_mm**2 * np.eye(3))
 
 
 def mean_norm(covariance: FloatArray) -> float:

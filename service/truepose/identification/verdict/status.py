@@ -9,7 +9,8 @@ from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.effects.registry import effect_named
 from truepose.identification.fit.robust import RobustFit
-from truepose.identification.problem.build import NOMINAL_EFFECTS, NUISANCE, Problem
+from truepose.identification.model.structure import NOMINAL_EFFECTS
+from truepose.identification.problem.build import NUISANCE, Problem
 from truepose.identification.problem.setting import known_placement, setting_of
 from truepose.identification.verdict.conventions import Evidence, change_that_fits, plausible_mm, reach_mm
 from truepose.kinematics.chain import nominal_chain
@@ -87,7 +88,7 @@ def _evidence(points: PointReadings) -> Evidence:
     return Evidence(points.stops.joints_rad, points.nest, points.position_mm)
 
 
-def judge(
+def outcome(
     campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit
 ) -> tuple[Status, str]:
     """Return status and message of a fit."""

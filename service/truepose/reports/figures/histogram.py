@@ -7,6 +7,7 @@ from markupsafe import Markup
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from truepose.domain.arrays import FloatArray
+from truepose.identification.verdict.judge import Judged
 from truepose.reports.figures.canvas import (
     PAGE,
     PLAIN,
@@ -18,7 +19,6 @@ from truepose.reports.figures.canvas import (
     to_svg,
 )
 from truepose.reports.rounding import millimetres
-from truepose.reports.uncertainty.judged import Judged
 
 _BINS = 60
 _SMALLEST_SHARE = 1e-4  # of the largest error: what lies below is drawn in the first bin

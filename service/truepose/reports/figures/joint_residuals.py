@@ -11,12 +11,9 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Model
-from truepose.identification.model.evaluation import Targets, evaluate
-from truepose.identification.model.prediction import structure_of, values_of
+from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.chain import theta_gradient
 from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, new_figure, page_style, to_svg
-from truepose.reports.uncertainty.judged import Judged
 
 _COLUMNS = 3
 _DIRECTIONS = ("along the joint's motion", "along its axis", "away from its axis")
@@ -39,9 +36,9 @@ class JointResiduals:
     band: bool  # of the instrument
 
 
-def joint_residuals(judged: Judged, model: Model) -> JointResiduals:
+def joint_residuals(judged: Judged) -> JointResiduals:
     """Return one panel per joint with the identified model's residuals and an eye-guide."""
-    seen = residuals_by_joint(judged, model)
+    seen = residuals_by_joint(judged)
     angles_deg = np.degrees(judged.stops.joints_rad)
     rows = -(-angles_deg.shape[1] // _COLUMNS)
     guides, noise_mm = False, _noise_mm(judged)
@@ -65,7 +62,7 @@ def joint_residuals(judged: Judged, model: Model) -> JointResiduals:
 
 def _noise_mm(judged: Judged) -> float:
     components = judged.identified_mm.shape[1]
-    return float(np.sqrt(np.trace(judged.covariance_mm2, axis1=1, axis2=2).mean() / components))
+    return float(np.sqrt(np.trace(judged.block.covariance(), axis1=1, axis2=2).mean() / components))
 
 
 def _band(axes: Axes, noise_mm: float) -> None:
@@ -96,7 +93,7 @@ def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray) -> bool:
     return guided
 
 
-def residuals_by_joint(judged: Judged, model: Model) -> FloatArray:
+def residuals_by_joint(judged: Judged) -> FloatArray:
     """Return the residuals of the identified model in cylinder coordinates of each joint.
 
     Returns
@@ -106,9 +103,9 @@ def residuals_by_joint(judged: Judged, model: Model) -> FloatArray:
         which have no other direction than their own.
     """
     stops, residual = judged.stops, judged.identified_mm
-    if judged.direction is not None:
+    if judged.block.quantity == "length":
         return np.broadcast_to(residual, (stops.joints_rad.shape[1], *residual.shape))
-    state = evaluate(structure_of(model), values_of(model), Targets(stops, judged.readings.nest))
+    state = judged.identified.state
     motion = theta_gradient(state.chain, state.position_mm)
     arm = np.linalg.norm(motion, axis=2, keepdims=True)
     along = np.where(arm > _SHORTEST_ARM_MM, motion / np.maximum(arm, _SHORTEST_ARM_MM), 0.0)

@@ -8,8 +8,8 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.arrays import FloatArray
+from truepose.identification.verdict.judge import Judged
 from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, new_figure, page_style, to_svg
-from truepose.reports.uncertainty.judged import Judged
 
 _MOST_VECTORS = 250
 _SHARE_OF_SPACE = 0.12  # length of a large (95 %) error, of the extent of the work space

@@ -18,10 +18,11 @@ from truepose.domain.campaign import Campaign
 from truepose.domain.results import Identification, Model, NominalAndIdentified, Statistics
 from truepose.identification.fit.considered import world_registration
 from truepose.identification.model.stops import sites
+from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.frames import placement_translation
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.rounding import uncertainty
-from truepose.reports.uncertainty.judged import Judged, judging_figures
+from truepose.reports.uncertainty.judged import judging_figures
 from truepose.reports.uncertainty.shifts import (
     growth,
     motion_shifts,
@@ -133,9 +134,9 @@ def _acting(source: str, stated: str, judged: Judged, shifts: FloatArray, remark
 
 def _instrument(judged: Judged) -> Contribution:
     per_axis = float(
-        np.sqrt(np.trace(judged.covariance_mm2, axis1=1, axis2=2).mean() / judged.identified_mm.shape[1])
+        np.sqrt(np.trace(judged.block.covariance(), axis1=1, axis2=2).mean() / judged.block.components)
     )
-    what = "per axis" if judged.identified_mm.shape[1] == 3 else "per length"
+    what = "per length" if judged.block.quantity == "length" else "per axis"
     remark = "random from reading to reading: contained in the standard error"
     return Contribution("Instrument, noise", "B", f"u = {uncertainty(per_axis)} mm {what}", remark=remark)
 
@@ -145,7 +146,7 @@ def _scatter(judged: Judged, model: Model, campaign: Campaign) -> Contribution:
         return Contribution(
             "Robot, scatter", "B", "within the stated uncertainty", remark="as the campaign says"
         )
-    if judged.scatter_mm == 0.0:
+    if judged.block.scatter_mm == 0.0:
         return Contribution("Robot, scatter", "B", "not stated", remark="contained in the standard error")
     stated = f"u = {uncertainty(model.repeatability_mm)} mm per axis"
     return Contribution("Robot, scatter", "B", stated, remark="contained in the standard error")
@@ -167,7 +168,7 @@ def _nests(judged: Judged, model: Model, campaign: Campaign) -> Contribution:
 
 def _registration(judged: Judged, campaign: Campaign) -> Contribution:
     source = "Registration of the world frame"
-    if judged.direction is not None:
+    if judged.block.quantity == "length":
         return Contribution(source, "B", "does not act", remark="lengths need no world frame")
     registration = world_registration(campaign)
     if registration is None:

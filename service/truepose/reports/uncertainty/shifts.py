@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.campaign import PointReadings
 from truepose.domain.results import Model
-from truepose.identification import predict, predict_lengths
-from truepose.reports.uncertainty.judged import Judged
+from truepose.identification.model.estimates import identified_estimate
+from truepose.identification.verdict.judge import Judged
 
 DRAWS = 1000  # standard deviation of a standard deviation: 1 / sqrt(2 * 1000) = 2.2 %
 _DRAWS_AT_ONCE = 50
@@ -29,10 +28,9 @@ def parameter_shifts(judged: Judged, model: Model) -> FloatArray:
 
 
 def _predicted(judged: Judged, model: Model) -> FloatArray:
-    readings = judged.readings
-    if isinstance(readings, PointReadings):
-        return predict(model, readings.stops, readings.nest)[0]
-    return predict_lengths(model, readings)[:, None]
+    """Return what a model predicts of the judged readings, but for a constant, shape (n, d) [mm]."""
+    moved = identified_estimate(model)
+    return -judged.block.result(moved.structure, moved.values, None).residual
 
 
 def _moved(model: Model, parameter: int, by: float) -> Model:
@@ -87,10 +85,7 @@ def _nest_moved(model: Model, number: int, axis: int, by_mm: float) -> Model:
 
 def growth(judged: Judged, origin_mm: FloatArray) -> FloatArray:
     """Return how observations change when all lengths from `origin_mm` grow by their own size, (1, n, d)."""
-    readings = judged.readings
-    if isinstance(readings, PointReadings):
-        return (judged.position_mm - origin_mm)[None]
-    return readings.length_mm[None, :, None]
+    return judged.block.moved_by_growth(judged.identified, origin_mm)[None]
 
 
 def motion_shifts(judged: Judged, covariance: FloatArray) -> FloatArray:
@@ -105,5 +100,4 @@ def motion_shifts(judged: Judged, covariance: FloatArray) -> FloatArray:
     """
     eigenvalues, vectors = np.linalg.eigh(covariance)
     root = (vectors * np.sqrt(np.maximum(eigenvalues, 0.0))).T  # one independent motion a row
-    turned = np.cross(root[:, None, 3:], judged.position_mm[None, :, :])
-    return np.asarray(root[:, None, :3] + turned)
+    return np.tensordot(root, judged.block.moved_by_world(judged.identified), 1)

@@ -12,7 +12,7 @@ from truepose.diagnosis.answer import _verdict, unanswerable
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.doubt.standing import _useless
 from truepose.diagnosis.evidence.gains import gain_of
-from truepose.diagnosis.evidence.held_out import Judged
+from truepose.diagnosis.evidence.held_out import Improvement
 from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from truepose.identification.model.prediction import predict
 
@@ -206,7 +206,7 @@ def judged(before_mm, after_mm, *without_mm, n=60, seen_in=(5, 5)):
     errors = HeldOutErrors(np.arange(n), np.zeros((n, 3)), before_mm * noise, after_mm * noise)
     site = np.arange(n)
     gains = tuple(gain_of(size * noise, after_mm * noise, site) for size in without_mm)
-    return Judged(errors, gains, seen_in, site, 0.01, "cross_validation")
+    return Improvement(errors, gains, seen_in, site, 0.01, "cross_validation")
 
 
 def test_findings_that_help_stay(picked):

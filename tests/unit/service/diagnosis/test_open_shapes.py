@@ -13,7 +13,7 @@ from tests.helpers.identification.synthetic import NOISE_MM, configurations
 from truepose.diagnosis.answer import _worse_at
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.doubt.open_shapes import with_open_shapes
-from truepose.diagnosis.evidence.held_out import Judged
+from truepose.diagnosis.evidence.held_out import Improvement
 from truepose.diagnosis.sentences import first_line, remaining_sentence
 from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
 from truepose.domain.results import Statistics
@@ -97,7 +97,7 @@ def judged(before_mm, after_mm):
     errors = HeldOutErrors(
         np.arange(1, n + 1), np.zeros((n, 3)), np.outer(before_mm, [1, 0, 0]), np.outer(after_mm, [1, 0, 0])
     )
-    return Judged(errors, (), (), np.arange(n), 0.02, "validation")
+    return Improvement(errors, (), (), np.arange(n), 0.02, "validation")
 
 
 def test_a_point_that_is_far_worse_than_any_before_is_named():

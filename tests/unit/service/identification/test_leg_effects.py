@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.leg_scenes import LEG_START, PER_PLACEMENT, leg_scene, telling_legs
 from truepose.effects.registry import CAUSES
-from truepose.identification import identify, predict_lengths
+from truepose.identification import identify, judge
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import rotation_xyz
@@ -107,8 +107,8 @@ def test_a_model_with_zeros_predicts_the_lengths_that_it_was_made_from():
 
     model = identify(off, (*LEG_START, "ballbar_zero")).model
 
-    residual = off.legs.length_mm - predict_lengths(model, off.legs)
-    unnumbered = off.legs.length_mm - predict_lengths(model, replace(off.legs, initialisation=None))
+    residual = judge(model, off.legs, 0.0).identified_mm[:, 0]
+    unnumbered = judge(model, replace(off.legs, initialisation=None), 0.0).identified_mm[:, 0]
     # noise 0.005 mm; the zeros are 0.2 mm
     assert np.sqrt(np.mean(residual**2)) < 0.01
     assert np.sqrt(np.mean(unnumbered**2)) > 0.05

@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.diagnosis.leg_scenes import telling_legs
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.results import Parameter
-from truepose.identification import identify, predict, predict_lengths, unpredictable, unpredictable_lengths
+from truepose.identification import identify, judge, predict, unpredictable, unpredictable_readings
 from truepose.identification.model.missing import Span, span_of
 
 ARM = ("base", "geometry")
@@ -205,9 +205,9 @@ def test_positions_know_nothing_of_a_ballbar_but_lengths_do():
     model = identify(campaign, ("tool", "geometry", "ballbar_zero")).model
     unseen = replace(campaign.legs, initialisation=np.full(len(campaign.legs), 99))
 
-    (sentence,) = unpredictable_lengths(model, unseen)
+    (sentence,) = unpredictable_readings(model, unseen)
 
     assert "ballbar_zero needs an init that the model was made with, which 60 of 60 rows lack" in sentence
     assert unpredictable(model, unseen.stops) == ()
-    assert unpredictable_lengths(model, campaign.legs) == ()
-    assert np.isfinite(predict_lengths(model, unseen)).all()
+    assert unpredictable_readings(model, campaign.legs) == ()
+    assert np.isfinite(judge(model, unseen, 0.0).identified_mm).all()

@@ -5,11 +5,11 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.campaign import Stops
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
-from truepose.identification import predict, predict_nominal
+from truepose.identification import judge, predict
 from truepose.kinematics.chain import nominal_chain
 
 JOINTS = configurations(5)
@@ -67,7 +67,9 @@ def test_the_uncertainty_contains_scatter_and_discrepancy():
 
 
 def test_the_nominal_prediction_knows_no_parameter():
-    assert predict_nominal(model(), stops(), ONES) == pytest.approx(nominal())
+    readings = PointReadings(stops(), ONES, nominal(), np.full(len(ONES), 0.01))
+
+    assert judge(model(), readings, 0.0).nominal_mm == pytest.approx(np.zeros((len(ONES), 3)), abs=1e-9)
 
 
 def test_another_number_of_joints_is_refused():

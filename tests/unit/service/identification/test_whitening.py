@@ -37,6 +37,14 @@ def test_equal_axes_on_their_own_are_divided_by_their_uncertainty():
     assert whitening.apply(residual) == pytest.approx(residual / sigma[:, None])
 
 
+def test_readings_that_state_no_uncertainty_weigh_nothing_yet():
+    sigma = np.array([0.1, 0.0, 0.5, 1.0, 0.0, 4.0])
+
+    whitening = whitener(sigma[:, None, None] ** 2 * np.eye(3), np.ones(6), np.arange(6), 0.0 * UNIT)
+
+    assert whitening.isotropic == pytest.approx([10.0, 0.0, 2.0, 1.0, 0.0, 0.25])
+
+
 @pytest.mark.parametrize(
     "stops", [np.arange(6), STOPS, np.zeros(6, dtype=int)], ids=["alone", "mixed", "one"]
 )

@@ -5,6 +5,8 @@ import pytest
 
 from tests.helpers.domain.builders import make_pair
 from truepose.domain.results import NominalAndIdentified
+from truepose.identification.model.estimates import identified_estimate, nominal_estimate
+from truepose.identification.verdict.judge import judge_estimates
 from truepose.identification.verdict.statistics import statistics
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.uncertainty.budget import budget
@@ -35,7 +37,7 @@ def test_one_reading_per_configuration_gives_the_usual_standard_error(shown, ide
 
 @pytest.mark.parametrize("as_revisits", [False, True])
 def test_reading_every_configuration_twice_buys_no_certainty(shown, identification, campaign, as_revisits):
-    doubled = read_twice(shown, as_revisits)
+    doubled = read_twice(shown, identification.model, as_revisits)
     # The scatter of the doubled errors, so that only their number could change the figure.
     pair = NominalAndIdentified(statistics(doubled.nominal_mm, 0.0), statistics(doubled.identified_mm, 0.0))
 
@@ -47,24 +49,17 @@ def test_reading_every_configuration_twice_buys_no_certainty(shown, identificati
     assert again[source].after_mm == pytest.approx(once[source].after_mm, rel=1e-12)
 
 
-def read_twice(shown, as_revisits):
-    twice = np.tile(np.arange(60), 2)
-    stops = shown.stops.taken(twice)
+def read_twice(shown, model, as_revisits):
+    block = shown.block.taken(np.tile(np.arange(60), 2))
     if as_revisits:
         first = shown.stops.config
         stops = replace(
-            stops,
+            block.targets.stops,
             config=np.concatenate([first, first + 1000]),
             repeat_of=np.concatenate([np.full(60, -1), first]),
         )
-    return replace(
-        shown,
-        readings=replace(shown.readings, stops=stops, nest=shown.readings.nest[twice]),
-        nominal_mm=shown.nominal_mm[twice],
-        identified_mm=shown.identified_mm[twice],
-        covariance_mm2=shown.covariance_mm2[twice],
-        position_mm=shown.position_mm[twice],
-    )
+        block = replace(block, targets=replace(block.targets, stops=stops))
+    return judge_estimates(block, nominal_estimate(model), identified_estimate(model))
 
 
 def test_cross_validated_errors_count_with_their_own_scatter(identification, campaign_without_validation):

@@ -20,7 +20,7 @@ def pictures(identification, campaign):
     space = work_space(shown)
     return {
         "histogram": histogram(shown, 0.016).picture,
-        "joints": joint_residuals(shown, identification.model).picture,
+        "joints": joint_residuals(shown).picture,
         "space": space.in_space,
         "views": space.views,
         "correlation": correlation_map(identification.model),
@@ -52,11 +52,12 @@ def test_noise_is_in_the_legend_only_where_its_line_is_drawn(identification, cam
 
 def test_joints_that_stood_still_have_no_guide_and_certain_readings_no_band(identification, campaign):
     shown = judged(identification, campaign)
-    moved = joint_residuals(shown, identification.model)
-    still = replace(shown.readings, stops=replace(shown.stops, joints_rad=np.zeros((60, 3))))
-    silent = replace(shown, readings=still, covariance_mm2=np.zeros((60, 3, 3)))
+    moved = joint_residuals(shown)
+    still = replace(shown.block.targets, stops=replace(shown.stops, joints_rad=np.zeros((60, 3))))
+    certain = replace(shown.block, targets=still, covariance_mm2=np.zeros((60, 3, 3)))
+    silent = replace(shown, block=certain)
 
-    made = joint_residuals(silent, identification.model)
+    made = joint_residuals(silent)
 
     assert (moved.guides, moved.band) == (True, True)
     assert (made.guides, made.band) == (False, False)
@@ -92,10 +93,10 @@ def test_points_without_error_or_extent_are_not_exaggerated():
 def test_a_joint_that_turns_too_far_is_seen_along_its_own_motion(identification, campaign):
     shown, model = judged(identification, campaign), identification.model
     turned = replace(shown.stops, joints_rad=shown.stops.joints_rad + np.array([0.0, 1e-5, 0.0]))
-    moved, _ = predict(model, turned, shown.readings.nest)
-    shown = replace(shown, identified_mm=moved - shown.position_mm)
+    moved, _ = predict(model, turned, shown.block.targets.nest)
+    shown = replace(shown, identified=replace(shown.identified, residual=moved - shown.position_mm))
 
-    seen = residuals_by_joint(shown, model)
+    seen = residuals_by_joint(shown)
 
     length = np.linalg.norm(shown.identified_mm, axis=1)
     # 1e-5 rad of a circle departs from its tangent by half of 1e-5 of its length.
@@ -106,7 +107,7 @@ def test_a_joint_that_turns_too_far_is_seen_along_its_own_motion(identification,
 def test_the_split_keeps_the_length_of_every_residual(identification, campaign):
     shown = judged(identification, campaign)
 
-    seen = residuals_by_joint(shown, identification.model)
+    seen = residuals_by_joint(shown)
 
     expected = np.broadcast_to(np.linalg.norm(shown.identified_mm, axis=1), seen.shape[:2])
     assert np.linalg.norm(seen, axis=2) == pytest.approx(expected, rel=1e-12)

@@ -12,8 +12,8 @@ from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
-from truepose.judgement import held_out
-from truepose.judgement.held_out import validate
+from truepose.judgement import distances
+from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 
 ANCHOR = (400.0, -300.0, -50.0)
@@ -65,7 +65,7 @@ def between(places, i, j):
 
 @pytest.mark.parametrize("pairs_at_once", [2_000_000, 30, 1], ids=["one block", "some blocks", "row by row"])
 def test_distances_are_those_of_all_pairs(monkeypatch, pairs_at_once):
-    monkeypatch.setattr(held_out, "_PAIRS_AT_ONCE", pairs_at_once)
+    monkeypatch.setattr(distances, "_PAIRS_AT_ONCE", pairs_at_once)
     points = readings()
 
     found = validate(model(0.2), points).distance

@@ -1,0 +1,46 @@
+"""A model judged by readings that it was not made from: whether it keeps what it claims."""
+
+from truepose.domain.campaign import Readings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model, NominalAndIdentified, Validation
+from truepose.identification import judge
+from truepose.judgement.distances import distances
+
+_BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
+
+
+def validate(model: Model, readings: Readings, *, limit_mm: float | None = None) -> Validation:
+    """Judge a model on readings it was not made from.
+
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings or LegReadings
+        n >= 1 readings.
+    limit_mm : float, optional
+        Largest error that passes; without it the model passes when its mean error is neither above the
+        nominal model's nor far above what it claims itself.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    ConfigurationError
+        The readings do not fit the model, or there are none.
+    """
+    if len(readings) == 0:
+        raise ConfigurationError("There is no reading to validate with.")
+    found = judge(model, readings, model.repeatability_mm)
+    pair, claimed = found.pair(), found.claimed_mm(model.discrepancy_mm)
+    passed = _passes(pair, limit_mm, claimed)
+    return Validation(readings.quantity, pair, distances(found), limit_mm, passed, claimed)
+
+
+def _passes(position: NominalAndIdentified, limit_mm: float | None, claimed_mm: float) -> bool:
+    if limit_mm is not None:
+        return position.identified.max_mm <= limit_mm
+    # A model far from what it claims does not know this robot, frame or unit, however bad the nominal one is.
+    better = position.identified.mean_mm <= position.nominal.mean_mm
+    return better and position.identified.mean_mm <= _BEYOND_CLAIM * claimed_mm
