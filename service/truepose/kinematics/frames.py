@@ -148,7 +148,7 @@ def cross(first: FloatArray, second: FloatArray) -> FloatArray:
         i, j = (k + 1) % 3, (k + 2) % 3
         np.multiply(first[..., i], second[..., j], out=result[k])
         result[k] -= first[..., j] * second[..., i]
-    return np.moveaxis(result, 0, -1)
+    return np.asarray(result.transpose(*range(1, result.ndim), 0))
 
 
 def turned(rotation: FloatArray, vectors: FloatArray) -> FloatArray:

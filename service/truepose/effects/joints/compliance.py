@@ -143,7 +143,8 @@ def known_torque(rows: Rows, joint: int) -> FloatArray:
     """Return the torque about a joint, shape (n,) [N mm]; 0 where it is unknown."""
     if rows.torque_n_mm is None:
         return np.zeros(len(rows.stops))
-    return np.nan_to_num(rows.torque_n_mm[:, joint], nan=0.0)
+    torque = rows.torque_n_mm[:, joint]
+    return np.where(np.isnan(torque), 0.0, torque)
 
 
 def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:

@@ -45,16 +45,18 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
     whole_slope = slope(final, precision, fit.values - fit.structure.prior_means)
     owners = _folds(fit)
     columns = _columns_of_folds(fit, owners)
+    parts = [final.jacobian[:, held] for held in columns]
     residual, variance = first.residual.copy(), np.zeros(len(first.residual))
-    for fold, normal in enumerate(_normals_of_others([final.jacobian[:, held] for held in columns])):
-        held, out = columns[fold], owners[0] == fold
+    for fold, normal in enumerate(_normals_of_others(parts)):
+        held, out = columns[fold], np.flatnonzero(owners[0] == fold)
         covariance = covariance_of(normal + np.diag(precision))
         if covariance is None:
             covariance = posterior_covariance(np.delete(final.jacobian, held, axis=1), precision)
-        step = covariance @ (whole_slope - final.jacobian[:, held] @ final.residual[held])
-        motion = first.jacobian[:, out]
-        residual[out] -= np.tensordot(step, motion, 1)
-        variance[out] = (np.tensordot(covariance, motion, 1) * motion).sum(axis=0).mean(axis=1)
+        step = covariance @ (whole_slope - parts[fold] @ final.residual[held])
+        motion = first.jacobian[:, out].reshape(len(step), -1)
+        residual[out] -= (step @ motion).reshape(len(out), -1)
+        spread = np.einsum("pm,pm->m", covariance @ motion, motion)
+        variance[out] = spread.reshape(len(out), -1).mean(axis=1)
     return residual, variance
 
 

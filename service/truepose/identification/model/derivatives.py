@@ -55,7 +55,8 @@ def seen_jacobian(state: State, points_mm: FloatArray, jacobian: FloatArray) -> 
     ndarray, shape (P, n, 3)
         Lengths and frame of the instrument included.
     """
-    jacobian *= 1.0 + state.scale
+    if state.scale:
+        jacobian *= 1.0 + state.scale
     arms = points_mm - instrument_place(state.structure)
     for term in state.terms:
         if term.port.kind is PortKind.SCALE:
@@ -115,7 +116,8 @@ def _position_gradients(state: State) -> dict[Port, FloatArray]:
 def _base_gradients(state: State) -> dict[Port, FloatArray]:
     arms = state.unscaled_mm - state.base_origin_mm
     shifts = {Port(PortKind.BASE, k): np.broadcast_to(np.eye(3)[k], arms.shape) for k in range(3)}
-    turns = {Port(PortKind.BASE, 3 + k): cross(state.base_axes[k], arms) for k in range(3)}
+    turned = cross(state.base_axes[:, None], arms)
+    turns = {Port(PortKind.BASE, 3 + k): turned[k] for k in range(3)}
     return shifts | turns
 
 

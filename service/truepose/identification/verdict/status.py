@@ -33,11 +33,15 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
     readings = campaign.readings
     if readings is None:
         return None
-    parameters = sum(len(effect_named(name).specs(setting_of(campaign, readings.stops))) for name in effects)
-    configurations = len(np.unique(np.round(readings.stops.joints_rad / _SAME_RAD), axis=0))
+    setting = setting_of(campaign, readings.stops)
+    parameters = sum(len(effect_named(name).specs(setting)) for name in effects)
+    joints = np.round(readings.stops.joints_rad / _SAME_RAD)
+    distinct, place = np.unique(joints, axis=0, return_inverse=True)
+    configurations = len(distinct)
+    pairs = np.column_stack([place.reshape(-1), readings.ends])
     per_reading = readings.observed_mm.shape[1]
-    pairs = np.column_stack([np.round(readings.stops.joints_rad / _SAME_RAD), readings.ends])
-    observations = per_reading * len(np.unique(pairs, axis=0))
+    different = len(readings) if configurations == len(readings) else len(np.unique(pairs, axis=0))
+    observations = per_reading * different
     if configurations == 1:
         return (
             f"All {len(readings)} readings were taken in one configuration: "
