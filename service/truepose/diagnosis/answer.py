@@ -42,8 +42,9 @@ from truepose.domain.diagnosis import (
 )
 from truepose.domain.results import Model
 from truepose.effects.causes import Candidate, Scene, Shown
-from truepose.effects.cells import cell_of
+from truepose.effects.cells import cell_of, named_cell, of_instrument
 from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
+from truepose.effects.unnamed.cause import NAME as UNNAMED
 from truepose.identification.fit.considered import considered
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
@@ -274,7 +275,7 @@ def _model(answer: _Answer) -> Model:
 
 
 def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
-    return bool({"instrument_drift", "instrument_scale"} & set(effects))
+    return any(of_instrument(named_cell(effect, "")) for effect in effects if effect != UNNAMED)
 
 
 def _discrepancy_mm(answer: _Answer) -> float:

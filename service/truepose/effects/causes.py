@@ -6,7 +6,7 @@ all, and puts what was fitted into its own words.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -134,6 +134,11 @@ class Cause(Effect, Protocol):
         ...
 
 
+# The error of one joint, the shift of the tool over time or temperature, its shift for each nest or mounting,
+# or else what readings show against what the cause foretells.
+Drawn: TypeAlias = Literal["joint", "shift", "level", "agreement"]
+
+
 class CellRow(NamedTuple):
     """Where a cause acts, over what, in which shape; `{subject}` and `{variant}` are the candidate's."""
 
@@ -145,6 +150,7 @@ class CellRow(NamedTuple):
     function: Shape | None = None  # of random functions
     plural: str = ""  # subject of several that share it: "joints", "links"; "": each stands alone
     at: str = "joint"  # what its subject is one of, where the subject is the place
+    drawn: Drawn = "agreement"  # which curve shows it over the readings
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ What has no trade name says it itself: its subject is its cell.
 from typing import NamedTuple, get_args
 
 from truepose.domain.diagnosis import Cause, Shape
-from truepose.effects.causes import Candidate, CellRow
+from truepose.effects.causes import Candidate, CellRow, Drawn
 from truepose.effects.installed import INSTALLED
 from truepose.effects.unnamed.cause import NAME as UNNAMED
 
@@ -24,7 +24,11 @@ _CELLS = {
     **{name: brought.cell for name, brought in INSTALLED.causes.items()},
     "axis_parallelism": CellRow(_OF_SUBJECT, "constant", "group", "angle between the two axes"),
     "joint_gain": CellRow(
-        _OF_SUBJECT, "angle of {subject}", "line", "share by which the joint turns further than it should"
+        _OF_SUBJECT,
+        "angle of {subject}",
+        "line",
+        "share by which the joint turns further than it should",
+        drawn="joint",
     ),
     "joint_harmonics": CellRow(
         _OF_SUBJECT,
@@ -32,15 +36,29 @@ _CELLS = {
         "wave",
         "amplitude of the wave: half of peak to peak",
         function="curve",
+        drawn="joint",
     ),
     "joint_coupling": CellRow(
-        _OF_SUBJECT, "angle of joint {variant:g}", "line", "turn of this joint per turn of the other"
+        _OF_SUBJECT,
+        "angle of joint {variant:g}",
+        "line",
+        "turn of this joint per turn of the other",
+        drawn="joint",
     ),
     "backlash": CellRow(
-        _OF_SUBJECT, "direction", "sign", "full gap between the two directions of approach", plural="joints"
+        _OF_SUBJECT,
+        "direction",
+        "sign",
+        "full gap between the two directions of approach",
+        plural="joints",
+        drawn="joint",
     ),
     "compliance": CellRow(
-        _OF_SUBJECT, "torque of {subject}", "line", "turn of the joint per torque about its axis"
+        _OF_SUBJECT,
+        "torque of {subject}",
+        "line",
+        "turn of the joint per torque about its axis",
+        drawn="joint",
     ),
     "compliance_nonlinear": CellRow(
         _OF_SUBJECT,
@@ -48,6 +66,7 @@ _CELLS = {
         "curve",
         "additional compliance near zero torque, relative",
         plural="joints",
+        drawn="joint",
     ),
     "link_bending": CellRow(
         _OF_SUBJECT, "load", "line", "displacement at the tool", plural="links", at="link"
@@ -57,16 +76,24 @@ _CELLS = {
         _OF_SUBJECT, "load", "line", "mass by which the link differs", plural="links", at="link"
     ),
     "base_compliance": CellRow("base", "load", "line", "tilt of the base per moment"),
-    "thermal_growth": CellRow("links", "temperature", "line", "relative growth of lengths per kelvin"),
-    "base_drift": CellRow("base", "time", "drift", "speed of the translation", searched="settling"),
-    "base_shift": CellRow("base", "time", "jump", "length of the translation"),
-    "instrument_drift": CellRow("tracker", "time", "drift", "speed of the translation", searched="settling"),
+    "thermal_growth": CellRow(
+        "links", "temperature", "line", "relative growth of lengths per kelvin", drawn="shift"
+    ),
+    "base_drift": CellRow(
+        "base", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
+    ),
+    "base_shift": CellRow("base", "time", "jump", "length of the translation", drawn="shift"),
+    "instrument_drift": CellRow(
+        "tracker", "time", "drift", "speed of the translation", searched="settling", drawn="shift"
+    ),
     "instrument_scale": CellRow(
         _OF_SUBJECT, "range", "line", "share by which lengths are off", at="instrument"
     ),
-    "nest_offset": CellRow(_OF_SUBJECT, "constant", "group", "distance from the certified place", at="nest"),
+    "nest_offset": CellRow(
+        _OF_SUBJECT, "constant", "group", "distance from the certified place", at="nest", drawn="level"
+    ),
     "tool_reseating": CellRow(
-        "tool", "mounting", "group", "standard deviation from one mounting to the next"
+        "tool", "mounting", "group", "standard deviation from one mounting to the next", drawn="level"
     ),
     "ballbar_zero": CellRow("ballbar", "constant", "group", "constant error of a length"),
     "fixture_shift": CellRow(_OF_SUBJECT, "time", "jump", "length of the translation", at="placement"),
@@ -132,10 +159,20 @@ def amplitude_of(effect: str) -> str:
     return (departure if effect == UNNAMED else _CELLS.get(effect, _UNHEARD)).amplitude
 
 
+def drawn_as(effect: str) -> Drawn:
+    """Return which curve shows a cause over the readings."""
+    return "agreement" if effect == UNNAMED else _CELLS.get(effect, _UNHEARD).drawn
+
+
 def words_of(cell: Cell) -> frozenset[str]:
     """Return the words of a cell without its numbers: place, variable, both together, shape."""
     where, over = _kind(cell.where), _kind(cell.over)
     return frozenset({where, over, f"{where} {over}", cell.shape})
+
+
+def of_instrument(cell: Cell) -> bool:
+    """Whether a cell is one of the instrument instead of the robot."""
+    return bool({"tracker", "instrument"} & words_of(cell))
 
 
 def of_legs(cell: Cell) -> bool:

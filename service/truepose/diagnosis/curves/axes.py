@@ -51,10 +51,10 @@ def level_axis(variable: str, numbers: FloatArray | IntArray) -> Axis:
     return Axis(variable, "", np.where(values == 0.0, np.nan, values), stepped=True)
 
 
-def time_axis(scene: Scene, effect: str) -> Axis | None:
-    """Return the temperature for growth, else the time; None where it is unknown."""
+def time_axis(scene: Scene, over: str) -> Axis | None:
+    """Return the `temperature` or the `time`; None where it is unknown."""
     stops = scene.stops
-    if effect == "thermal_growth":
+    if over == "temperature":
         return None if stops.temperature_c is None else Axis("temperature", "degC", stops.temperature_c)
     if stops.time_s is None:
         return None

@@ -37,7 +37,6 @@ _DRAWN = 200  # points of a line
 _PER_WAVE = 12  # points of each wave in it
 _Z95 = 1.96
 _PERIODIC = frozenset({"wave", "curve"})
-_LOADS = frozenset({"compliance", "compliance_nonlinear"})
 
 
 def _curve(
@@ -72,7 +71,8 @@ def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
         by_joint.setdefault(int(name.split("_")[1]) - 1, []).append(name)
     joint = max(by_joint, key=lambda one: float((effect_of(selected, by_joint[one]) ** 2).sum()))
     names = tuple(by_joint[joint])
-    placed = _joint_axis(selected, scene, group[0].effect, names, joint)
+    cell = cell_of(group[0])
+    placed = _joint_axis(selected, scene, group[0], names, joint)
     if placed is None:
         return None
     axis, line_x, weights = placed
@@ -81,7 +81,6 @@ def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
         return None
     values, covariance = values_of(selected, names)
     line, band = _line(weights, values, covariance)
-    cell = cell_of(group[0])
     if cell.over.startswith("angle") and cell.shape in _PERIODIC:
         # Its mean is the zero of the joint: other parameters carry it, and it is no part of the shape.
         _, band = _line(weights - weights.mean(axis=1, keepdims=True), values, covariance)
@@ -90,25 +89,29 @@ def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
 
 
 def _joint_axis(
-    selected: Selected, scene: Scene, effect: str, names: tuple[str, ...], joint: int
+    selected: Selected, scene: Scene, candidate: Candidate, names: tuple[str, ...], joint: int
 ) -> tuple[Axis, FloatArray, FloatArray] | None:
     """Variable of the readings, and of a line with its weights."""
     torque, direction = rows_of(state_of(selected)).torque_n_mm, scene.stops.direction
-    if effect in _LOADS:
+    effect, cell = candidate.effect, cell_of(candidate)
+    over, _, of = cell.over.partition(" of joint ")
+    if over == "torque":
         if torque is None:
             return None
         axis = Axis(f"torque of joint {joint + 1}", "N*m", torque[:, joint] / 1e3)
         line_x = axis.drawn(_DRAWN)
         return axis, line_x, _weights(effect, names, _there(selected, joint, torque_n_mm=1e3 * line_x))
-    if effect == "backlash":
+    if over == "direction":
         if direction is None:
             return None
         axis = level_axis(f"direction of joint {joint + 1}", np.sign(direction[:, joint]))
         line_x = axis.levels()
         return axis, line_x, _weights(effect, names, _there(selected, joint, direction=line_x))
-    source = int(names[0].split("_")[2]) - 1 if effect == "joint_coupling" else joint
-    axis = angle_axis(scene.turn_rad[:, source], source, _common_order(effect, names))
-    line_x = axis.drawn(max(_DRAWN, round(_PER_WAVE * _most_waves(effect, names))))
+    # A joint that another one moves: its own number is not that of the angle.
+    source = joint if cell.where == cell.over.removeprefix("angle of ") else int(of) - 1
+    orders = {order_of_wave(name) for name in names} if cell.shape in _PERIODIC else set()
+    axis = angle_axis(scene.turn_rad[:, source], source, _common_order(orders))
+    line_x = axis.drawn(max(_DRAWN, round(_PER_WAVE * _most_waves(orders))))
     return axis, line_x, _weights(effect, names, _there(selected, source, turn_rad=np.deg2rad(line_x)))
 
 
@@ -130,19 +133,15 @@ def _there(
     return rows._replace(stops=stops, nest=one, torque_n_mm=torque, turn_rad=turn)
 
 
-def _common_order(effect: str, names: Sequence[str]) -> float:
+def _common_order(orders: set[float]) -> float:
     """Return how many periods per turn all waves have in common; 1 where there are none."""
-    if effect != "joint_harmonics":
-        return 1.0
-    found = {order_of_wave(name) for name in names}
-    if len(found) == 1:
-        return min(found)
-    return float(math.gcd(*map(int, found))) if all(map(is_whole, found)) else 1.0
+    if len(orders) == 1:
+        return min(orders)
+    return float(math.gcd(*map(int, orders))) if orders and all(map(is_whole, orders)) else 1.0
 
 
-def _most_waves(effect: str, names: Sequence[str]) -> float:
+def _most_waves(orders: set[float]) -> float:
     """Return how many periods per turn the fastest wave has that shares its axis with slower ones; else 0."""
-    orders = {order_of_wave(name) for name in names} if effect == "joint_harmonics" else set()
     return max(orders) if len(orders) > 1 else 0.0
 
 
@@ -161,7 +160,7 @@ def _by_parameter(terms: Sequence[Term], count: int, size: int) -> FloatArray:
 def shape_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift of the tool over time or temperature, where it feels as much as it typically does."""
     effect, names = group[0].effect, names_of(group)
-    axis = time_axis(scene, effect)
+    axis = time_axis(scene, cell_of(group[0]).over)
     if axis is None:
         return None
     state = state_of(selected)
@@ -211,7 +210,8 @@ def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     """Return the shift along the axis of the tool that shows most of it, for each nest or mounting."""
     names = names_of(group)
     attachment = scene.stops.attachment
-    if group[0].effect == "nest_offset":
+    over = cell_of(group[0]).over
+    if over == "constant":
         axis = level_axis("nest", scene.nest)
     elif attachment is not None:
         axis = level_axis("attachment of the tool", attachment)
@@ -231,7 +231,7 @@ def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     parts = np.einsum("kni,ni->kn", each, way) / np.einsum("ni,ni->n", way, way)
     weights = np.stack([parts[:, where == level].mean(axis=1) for level in range(len(levels))], axis=1)
     quantity = f"shift along {'xyz'[number]} of the tool"
-    if group[0].effect == "tool_reseating":
+    if over == "mounting":
         # What all mountings have in common is the tool's own place, and known no better than that.
         common = weights.mean(axis=1, keepdims=True)
         weights = weights - common
@@ -240,7 +240,7 @@ def level_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     return _curve(axis, (quantity, "mm"), told, levels, _line(weights, *values_of(selected, names)))
 
 
-def agreement_curve(selected: Selected, group: tuple[Candidate, ...]) -> Curve | None:
+def agreement_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the shift that readings show along the way of a cause, against what the cause foretells."""
     names = names_of(group)
     effect = effect_of(selected, names)

@@ -22,17 +22,20 @@ from truepose.diagnosis.screening.selection import Selected
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
+from truepose.effects.cells import drawn_as
 from truepose.identification.model.evaluation import rows_of
 
 _SMOOTH = 5  # cosines of a smooth curve
 _DRAWN = 200
 _Z95 = 1.96
-_ANGLES = frozenset({"joint_gain", "joint_harmonics", "joint_coupling"})
-_LOADS = frozenset({"compliance", "compliance_nonlinear"})
-_OVER_TIME = frozenset({"base_drift", "base_shift", "instrument_drift", "thermal_growth"})
-_LEVELS = frozenset({"tool_reseating", "nest_offset"})
-# Other readings give the quantity of their curves another size or zero: they cannot stand in one picture.
-MEASURED_BY_THEIR_READINGS = _OVER_TIME | _LEVELS
+
+
+_DRAWN_BY = {
+    "joint": joint_curve,
+    "shift": shape_curve,
+    "level": level_curve,
+    "agreement": agreement_curve,
+}
 
 
 class _Way(NamedTuple):
@@ -43,15 +46,8 @@ class _Way(NamedTuple):
 
 def finding_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the residuals without a finding, and the finding over them; None where no reading feels it."""
-    effect = group[0].effect
-    curve = None
-    if effect in _ANGLES | _LOADS | {"backlash"}:
-        curve = joint_curve(selected, scene, group)
-    elif effect in _OVER_TIME:
-        curve = shape_curve(selected, scene, group)
-    elif effect in _LEVELS:
-        curve = level_curve(selected, scene, group)
-    return curve or agreement_curve(selected, group)
+    draw = _DRAWN_BY[drawn_as(group[0].effect)]
+    return draw(selected, scene, group) or agreement_curve(selected, scene, group)
 
 
 def remaining_curve(selected: Selected, scene: Scene, depends: Depends) -> Curve | None:
@@ -82,7 +78,7 @@ def _axes(selected: Selected, scene: Scene, depends: Depends) -> Iterator[Axis]:
         for number, place_mm in enumerate(scene.chain.end_origin.T):
             yield Axis(f"place along {'xyz'[number]}", "mm", place_mm)
     elif depends.kind in ("time", "temperature"):
-        axis = time_axis(scene, "thermal_growth" if depends.kind == "temperature" else "")
+        axis = time_axis(scene, depends.kind)
         if axis is not None:
             yield axis
 

@@ -5,13 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.diagnosis.circumstances import scene_at
-from truepose.diagnosis.curves.drawn import MEASURED_BY_THEIR_READINGS, finding_curve
+from truepose.diagnosis.curves.drawn import finding_curve
 from truepose.diagnosis.evidence.held_out import validation_block
 from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.diagnosis import Curve, CurvePoints
 from truepose.effects.causes import Candidate, Scene
+from truepose.effects.cells import drawn_as
 from truepose.identification.observations.blocks import linearise_blocks
+
+# Other readings give the quantity of their curves another size or zero: they cannot stand in one picture.
+_MEASURED_BY_THEIR_READINGS = frozenset({"shift", "level"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +27,7 @@ class Unseen:
 
     def added_to(self, curve: Curve, group: tuple[Candidate, ...]) -> Curve:
         """Return a curve with these readings in it, where they can be drawn on the same axes."""
-        if group[0].effect in MEASURED_BY_THEIR_READINGS:
+        if drawn_as(group[0].effect) in _MEASURED_BY_THEIR_READINGS:
             return curve
         there = finding_curve(self.selected, self.scene, group)
         if there is None or (there.variable, there.quantity) != (curve.variable, curve.quantity):
