@@ -9,6 +9,7 @@ sit wrong in the world.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import date
 
 import numpy as np
 
@@ -18,18 +19,26 @@ from truepose.exchange.campaigns.origin import read_day, read_simulated
 from truepose.exchange.document import Node
 from truepose.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
 from truepose.exchange.json_text import Json
+from truepose.exchange.keys import (
+    TEXT,
+    TRUTH,
+    VECTOR,
+    Form,
+    Key,
+    each,
+    number,
+    or_null,
+    read_keys,
+    written_keys,
+)
 from truepose.exchange.models.covariance import covariance_document, read_covariance
 from truepose.exchange.robots.document import (
+    GRAVITY,
+    PLACEMENT,
+    arm_keys,
     joints_document,
-    masses_document,
-    optional_list,
-    placement_document,
     read_direction,
-    read_gravity,
     read_joints,
-    read_masses,
-    read_optional_numbers,
-    read_placement,
 )
 
 FORMAT = 1
@@ -45,13 +54,15 @@ ROLES = (
 )
 _READING_ROLES = ("calibration", "validation", "legs", "validation_legs")
 _KINDS = ("tracker", "ballbar")
-KEYS = frozenset({
+_IN_ORDER = (
     "format", "kind", "robot", "dhm_nominal", "base_in_world_nominal", "tool_nests_mm", "tool_nest_u_mm",
-    "masses", "gravity_m_s2_world", "gear_ratio", "typical_compliance_rad_per_Nmm", "robot_repeatability_mm",
-    "u_includes_repeatability", "tool_nest_axis", "tracker_position_world_mm", "fixed_nests_certified_mm",
-    "fixed_nest_u_mm", "ballbar_nominal_mm", "ballbar_range_mm", "setup_u_mm", "notes", "files",
-    "world_registration", "simulated", "measured_on",
-})  # fmt: skip
+    "masses", "gravity_m_s2_world", "robot_repeatability_mm", "u_includes_repeatability", "gear_ratio",
+    "typical_compliance_rad_per_Nmm", "tool_nest_axis", "tracker_position_world_mm",
+    "fixed_nests_certified_mm", "fixed_nest_u_mm", "ballbar_nominal_mm", "ballbar_range_mm", "setup_u_mm",
+    "simulated", "measured_on", "world_registration", "notes", "files",
+)  # fmt: skip
+KEYS = frozenset(_IN_ORDER)
+_NULL_IF_UNKNOWN = frozenset({"base_in_world_nominal", "tool_nest_u_mm"})  # the others are left out
 _JOINT_KEYS = frozenset({"joint", "alpha_deg", "a_mm", "theta_offset_deg", "d_mm", "sign"})
 
 
@@ -69,25 +80,17 @@ def read_description(root: Node) -> Description:
     _check_format(root)
     _check_kind(root.optional("kind"))
     robot = _read_robot(root)
-    tracker = root.optional("tracker_position_world_mm")
-    repeatability_included = root.optional("u_includes_repeatability")
-    base = root.key("base_in_world_nominal")
     files = _read_files(root.key("files"))
+    if "setup" in files and root.optional("setup_u_mm") is None:
+        root.fail("key setup_u_mm is missing; it is required where files names a setup", MissingEntryError)
+    _refuse_other_gravity(root)
+    said = read_keys(root, _CAMPAIGN)
     campaign = Campaign(
+        **said,
         robot=robot,
-        base_nominal=None if base.is_null else read_placement(base),
         nests=_read_nests(root),
-        gravity_m_s2=_read_gravity(root),
-        repeatability_in_uncertainty=repeatability_included is not None and repeatability_included.truth(),
-        tracker_position_mm=None if tracker is None else tracker.vector(),
         fixed_nests=_read_fixed_nests(root),
-        registration=_read_registration(root.optional("world_registration")),
-        ballbar_nominal_mm=_positive(root, "ballbar_nominal_mm"),
-        ballbar_range_mm=_positive(root, "ballbar_range_mm"),
-        setup_uncertainty_mm=_read_setup_uncertainty(root, files),
-        simulated=read_simulated(root, _read_notes(root)),
-        measured_on=read_day(root.optional("measured_on")),
-        notes=_read_notes(root),
+        simulated=read_simulated(root, said["notes"]),
         ignored=tuple(_ignored(root)),
     )
     return Description(campaign, files, root.key("files"))
@@ -112,18 +115,10 @@ def _check_kind(kind: Node | None) -> None:
 
 def _read_robot(root: Node) -> Robot:
     joints = read_joints(root.key("dhm_nominal"))
-    compliances = root.optional("typical_compliance_rad_per_Nmm")
-    return Robot(
-        name=root.key("robot").text(),
-        joints=joints,
-        masses=read_masses(root.key("masses"), len(joints)),
-        gear_ratios=read_optional_numbers(root.optional("gear_ratio"), len(joints)),
-        typical_compliances_rad_per_n_mm=read_optional_numbers(compliances, len(joints)),
-        repeatability_mm=root.key("robot_repeatability_mm").number(least=0.0),
-    )
+    return Robot(root.key("robot").text(), joints, **read_keys(root, arm_keys(len(joints))))
 
 
-def _read_gravity(root: Node) -> tuple[float, float, float]:
+def _refuse_other_gravity(root: Node) -> None:
     wanted = "gravity_m_s2_world"
     others = [name for name in root.entries() if name.startswith("gravity") and name != wanted]
     if wanted not in root.entries() and others:
@@ -131,7 +126,6 @@ def _read_gravity(root: Node) -> tuple[float, float, float]:
             f"key {others[0]} has another frame or unit; {wanted} in m/s2 in the world frame is required",
             WrongUnitError,
         )
-    return read_gravity(root.key(wanted))
 
 
 def _read_nests(root: Node) -> tuple[Nest, ...]:
@@ -174,30 +168,31 @@ def _read_fixed_nests(root: Node) -> tuple[FixedNest, ...]:
     )
 
 
-def _read_registration(node: Node | None) -> WorldRegistration | None:
+def _read_registration(node: Node) -> WorldRegistration:
     """Read the 6x6 covariance of the world frame [mm, rad]."""
-    if node is None:
-        return None
     covariance = read_covariance(node.key("covariance_mm_rad"), 6)
     if np.isnan(covariance).any():
         node.fail("the covariance of the world frame must be known completely")
     return WorldRegistration(covariance)
 
 
-def _positive(root: Node, name: str) -> float | None:
-    node = root.optional(name)
-    return None if node is None else node.number(above=0.0)
+def _registration_document(registration: WorldRegistration) -> Json:
+    return {"covariance_mm_rad": covariance_document(registration.covariance)}
 
 
-def _read_setup_uncertainty(root: Node, files: dict[str, str]) -> float | None:
-    if "setup" in files and root.optional("setup_u_mm") is None:
-        root.fail("key setup_u_mm is missing; it is required where files names a setup", MissingEntryError)
-    return _positive(root, "setup_u_mm")
-
-
-def _read_notes(root: Node) -> tuple[str, ...]:
-    notes = root.optional("notes")
-    return () if notes is None else tuple(note.text() for note in notes.items())
+_LENGTH = number(above=0.0)
+_CAMPAIGN = (
+    Key("base_in_world_nominal", "base_nominal", or_null(PLACEMENT)),
+    Key("gravity_m_s2_world", "gravity_m_s2", GRAVITY),
+    Key("u_includes_repeatability", "repeatability_in_uncertainty", TRUTH, absent=False),
+    Key("tracker_position_world_mm", "tracker_position_mm", VECTOR, absent=None),
+    Key("ballbar_nominal_mm", "ballbar_nominal_mm", _LENGTH, absent=None),
+    Key("ballbar_range_mm", "ballbar_range_mm", _LENGTH, absent=None),
+    Key("setup_u_mm", "setup_uncertainty_mm", _LENGTH, absent=None),
+    Key("measured_on", "measured_on", Form(read_day, date.isoformat), absent=None),
+    Key("world_registration", "registration", Form(_read_registration, _registration_document), absent=None),
+    Key("notes", "notes", each(TEXT), absent=()),
+)
 
 
 def _read_files(node: Node) -> dict[str, str]:
@@ -232,43 +227,34 @@ def _ignored(root: Node) -> Iterator[str]:
 
 def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str, Json]:
     """Return the content of `campaign.json`; optional keys only where the campaign has something to say."""
-    robot, base = campaign.robot, campaign.base_nominal
-    document: dict[str, Json] = {
+    robot = campaign.robot
+    said: dict[str, Json] = {
         "format": FORMAT,
         "kind": "tracker" if campaign.legs is None and campaign.validation_legs is None else "ballbar",
         "robot": robot.name,
         "dhm_nominal": joints_document(robot.joints),
-        "base_in_world_nominal": None if base is None else placement_document(base),
-        "tool_nests_mm": [optional_list(nest.centre_mm) for nest in campaign.nests],
-        "tool_nest_u_mm": _shared([nest.standard_uncertainty_mm for nest in campaign.nests]),
-        "masses": masses_document(robot.masses),
-        "gravity_m_s2_world": list(campaign.gravity_m_s2),
-        "robot_repeatability_mm": robot.repeatability_mm,
-        "u_includes_repeatability": campaign.repeatability_in_uncertainty,
+        **written_keys(robot, arm_keys(robot.n_joints)),
+        **written_keys(campaign, _CAMPAIGN),
+        **_nests_document(campaign),
+        "simulated": campaign.simulated,
+        "files": dict(files),
     }
-    optional = {key: value for key, value in _optional_keys(campaign).items() if value is not None}
-    return {**document, **optional, "notes": list(campaign.notes), "files": dict(files)}
+    return {key: said[key] for key in _IN_ORDER if said[key] is not None or key in _NULL_IF_UNKNOWN}
 
 
-def _optional_keys(campaign: Campaign) -> dict[str, Json]:
-    fixed, registration = campaign.fixed_nests, campaign.registration
-    axes: Json = [optional_list(nest.facing) for nest in campaign.nests]
+def _nests_document(campaign: Campaign) -> dict[str, Json]:
+    nests, fixed = campaign.nests, campaign.fixed_nests
     return {
-        "gear_ratio": optional_list(campaign.robot.gear_ratios),
-        "typical_compliance_rad_per_Nmm": optional_list(campaign.robot.typical_compliances_rad_per_n_mm),
-        "tool_nest_axis": axes if any(nest.facing for nest in campaign.nests) else None,
-        "tracker_position_world_mm": optional_list(campaign.tracker_position_mm),
+        "tool_nests_mm": [_listed(nest.centre_mm) for nest in nests],
+        "tool_nest_u_mm": _shared([nest.standard_uncertainty_mm for nest in nests]),
+        "tool_nest_axis": [_listed(n.facing) for n in nests] if any(n.facing for n in nests) else None,
         "fixed_nests_certified_mm": [list(nest.centre_mm) for nest in fixed] if fixed else None,
         "fixed_nest_u_mm": _shared([nest.standard_uncertainty_mm for nest in fixed]) if fixed else None,
-        "ballbar_nominal_mm": campaign.ballbar_nominal_mm,
-        "ballbar_range_mm": campaign.ballbar_range_mm,
-        "setup_u_mm": campaign.setup_uncertainty_mm,
-        "simulated": campaign.simulated,
-        "measured_on": None if campaign.measured_on is None else campaign.measured_on.isoformat(),
-        "world_registration": None
-        if registration is None
-        else {"covariance_mm_rad": covariance_document(registration.covariance)},
     }
+
+
+def _listed(vector: Sequence[float] | None) -> Json:
+    return None if vector is None else list(vector)
 
 
 def _shared(uncertainties: Sequence[float | None]) -> Json:

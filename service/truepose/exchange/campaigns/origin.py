@@ -17,10 +17,8 @@ def read_simulated(root: Node, notes: Iterable[str]) -> bool | None:
     return True if any(note.startswith(_NOTED) for note in notes) else None
 
 
-def read_day(node: Node | None) -> date | None:
-    """Return the day here; None where none is stated."""
-    if node is None:
-        return None
+def read_day(node: Node) -> date:
+    """Return the day here."""
     text = node.text()
     try:
         day = date.fromisoformat(text)

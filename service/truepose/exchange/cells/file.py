@@ -25,7 +25,7 @@ from truepose.exchange.cells.sections import (
 from truepose.exchange.document import Node, toml_document
 from truepose.exchange.errors import MissingEntryError, UnknownRobotError
 from truepose.exchange.input_file import read_bytes
-from truepose.exchange.robots.document import read_nest, read_placement
+from truepose.exchange.robots.document import PLACEMENT, read_nest
 from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool, read_robot_file
 
 _KEYS = frozenset({
@@ -147,7 +147,7 @@ def _read_robot(node: Node, folder: Path) -> RobotWithTool:
 
 
 def _read_base(node: Node | None) -> FramePlacement:
-    return FramePlacement() if node is None else read_placement(node)
+    return FramePlacement() if node is None else PLACEMENT.read(node)
 
 
 def _read_nests(node: Node | None, shipped: RobotWithTool) -> tuple[Nest, ...]:

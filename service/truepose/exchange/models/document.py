@@ -7,7 +7,7 @@ full precision, so a model comes back within two roundings of each number.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import get_args
+from typing import Final, get_args
 
 import numpy as np
 
@@ -16,15 +16,23 @@ from truepose.domain.results import Anchor, Model, NestCentre, Parameter, Unit
 from truepose.exchange.document import Node
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
 from truepose.exchange.json_text import Json, number_or_null
-from truepose.exchange.models.covariance import covariance_document, read_covariance
-from truepose.exchange.robots.document import (
-    placement_document,
-    read_gravity,
-    read_joints,
-    read_placement,
-    read_robot,
-    robot_document,
+from truepose.exchange.keys import (
+    NUMBER,
+    TEXT,
+    TRUTH,
+    UNKNOWN_OR_NUMBER,
+    VECTOR,
+    Form,
+    Key,
+    each,
+    or_null,
+    read_keys,
+    record,
+    whole,
+    written_keys,
 )
+from truepose.exchange.models.covariance import covariance_document, read_covariance
+from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT
 
 FORMAT = "truepose-model"
 VERSION = 1
@@ -44,8 +52,6 @@ _UNITS: dict[str, Json] = {
     "covariance": "product of the units of its two parameters as listed under parameters, in their order",
 }
 
-Vector = tuple[float, float, float]
-
 
 def file_unit(unit: Unit) -> str:
     """Return the unit that files and documents use for a quantity of an internal unit."""
@@ -57,54 +63,69 @@ def file_factor(unit: Unit) -> float:
     return _DEG if unit in _IN_DEGREES else 1.0
 
 
+def _read_identified_from(node: Node) -> dict[str, str | int | float]:
+    origin: dict[str, str | int | float] = {}
+    for name, value in node.entries().items():
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            node.child(name, value).fail("text or a number is required")
+        origin[name] = value
+    return origin
+
+
+def _read_version(node: Node) -> str:
+    return "" if node.value == "" else node.text()
+
+
+_PLACE: Final = Key("centre_mm", "centre_mm", VECTOR)
+_NESTS: Final = each(record(NestCentre, [Key("nest", "nest", whole(least=1)), _PLACE]))
+_ANCHORS: Final = each(
+    record(Anchor, [*(Key(name, name, whole()) for name in ("placement", "base_point")), _PLACE])
+)
+_ROTATION: Final = Form(
+    lambda node: tuple(math.radians(angle) for angle in node.vector()),
+    lambda angles_rad: [math.degrees(angle) for angle in angles_rad],
+)
+_ORIGIN: Final = [
+    Key("program_version", "program_version", Form(_read_version)),
+    Key("identified_from", "identified_from", Form(_read_identified_from, dict)),
+]
+_MODEL: Final = [
+    Key("robot", "robot", ROBOT),
+    Key("gravity_m_s2_world", "gravity_m_s2", GRAVITY),
+    Key("effects", "effects", each(TEXT)),
+    Key("base_in_world", "base", PLACEMENT),
+    Key("tool_nests", "nests", _NESTS),
+    Key("tool_rotation_deg", "tool_rotation_rad", _ROTATION),
+    Key("instrument_in_world_mm", "instrument_mm", or_null(VECTOR)),
+    Key("repeatability_mm", "repeatability_mm", UNKNOWN_OR_NUMBER),
+    Key("discrepancy_mm", "discrepancy_mm", UNKNOWN_OR_NUMBER),
+    Key("torques_measured", "torques_measured", TRUTH),
+    # Files from before there were drifts lack it; nothing in them counts from it.
+    Key("origin_s", "origin_s", NUMBER, absent=0.0),
+]
+_NOMINAL: Final = [
+    Key("base_in_world", "nominal_base", PLACEMENT),
+    Key("tool_nests", "nominal_nests", _NESTS),
+    Key("tool_rotation_deg", "nominal_tool_rotation_rad", _ROTATION),
+    Key("leg_offset_mm", "nominal_leg_offset_mm", NUMBER),
+    Key("anchors", "nominal_anchors", _ANCHORS),
+]
+
+
 def model_document(model: Model) -> dict[str, Json]:
     """Return the content of a model file; NaN and infinity become null."""
+    origin = written_keys(model, _ORIGIN)
     return {
         "format": FORMAT,
         "version": VERSION,
-        "program_version": model.program_version,
+        "program_version": origin["program_version"],
         "units": _UNITS,
-        "identified_from": dict(model.identified_from),
-        "robot": robot_document(model.robot),
-        "gravity_m_s2_world": list(model.gravity_m_s2),
-        "effects": list(model.effects),
-        "base_in_world": placement_document(model.base),
-        "tool_nests": _nests_document(model.nests),
-        "tool_rotation_deg": _degrees(model.tool_rotation_rad),
-        "instrument_in_world_mm": None if model.instrument_mm is None else list(model.instrument_mm),
-        "repeatability_mm": number_or_null(model.repeatability_mm),
-        "discrepancy_mm": number_or_null(model.discrepancy_mm),
-        "torques_measured": model.torques_measured,
-        "origin_s": model.origin_s,
-        "nominal_fitted": _nominal_document(model),
+        "identified_from": origin["identified_from"],
+        **written_keys(model, _MODEL),
+        "nominal_fitted": written_keys(model, _NOMINAL),
         "parameters": [_parameter_document(parameter) for parameter in model.parameters],
         "covariance": _covariance_document(model),
     }
-
-
-def _nominal_document(model: Model) -> dict[str, Json]:
-    return {
-        "base_in_world": placement_document(model.nominal_base),
-        "tool_nests": _nests_document(model.nominal_nests),
-        "tool_rotation_deg": _degrees(model.nominal_tool_rotation_rad),
-        "leg_offset_mm": model.nominal_leg_offset_mm,
-        "anchors": _anchors_document(model.nominal_anchors),
-    }
-
-
-def _nests_document(nests: Sequence[NestCentre]) -> Json:
-    return [{"nest": nest.nest, "centre_mm": list(nest.centre_mm)} for nest in nests]
-
-
-def _anchors_document(anchors: Sequence[Anchor]) -> Json:
-    return [
-        {"placement": anchor.placement, "base_point": anchor.base_point, "centre_mm": list(anchor.centre_mm)}
-        for anchor in anchors
-    ]
-
-
-def _degrees(angles_rad: Vector) -> Json:
-    return [math.degrees(angle) for angle in angles_rad]
 
 
 def _parameter_document(parameter: Parameter) -> Json:
@@ -127,29 +148,12 @@ def _covariance_document(model: Model) -> Json:
 def read_model_document(root: Node) -> Model:
     """Read the content of a model file; raises an InputFileError that names key and line."""
     _check_format(root)
-    robot, nominal = root.key("robot"), root.key("nominal_fitted")
     parameters = tuple(_read_parameter(entry) for entry in root.key("parameters").items())
     return Model(
-        robot=read_robot(robot, robot.key("name").text(), read_joints(robot.key("dhm_nominal"))),
-        base=read_placement(root.key("base_in_world")),
-        nests=_read_nests(root.key("tool_nests")),
-        tool_rotation_rad=_read_rotation(root.key("tool_rotation_deg")),
-        effects=tuple(entry.text() for entry in root.key("effects").items()),
+        **read_keys(root, [*_ORIGIN, *_MODEL]),
+        **read_keys(root.key("nominal_fitted"), _NOMINAL),
         parameters=parameters,
         covariance=_read_covariance(root.key("covariance"), parameters),
-        gravity_m_s2=read_gravity(root.key("gravity_m_s2_world")),
-        discrepancy_mm=_number_or(root.key("discrepancy_mm"), math.nan),
-        repeatability_mm=_number_or(root.key("repeatability_mm"), math.nan),
-        nominal_base=read_placement(nominal.key("base_in_world")),
-        nominal_nests=_read_nests(nominal.key("tool_nests")),
-        nominal_tool_rotation_rad=_read_rotation(nominal.key("tool_rotation_deg")),
-        instrument_mm=_read_instrument(root.key("instrument_in_world_mm")),
-        torques_measured=root.key("torques_measured").truth(),
-        origin_s=_read_origin_s(root.optional("origin_s")),
-        nominal_leg_offset_mm=nominal.key("leg_offset_mm").number(),
-        nominal_anchors=_read_anchors(nominal.key("anchors")),
-        identified_from=_read_identified_from(root.key("identified_from")),
-        program_version=_read_version(root.key("program_version")),
     )
 
 
@@ -199,41 +203,3 @@ def _read_covariance(node: Node, parameters: Sequence[Parameter]) -> FloatArray:
 
 def _number_or(node: Node, unknown: float) -> float:
     return unknown if node.is_null else node.number()
-
-
-def _read_rotation(node: Node) -> Vector:
-    x, y, z = node.vector()
-    return (math.radians(x), math.radians(y), math.radians(z))
-
-
-def _read_nests(node: Node) -> tuple[NestCentre, ...]:
-    return tuple(NestCentre(e.key("nest").whole(least=1), e.key("centre_mm").vector()) for e in node.items())
-
-
-def _read_anchors(node: Node) -> tuple[Anchor, ...]:
-    return tuple(
-        Anchor(e.key("placement").whole(), e.key("base_point").whole(), e.key("centre_mm").vector())
-        for e in node.items()
-    )
-
-
-def _read_instrument(node: Node) -> Vector | None:
-    return None if node.is_null else node.vector()
-
-
-def _read_origin_s(node: Node | None) -> float:
-    # Files from before there were drifts lack it; nothing in them counts from it.
-    return 0.0 if node is None else node.number()
-
-
-def _read_identified_from(node: Node) -> dict[str, str | int | float]:
-    origin: dict[str, str | int | float] = {}
-    for name, value in node.entries().items():
-        if isinstance(value, bool) or not isinstance(value, str | int | float):
-            node.child(name, value).fail("text or a number is required")
-        origin[name] = value
-    return origin
-
-
-def _read_version(node: Node) -> str:
-    return "" if node.value == "" else node.text()

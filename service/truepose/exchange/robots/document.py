@@ -5,11 +5,26 @@ Documents say degrees; the domain says radians.
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from truepose.domain.robot import FramePlacement, JointRange, JointRow, LinkMass, Nest, Robot
 from truepose.exchange.document import Node
 from truepose.exchange.errors import WrongUnitError
 from truepose.exchange.json_text import Json
+from truepose.exchange.keys import (
+    ANGLE,
+    NUMBER,
+    VECTOR,
+    Form,
+    Key,
+    degrees,
+    each,
+    number,
+    read_keys,
+    record,
+    whole,
+    written_keys,
+)
 
 _UNIT_LENGTH_TOLERANCE = 1e-3  # directions are given with three decimals at least
 _ROUNDING = 1e-14  # of a unit vector in full precision, which is left as it is
@@ -28,53 +43,67 @@ def _read_joint(row: Node, number: int) -> JointRow:
     joint = row.key("joint")
     if joint.whole() != number:
         joint.fail(f"joint {joint.whole()} stands in row {number}; rows are numbered 1, 2, ... in order")
-    sign = row.optional("sign")
-    if sign is not None and sign.whole() not in {-1, 1}:
-        sign.fail("the sign of a joint must be 1 or -1")
-    return JointRow(
-        alpha_rad=math.radians(row.key("alpha_deg").number()),
-        a_mm=row.key("a_mm").number(),
-        theta_offset_rad=math.radians(row.key("theta_offset_deg").number()),
-        d_mm=row.key("d_mm").number(),
-        sign=1 if sign is None else sign.whole(),
-    )
+    return JointRow(**read_keys(row, _JOINT))
+
+
+def _read_sign(node: Node) -> int:
+    if node.whole() not in {-1, 1}:
+        node.fail("the sign of a joint must be 1 or -1")
+    return node.whole()
+
+
+_JOINT: Final = (
+    Key("alpha_deg", "alpha_rad", ANGLE),
+    Key("a_mm", "a_mm", NUMBER),
+    Key("theta_offset_deg", "theta_offset_rad", ANGLE),
+    Key("d_mm", "d_mm", NUMBER),
+    Key("sign", "sign", Form(_read_sign), absent=1),
+)
 
 
 def joints_document(joints: Sequence[JointRow]) -> list[Json]:
     """Return the rows of `dhm_nominal`."""
+    return [{"joint": number, **written_keys(row, _JOINT)} for number, row in enumerate(joints, start=1)]
+
+
+PLACEMENT: Final = record(
+    FramePlacement,
+    [
+        *(Key(name, name, NUMBER) for name in ("x_mm", "y_mm", "z_mm")),
+        *(Key(f"{name}_deg", f"{name}_rad", ANGLE) for name in ("rx", "ry", "rz")),
+    ],
+)
+
+
+def arm_keys(n_joints: int) -> list[Key]:
+    """Return the keys that campaigns, models and robot files say of an arm besides its table."""
+    mass = record(
+        LinkMass,
+        [
+            Key("frame", "frame", whole(least=1, greatest=n_joints)),
+            Key("kg", "mass_kg", number(least=0.0)),
+            Key("cog_mm", "centre_of_gravity_mm", VECTOR),
+        ],
+    )
+    positive = each(number(above=0.0), n_joints)
+    compliances = "typical_compliances_rad_per_n_mm"
     return [
-        {
-            "joint": number,
-            "alpha_deg": degrees(row.alpha_rad),
-            "a_mm": row.a_mm,
-            "theta_offset_deg": degrees(row.theta_offset_rad),
-            "d_mm": row.d_mm,
-            "sign": row.sign,
-        }
-        for number, row in enumerate(joints, start=1)
+        Key("masses", "masses", each(mass)),
+        Key("gear_ratio", "gear_ratios", positive, absent=None),
+        Key("typical_compliance_rad_per_Nmm", compliances, positive, absent=None),
+        Key("robot_repeatability_mm", "repeatability_mm", number(least=0.0)),
     ]
 
 
-def read_masses(node: Node, n_joints: int) -> tuple[LinkMass, ...]:
-    """Read `masses`: `frame, kg, cog_mm` per link."""
-    return tuple(
-        LinkMass(
-            frame=entry.key("frame").whole(least=1, greatest=n_joints),
-            mass_kg=entry.key("kg").number(least=0.0),
-            centre_of_gravity_mm=entry.key("cog_mm").vector(),
-        )
-        for entry in node.items()
-    )
-
-
-def masses_document(masses: Sequence[LinkMass]) -> list[Json]:
-    """Return the entries of `masses`."""
-    return [{"frame": m.frame, "kg": m.mass_kg, "cog_mm": list(m.centre_of_gravity_mm)} for m in masses]
-
-
-def read_optional_numbers(node: Node | None, count: int) -> tuple[float, ...] | None:
-    """Read a list of `count` positive numbers, or None where the key is absent."""
-    return None if node is None else tuple(entry.number(above=0.0) for entry in node.items(count))
+def _robot_keys(n_joints: int) -> list[Key]:
+    ranges = each(Form(_read_range, lambda r: [degrees(r.lower_rad), degrees(r.upper_rad)]), n_joints)
+    return [
+        *arm_keys(n_joints),
+        Key("calibration_ranges_deg", "calibration_ranges", ranges, absent=None),
+        Key("joint_limits_deg", "joint_limits", ranges, absent=None),
+        Key("rated_payload_kg", "rated_payload_kg", number(above=0.0), absent=None),
+        Key("source", "source", Form(Node.text, lambda text: text or None), absent=""),
+    ]
 
 
 def read_ranges(node: Node | None, n_joints: int) -> tuple[JointRange, ...] | None:
@@ -87,31 +116,6 @@ def _read_range(node: Node) -> JointRange:
     if lower >= upper:
         node.fail(f"the lower limit {lower:g} is not below the upper limit {upper:g}")
     return JointRange(math.radians(lower), math.radians(upper))
-
-
-def ranges_document(ranges: Sequence[JointRange] | None) -> Json:
-    """Return pairs of degrees, or null."""
-    return None if ranges is None else [[degrees(r.lower_rad), degrees(r.upper_rad)] for r in ranges]
-
-
-def read_placement(node: Node) -> FramePlacement:
-    """Read `x_mm y_mm z_mm rx_deg ry_deg rz_deg`."""
-    return FramePlacement(
-        *(node.key(name).number() for name in ("x_mm", "y_mm", "z_mm")),
-        *(math.radians(node.key(name).number()) for name in ("rx_deg", "ry_deg", "rz_deg")),
-    )
-
-
-def placement_document(placement: FramePlacement) -> dict[str, Json]:
-    """Return the six keys of a placement."""
-    return {
-        "x_mm": placement.x_mm,
-        "y_mm": placement.y_mm,
-        "z_mm": placement.z_mm,
-        "rx_deg": degrees(placement.rx_rad),
-        "ry_deg": degrees(placement.ry_rad),
-        "rz_deg": degrees(placement.rz_rad),
-    }
 
 
 def read_gravity(node: Node) -> tuple[float, float, float]:
@@ -135,41 +139,24 @@ def read_direction(node: Node | None) -> tuple[float, float, float] | None:
     return (x / length, y / length, z / length)
 
 
+GRAVITY: Final = Form(read_gravity, list)
+
+
 def read_robot(node: Node, name: str, joints: tuple[JointRow, ...]) -> Robot:
     """Read a whole nominal robot from the keys of `robot_document`."""
-    n = len(joints)
-    payload = node.optional("rated_payload_kg")
-    source = node.optional("source")
-    return Robot(
-        name=name,
-        joints=joints,
-        masses=read_masses(node.key("masses"), n),
-        gear_ratios=read_optional_numbers(node.optional("gear_ratio"), n),
-        typical_compliances_rad_per_n_mm=read_optional_numbers(
-            node.optional("typical_compliance_rad_per_Nmm"), n
-        ),
-        repeatability_mm=node.key("robot_repeatability_mm").number(least=0.0),
-        calibration_ranges=read_ranges(node.optional("calibration_ranges_deg"), n),
-        rated_payload_kg=None if payload is None else payload.number(above=0.0),
-        source="" if source is None else source.text(),
-        joint_limits=read_ranges(node.optional("joint_limits_deg"), n),
-    )
+    return Robot(name=name, joints=joints, **read_keys(node, _robot_keys(len(joints))))
 
 
 def robot_document(robot: Robot) -> dict[str, Json]:
     """Return the whole nominal robot as keys of a document."""
-    return {
-        "name": robot.name,
-        "dhm_nominal": joints_document(robot.joints),
-        "masses": masses_document(robot.masses),
-        "gear_ratio": optional_list(robot.gear_ratios),
-        "typical_compliance_rad_per_Nmm": optional_list(robot.typical_compliances_rad_per_n_mm),
-        "robot_repeatability_mm": robot.repeatability_mm,
-        "calibration_ranges_deg": ranges_document(robot.calibration_ranges),
-        "joint_limits_deg": ranges_document(robot.joint_limits),
-        "rated_payload_kg": robot.rated_payload_kg,
-        "source": robot.source or None,
-    }
+    table = joints_document(robot.joints)
+    return {"name": robot.name, "dhm_nominal": table, **written_keys(robot, _robot_keys(robot.n_joints))}
+
+
+ROBOT: Final = Form(
+    lambda node: read_robot(node, node.key("name").text(), read_joints(node.key("dhm_nominal"))),
+    robot_document,
+)
 
 
 def read_nest(entry: Node) -> Nest:
@@ -180,17 +167,3 @@ def read_nest(entry: Node) -> Nest:
         standard_uncertainty_mm=None if uncertainty is None else uncertainty.number(least=0.0),
         facing=read_direction(entry.optional("facing")),
     )
-
-
-def optional_list(numbers: Sequence[float] | None) -> Json:
-    """Return the numbers as a list, or null."""
-    return None if numbers is None else list(numbers)
-
-
-def degrees(angle_rad: float) -> float:
-    """Return an angle in degrees with 15 significant digits.
-
-    The conversion there and back is off in the 16th digit; without the rounding a table of round
-    numbers would come back as 33.00000000000001. What is lost is 5e-16 of the value.
-    """
-    return float(f"{math.degrees(angle_rad):.15g}")
