@@ -20,7 +20,7 @@ class LineReader:
         self._buffer = bytearray()
 
     @property
-    def inside_line(self) -> bool:
+    def inside_message(self) -> bool:
         """Whether the stream stands in the middle of a line."""
         return bool(self._buffer)
 
@@ -28,7 +28,7 @@ class LineReader:
         """Append what the stream delivered."""
         self._buffer += data
 
-    def next_line(self) -> bytes | None:
+    def next_message(self) -> bytes | None:
         """Take the oldest whole line without its end, None until more bytes arrive.
 
         Raises JsonLineError when a line does not end.

@@ -125,7 +125,7 @@ async def test_a_link_cut_in_the_middle_of_a_packet_is_lost_and_comes_back(bench
     await tracker.find_reflector(nest_mm, search_radius_mm=RADIUS_MM)
     bench.cell.faults.add(TrackerCut(reading=1))
 
-    with pytest.raises(ConnectionLostError, match="middle of a packet"):
+    with pytest.raises(ConnectionLostError, match="middle of a message"):
         await tracker.measure_point(duration_s=1.0)
     assert not tracker.connected
     await tracker.connect()

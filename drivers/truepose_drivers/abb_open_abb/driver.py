@@ -9,7 +9,6 @@ import asyncio
 import contextlib
 import math
 import time
-from collections.abc import AsyncIterator
 from dataclasses import dataclass
 
 from truepose_drivers import options as option
@@ -51,6 +50,7 @@ from truepose_drivers.errors import (
     TargetRefusedError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Link, drain
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -87,7 +87,7 @@ class OpenAbbRobot:
         self._link = link
         self._clock = clock
         self._time_outs = time_outs or TimeOuts()
-        self._lock = asyncio.Lock()
+        self._turns = Turns(link)
         self._limits = MotionLimits()
         self._limits_sent = False
         self._finest_decimals = 0  # of the angles that this server has given
@@ -128,7 +128,7 @@ class OpenAbbRobot:
 
     async def close(self) -> None:
         """Let the server listen for the next client, then close the link; never raises."""
-        if self._link.is_open and not self._lock.locked():
+        if self._link.is_open and not self._turns.taken:
             with contextlib.suppress(ConnectionLostError):
                 await self._link.send(encode_request(Code.CLOSE))
         await self._link.close()
@@ -237,7 +237,7 @@ class OpenAbbRobot:
         self, request: bytes, code: Code, *, words: int = 0, timeout_s: float | None = None
     ) -> Reply:
         """Send a request and return its reply, whose text has at least `words` words."""
-        async with self._turn():
+        async with self._turns.turn():
             await drain(self._link)  # a line end or the like behind the last reply
             await self._link.send(request)
             beats = self._watching and code is Code.MOVE_JOINTS
@@ -256,16 +256,6 @@ class OpenAbbRobot:
         if reply.status != ReplyStatus.OK:
             raise DeviceRefusedError(f"the robot refused request {int(code)} ({code.name}) as a bad message")
         return reply
-
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; a request that is not answered properly closes the link."""
-        async with self._lock:
-            try:
-                yield
-            except BaseException:
-                await self._link.close()
-                raise
 
     async def _receive_reply(self, code: Code, words: int, timeout_s: float, *, beats: bool) -> bytes:
         """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""

@@ -1,59 +1,52 @@
 """A ballbar behind a bridge: a program of the shop's that passes on what the maker's software reads."""
 
-import asyncio
-import contextlib
-import time
-from collections.abc import AsyncIterator
-
 from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
-from truepose_drivers.errors import ConnectFailedError, LinkError, NoReplyError
+from truepose_drivers.errors import ConnectFailedError, LinkError
 from truepose_drivers.json_lines import LineReader
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
 
 PORT = 7420  # ours, and free to choose: no registry lists it
 _VALUE_TIMEOUT_S = 2.0
 _UNKNOWN = "unknown"
-_MOST_PIECES = 10_000  # waiting on a stream: whoever sends more never stops
 
 
 class BridgedBallbar:
     """A ballbar bridge on a link; it sends a line for each value, and we only listen."""
 
     def __init__(self, link: Link, clock: Clock, *, value_timeout_s: float = _VALUE_TIMEOUT_S) -> None:
-        self._link = link
+        self._lines: Listener[bytes] = Listener(link, LineReader)
         self._clock = clock
         self._value_timeout_s = value_timeout_s
-        self._lock = asyncio.Lock()
-        self._lines = LineReader()
         self._hello = Hello()
         self._last: int | None = None  # number of the newest value of this connection
 
     @property
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._link.is_open
+        return self._lines.is_open
 
     async def connect(self) -> None:
         """Open the link and wait for a first value; raises ConnectFailedError."""
-        self._lines, self._hello, self._last = LineReader(), Hello(), None
-        await self._link.open()
+        self._hello, self._last = Hello(), None
+        await self._lines.open()
         try:
-            async with self._turn():
+            async with self._lines.turn():
                 await self._next_value()
         except LinkError as error:
             raise ConnectFailedError(str(error)) from error
 
     async def close(self) -> None:
         """Close the link; never raises."""
-        await self._link.close()
+        await self._lines.close()
 
     async def identify(self) -> DeviceIdentity:
         """Return what the bridge said of the ballbar, once another value has shown that it is there."""
-        async with self._turn():
+        async with self._lines.turn():
             await self._next_value()
         return DeviceIdentity(
             _UNKNOWN, self._hello.model or "bridged ballbar", self._hello.serial or _UNKNOWN, _UNKNOWN
@@ -61,10 +54,10 @@ class BridgedBallbar:
 
     async def read(self) -> BallbarReading:
         """Return the newest value of those that arrive after the ones that had arrived before."""
-        async with self._turn():
+        async with self._lines.turn():
             await self._take_what_came()
             # The line whose end is still to come was begun before we asked.
-            if self._lines.inside_line:
+            if self._lines.inside_message:
                 await self._next_value()
             reading = await self._next_value()
             # Where the network stalled, the values of that time come at once, oldest first.
@@ -81,29 +74,19 @@ class BridgedBallbar:
     async def _take_what_came(self) -> BridgeReading | None:
         """Take every line that is there and return the newest value."""
         newest = None
-        for _ in range(_MOST_PIECES):
-            while (line := self._lines.next_line()) is not None:
-                newest = self._take(line) or newest
-            data = await self._link.receive(0.0)
-            if data is None:
-                return newest
-            self._lines.receive_data(data)
-        raise BridgeProtocolError(f"the ballbar bridge at {self._link.address} does not stop sending")
+        async for line in self._lines.arrived():
+            newest = self._take(line) or newest
+        return newest
 
     async def _next_value(self) -> BridgeReading:
-        give_up_s = time.monotonic() + self._value_timeout_s
-        while True:
-            while (line := self._lines.next_line()) is not None:
-                if (reading := self._take(line)) is not None:
-                    return reading
-            left_s = give_up_s - time.monotonic()
-            data = await self._link.receive(max(0.0, left_s))
-            if data is None or left_s < 0.0:
-                raise NoReplyError(
-                    f"the ballbar bridge at {self._link.address} sends no value for"
-                    f" {self._value_timeout_s:g} s: check that the maker's software reads the ballbar"
-                )
-            self._lines.receive_data(data)
+        silence = (
+            f"the ballbar bridge at {self._lines.address} sends no value for"
+            f" {self._value_timeout_s:g} s: check that the maker's software reads the ballbar"
+        )
+        self._lines.expect(self._value_timeout_s, silence)
+        while (reading := self._take(await self._lines.next())) is None:
+            pass
+        return reading
 
     def _take(self, line: bytes) -> BridgeReading | None:
         message = decode(line)
@@ -124,20 +107,10 @@ class BridgedBallbar:
             return
         if self._last is not None and sequence <= self._last:
             raise BridgeProtocolError(
-                f"the ballbar bridge at {self._link.address} sends value {sequence} after {self._last}:"
+                f"the ballbar bridge at {self._lines.address} sends value {sequence} after {self._last}:"
                 " it repeats itself; start it again"
             )
         self._last = sequence
-
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; a bridge that stopped or talks nonsense is hung up on."""
-        async with self._lock:
-            try:
-                yield
-            except BaseException:
-                await self._link.close()
-                raise
 
 
 def _open(options: Options, clock: Clock | None) -> BridgedBallbar:

@@ -1,9 +1,7 @@
 """A ballbar that is a USB HID device: through the system's HID driver, or over USB/IP."""
 
-import asyncio
 import contextlib
 import math
-from collections.abc import AsyncIterator
 from typing import Literal
 
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
@@ -23,6 +21,7 @@ from truepose_drivers.ballbar_hid.protocol import (
 from truepose_drivers.ballbar_hid.report_descriptor import BAR_ID
 from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, DriverError, NoReplyError
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.hid import HidapiPort, HidOverUsb, ReportPort
 from truepose_drivers.transports.usb import UsbDevice
 from truepose_drivers.transports.usb_address import LocalUsb, usb_address
@@ -43,7 +42,7 @@ class HidBallbar:
         self._report_timeout_s = report_timeout_s
         self._nominal_mm = math.inf
         self._last: int | None = None  # number of the newest report of this connection
-        self._lock = asyncio.Lock()
+        self._turns = Turns(port, harmless=(DeviceRefusedError,))
 
     @property
     def connected(self) -> bool:
@@ -55,7 +54,7 @@ class HidBallbar:
         await self._port.open()
         self._last = None
         try:
-            async with self._turn():
+            async with self._turns.turn():
                 self._nominal_mm = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES)).nominal_mm
                 await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=True)))
         except DeviceRefusedError as error:
@@ -67,14 +66,14 @@ class HidBallbar:
 
     async def close(self) -> None:
         """Let the device rest and close it; never raises."""
-        if self._port.is_open and not self._lock.locked():
+        if self._port.is_open and not self._turns.taken:
             with contextlib.suppress(DriverError):
                 await self._port.set_feature(encode_rate(Rate(_RATE_HZ, running=False)))
         await self._port.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for manufacturer, product and serial number."""
-        async with self._turn():
+        async with self._turns.turn():
             manufacturer, product, serial = await self._port.texts()
             bar = decode_bar(await self._port.feature(BAR_ID, BAR_BYTES))
         return DeviceIdentity(
@@ -83,7 +82,7 @@ class HidBallbar:
 
     async def read(self) -> BallbarReading:
         """Return a reading that was made after it was asked for."""
-        async with self._turn():
+        async with self._turns.turn():
             if self._last is None:  # the first one after connecting only tells where the count stands
                 await self._next_reading()
             reading = await self._next_reading()
@@ -118,18 +117,6 @@ class HidBallbar:
                 f" {reading.deviation_mm:g} mm off: check its cable"
             )
         return reading
-
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; what breaks off closes the device, a refusal does not."""
-        async with self._lock:
-            try:
-                yield
-            except DeviceRefusedError:
-                raise
-            except BaseException:
-                await self._port.close()
-                raise
 
 
 def _signal(reading: BarReading) -> Literal["good", "out_of_range", "none"]:

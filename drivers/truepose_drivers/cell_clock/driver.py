@@ -5,19 +5,10 @@ from collections.abc import AsyncIterator, Callable
 
 from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DriverPlugin, Options
-from truepose_drivers.cell_clock.protocol import (
-    Answer,
-    ClockProtocolError,
-    Now,
-    Refusal,
-    Request,
-    Sleep,
-    Time,
-    decode_answer,
-    encode,
-)
-from truepose_drivers.errors import DeviceRefusedError, NoReplyError
+from truepose_drivers.cell_clock.protocol import Now, Refusal, Request, Sleep, Time, decode_answer, encode
+from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.json_lines import LineReader
+from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -33,7 +24,7 @@ class CellClock:
     def __init__(self, open_link: Callable[[], Link], *, answer_timeout_s: float = _ANSWER_TIMEOUT_S) -> None:
         self._open_link = open_link
         self._answer_timeout_s = answer_timeout_s
-        self._idle: list[Link] = []
+        self._idle: list[Conversation[bytes]] = []
 
     async def now_s(self) -> float:
         """Return the present cell time [s]."""
@@ -49,43 +40,29 @@ class CellClock:
             await self._idle.pop().close()
 
     async def _ask(self, request: Request, timeout_s: float) -> float:
-        async with self._connection() as link:
-            await link.send(encode(request))
-            match await _receive_answer(link, timeout_s):
-                case Time(now_s):
-                    return now_s
-                case Refusal(sentence):
-                    raise DeviceRefusedError(f"the cell's clock at {link.address} refused: {sentence}")
+        async with self._conversation() as conversation:
+            where = f"the cell's clock at {conversation.address}"
+            silence = f"{where} says nothing for {timeout_s:g} s"
+            answer = await conversation.ask(
+                encode(request), decode_answer, timeout_s=timeout_s, silence=silence
+            )
+        match answer:
+            case Time(now_s):
+                return now_s
+            case Refusal(sentence):
+                raise DeviceRefusedError(f"{where} refused: {sentence}")
 
     @contextlib.asynccontextmanager
-    async def _connection(self) -> AsyncIterator[Link]:
-        """Lend a connection; one that failed or was abandoned in mid-answer is closed, not lent again."""
-        link = self._idle.pop() if self._idle else self._open_link()
+    async def _conversation(self) -> AsyncIterator[Conversation[bytes]]:
+        """Lend a connection; one that broke off is closed by now, and opened again for the next question."""
+        conversation = self._idle.pop() if self._idle else Conversation(self._open_link(), LineReader)
+        if not conversation.is_open:
+            await conversation.open()
         try:
-            if link.is_open and await link.receive(0.0) is not None:
-                await link.close()  # an answer that nobody waits for must not be taken for the next one's
-            if not link.is_open:
-                await link.open()
-            yield link
-        except DeviceRefusedError:
-            self._idle.append(link)
-            raise
-        except BaseException:
-            await link.close()
-            raise
-        self._idle.append(link)
-
-
-async def _receive_answer(link: Link, timeout_s: float) -> Answer:
-    reader = LineReader()
-    while (line := reader.next_line()) is None:
-        data = await link.receive(timeout_s)
-        if data is None:
-            raise NoReplyError(f"the cell's clock at {link.address} says nothing for {timeout_s:g} s")
-        reader.receive_data(data)
-    if reader.inside_line or await link.receive(0.0) is not None:
-        raise ClockProtocolError(f"the cell's clock at {link.address} answered more than was asked")
-    return decode_answer(line)
+            yield conversation
+        finally:
+            if conversation.is_open:
+                self._idle.append(conversation)
 
 
 def _open(options: Options, clock: Clock | None) -> CellClock:

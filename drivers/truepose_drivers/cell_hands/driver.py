@@ -1,21 +1,11 @@
 """The person at a simulated cell, over TCP: what demonstrations and tests have it do."""
 
-import asyncio
-
 from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.cell_hands.protocol import (
-    Answer,
-    Do,
-    HandsProtocolError,
-    Refusal,
-    Request,
-    Who,
-    decode_answer,
-    encode,
-)
-from truepose_drivers.errors import DeviceRefusedError, NoReplyError
+from truepose_drivers.cell_hands.protocol import Answer, Do, Refusal, Request, Who, decode_answer, encode
+from truepose_drivers.errors import DeviceRefusedError
 from truepose_drivers.json_lines import LineReader
+from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -26,22 +16,21 @@ class CellHands:
     """The hands of a simulated cell on a link."""
 
     def __init__(self, link: Link, *, answer_timeout_s: float = _ANSWER_TIMEOUT_S) -> None:
-        self._link = link
+        self._conversation = Conversation(link, LineReader)
         self._answer_timeout_s = answer_timeout_s
-        self._lock = asyncio.Lock()
 
     @property
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._link.is_open
+        return self._conversation.is_open
 
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""
-        await self._link.open()
+        await self._conversation.open()
 
     async def close(self) -> None:
         """Close the link; never raises."""
-        await self._link.close()
+        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask who is there."""
@@ -62,31 +51,13 @@ class CellHands:
             line = encode(request)
         except ValueError as error:
             raise DeviceRefusedError(f"the hands cannot do that: {error}") from error
-        async with self._lock:
-            try:
-                if self._link.is_open and await self._link.receive(0.0) is not None:
-                    raise HandsProtocolError(
-                        f"the simulated hands at {self._link.address} answered more than was asked"
-                    )
-                await self._link.send(line)
-                return await self._receive_answer()
-            except BaseException:  # a late answer must not be taken for the next one's
-                await self._link.close()
-                raise
-
-    async def _receive_answer(self) -> Answer:
-        reader = LineReader()
-        while (line := reader.next_line()) is None:
-            data = await self._link.receive(self._answer_timeout_s)
-            if data is None:
-                raise NoReplyError(
-                    f"the simulated hands at {self._link.address} say nothing"
-                    f" for {self._answer_timeout_s:g} s: check that the simulated cell runs"
-                )
-            reader.receive_data(data)
-        if reader.inside_line or await self._link.receive(0.0) is not None:
-            raise HandsProtocolError("the simulated hands answered more than was asked")
-        return decode_answer(line)
+        silence = (
+            f"the simulated hands at {self._conversation.address} say nothing"
+            f" for {self._answer_timeout_s:g} s: check that the simulated cell runs"
+        )
+        return await self._conversation.ask(
+            line, decode_answer, timeout_s=self._answer_timeout_s, silence=silence
+        )
 
 
 def _open(options: Options, clock: Clock | None) -> CellHands:

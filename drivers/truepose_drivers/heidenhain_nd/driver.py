@@ -1,10 +1,6 @@
 """A length gauge behind a Heidenhain ND 28x counter, on a serial port or a terminal server."""
 
-import asyncio
-import contextlib
 import math
-import time
-from collections.abc import AsyncIterator
 from dataclasses import dataclass, replace
 
 from truepose_drivers import options as option
@@ -31,7 +27,8 @@ from truepose_drivers.heidenhain_nd.protocol import (
     to_mm,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.conversation import Conversation
+from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.serial import Framing, SerialLink
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -60,24 +57,22 @@ class HeidenhainCounter:
     """An ND 28x on a link. Keeps the conversation; computes nothing."""
 
     def __init__(self, link: Link, clock: Clock, *, reply_timeout_s: float = _REPLY_TIMEOUT_S) -> None:
-        self._link = link
+        self._conversation: Conversation[Reply] = Conversation(link, ReplyReader)
+        self._counter = f"the counter at {link.address}"
         self._clock = clock
         self._reply_timeout_s = reply_timeout_s
-        self._lock = asyncio.Lock()
-        self._reader = ReplyReader()
-        self._give_up_s = 0.0
         self._inch = False  # what the counter displayed when it was asked last
 
     @property
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._link.is_open
+        return self._conversation.is_open
 
     async def connect(self) -> None:
         """Open the link, ask who is there and which unit is displayed; raises ConnectFailedError."""
-        await self._link.open()
+        await self._conversation.open()
         try:
-            async with self._turn():
+            async with self._conversation.turn():
                 await self._ask_identity()
                 _, lamps = await self._ask_state()
         except (NoReplyError, ConnectionLostError) as error:
@@ -86,25 +81,25 @@ class HeidenhainCounter:
 
     async def close(self) -> None:
         """Close the link; never raises."""
-        await self._link.close()
+        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask for model and software number; the counter knows no serial number of its gauge."""
-        async with self._turn():
+        async with self._conversation.turn():
             lines = await self._ask_identity()
         model, software, _ = decode_identity(lines)
         return DeviceIdentity("HEIDENHAIN", model or "unknown", "unknown", software or "unknown")
 
     async def read(self) -> BallbarReading:
         """Return what the counter displays now; no signal where it displays an error instead."""
-        async with self._turn():
+        async with self._conversation.turn():
             answers, lamps = await self._ask_state()
             if lamps.inch != self._inch:  # the key was pressed since: perhaps between value and indicators
                 self._inch = lamps.inch
                 answers, lamps = await self._ask_state()
             if lamps.inch != self._inch:
                 raise NdProtocolError(
-                    f"the unit displayed at the counter at {self._link.address} changes again and again:"
+                    f"the unit displayed at {self._counter} changes again and again:"
                     " leave its keys alone while it is read"
                 )
         time_s = await self._clock.now_s()
@@ -122,13 +117,11 @@ class HeidenhainCounter:
         refused = False
         while len(lines) < _IDENTITY_LINES:
             try:
-                reply = await self._next_reply()
+                reply = await self._conversation.next()
             except NoReplyError as error:
                 if not refused:
                     raise
-                raise NdProtocolError(
-                    f"the counter at {self._link.address} refuses to say what it is (A0000)"
-                ) from error
+                raise NdProtocolError(f"{self._counter} refuses to say what it is (A0000)") from error
             refused |= isinstance(reply, Refused)
             if isinstance(reply, Line) and is_identity_line(reply, len(lines)):
                 lines.append(reply)
@@ -145,10 +138,10 @@ class HeidenhainCounter:
         await self._send(ERROR_TEXT, VALUE, LAMPS)
         answers = _Answers()
         while (lamps := answers.lamps) is None:
-            answers = _with(answers, await self._next_reply())
+            answers = _with(answers, await self._conversation.next())
             if answers.refusals == _MOST_REFUSALS - (answers.value is not None):
                 raise NdProtocolError(
-                    f"the counter at {self._link.address} does not tell its status indicators (A0800):"
+                    f"{self._counter} does not tell its status indicators (A0800):"
                     " it is none of the ND 2xx B or ND 287"
                 )
         await self._require_end()
@@ -156,43 +149,21 @@ class HeidenhainCounter:
 
     async def _require_end(self) -> None:
         """See that nothing but prints stands behind the last answer; raises NdProtocolError."""
-        while (data := await self._link.receive(0.0)) is not None and not self._reader.overflows:
-            self._reader.receive_data(data)
-        while (reply := self._reader.next_reply()) is not None:
+        async for reply in self._conversation.arrived():
             if not isinstance(reply, Line) or reply.opened:
                 raise NdProtocolError(
-                    f"the counter at {self._link.address} answered more than was asked:"
+                    f"{self._counter} answered more than was asked:"
                     " one answer is left from before, and nobody knows which"
                 )
 
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; a conversation that broke off closes the link, as a late reply would be misread."""
-        async with self._lock:
-            try:
-                yield
-            except BaseException:
-                await self._link.close()
-                raise
-
     async def _send(self, *commands: Command) -> None:
         """Drop what was printed at the counter's keys, then ask."""
-        self._reader = ReplyReader()
-        await drain(self._link)
-        self._give_up_s = time.monotonic() + self._reply_timeout_s
-        await self._link.send(b"".join(map(encode_request, commands)))
-
-    async def _next_reply(self) -> Reply:
-        while (reply := self._reader.next_reply()) is None:
-            left_s = self._give_up_s - time.monotonic()
-            data = await self._link.receive(max(0.0, left_s))
-            if data is None or left_s < 0.0:  # also one that goes on printing and answers nothing
-                raise NoReplyError(
-                    f"the counter at {self._link.address} says nothing for {self._reply_timeout_s:.1f} s:"
-                    f" {_CHECK_LINE}"
-                )
-            self._reader.receive_data(data)
-        return reply
+        await self._conversation.drain()
+        await self._conversation.send(
+            b"".join(map(encode_request, commands)),
+            timeout_s=self._reply_timeout_s,
+            silence=f"{self._counter} says nothing for {self._reply_timeout_s:.1f} s: {_CHECK_LINE}",
+        )
 
 
 def _with(answers: _Answers, reply: Reply) -> _Answers:

@@ -212,7 +212,7 @@ class RequestReader:
         """Append what the line delivered."""
         self._buffer += data
 
-    def next_request(self) -> Request | None:
+    def next_message(self) -> Request | None:
         """Take the oldest whole request, None until more characters arrive."""
         if not self._buffer:
             return None
@@ -248,11 +248,11 @@ class ReplyReader:
         self._buffer += bytes(character for character in data if character not in (DC1, DC3))
 
     @property
-    def overflows(self) -> bool:
-        """Whether more stands here than a counter sends in one go."""
-        return len(self._buffer) > 2 * BUFFER_CHARACTERS
+    def inside_message(self) -> bool:
+        """Whether more stands here than was taken."""
+        return bool(self._buffer)
 
-    def next_reply(self) -> Reply | None:
+    def next_message(self) -> Reply | None:
         """Take the oldest whole reply, None until more characters arrive; raises NdProtocolError."""
         if not self._buffer:
             return None

@@ -1,20 +1,9 @@
 """The conversation with an emScon server: one request at a time, its answer among whatever else arrives.
 
-After silence, a lost connection, nonsense on the wire or an abandoned request the link is closed: a late
-answer must never be taken for the answer to a later request. The next `open` starts afresh.
+A refusal or a failed measurement is an answer; whatever else breaks an exchange off closes the link.
 """
 
-import asyncio
-import contextlib
-import time
-from collections.abc import AsyncIterator
-
-from truepose_drivers.errors import (
-    ConnectionLostError,
-    DeviceRefusedError,
-    MeasurementFailedError,
-    NoReplyError,
-)
+from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError
 from truepose_drivers.leica_emscon.protocol import (
     Answer,
     Command,
@@ -33,55 +22,54 @@ from truepose_drivers.leica_emscon.protocol import (
     encode,
 )
 from truepose_drivers.leica_emscon.sentences import Purpose, command_name, concerns_connection, error_for
+from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 
 _STATIONARY_RESULTS = frozenset({PacketType.SINGLE_MEAS_RESULT, PacketType.SINGLE_MEAS_RESULT_2})
-_MOST_PIECES = 10_000  # waiting on a stream: whoever sends more never stops
 _MOST_ITEMS = 1_000  # of a list; a tracker stores a few dozen reflectors
 
 
-class Conversation:
+class TrackerConversation:
     """Requests and answers on one link; unasked packets in between are digested."""
 
     def __init__(self, link: Link) -> None:
-        self._link = link
-        self._reader = FrameReader()
+        self._frames: Conversation[Frame] = Conversation(
+            link, FrameReader, harmless=(DeviceRefusedError, MeasurementFailedError)
+        )
         self._changes: set[int] = set()
-        self._lock = asyncio.Lock()
 
     @property
     def is_open(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._link.is_open
+        return self._frames.is_open
 
     async def open(self) -> None:
         """Open the link afresh; raises ConnectFailedError."""
-        self._reader = FrameReader()
         self._changes = set()
-        await self._link.open()
+        await self._frames.open()
 
     async def close(self) -> None:
         """Close the link; never raises."""
-        await self._link.close()
+        await self._frames.close()
 
     async def ask(self, request: Request, *, timeout_s: float, purpose: Purpose = "set") -> Record:
         """Return the members of the answer; raises the error that its status means."""
-        async with self._turn():
-            deadline_s = await self._send(request, timeout_s)
-            values = await self._answer(request.command, deadline_s, purpose)
+        async with self._frames.turn():
+            await self._send(request, timeout_s)
+            values = await self._answer(request.command, purpose)
             await self._digest_pending(after_answer=True)
             return values
 
     async def ask_list(self, command: Command, *, timeout_s: float) -> list[Record]:
         """Return the items of a list command, which come one a packet; may be empty."""
-        async with self._turn():
-            deadline_s = await self._send(Request(command), timeout_s)
-            items = [await self._answer(command, deadline_s, "set")]
+        async with self._frames.turn():
+            await self._send(Request(command), timeout_s)
+            items = [await self._answer(command, "set")]
             total = items[0].integer(next(iter(items[0])))  # every item carries the total first
             if not 0 <= total <= _MOST_ITEMS:
                 raise PacketError(f"the tracker announces {total} items for {command_name(command)}")
             while len(items) < total:
-                items.append(await self._answer(command, deadline_s, "set"))
+                items.append(await self._answer(command, "set"))
             return items[:total]
 
     async def measure(self, *, timeout_s: float) -> Result:
@@ -90,11 +78,11 @@ class Conversation:
         A result that arrives before the answer was under way before we asked: it is not ours.
         """
         command = Command.START_MEASUREMENT
-        async with self._turn():
-            deadline_s = await self._send(Request(command), timeout_s)
+        async with self._frames.turn():
+            await self._send(Request(command), timeout_s)
             accepted = False
             while True:
-                match await self._next_packet(command, deadline_s):
+                match await self._next_packet():
                     case Answer(answered, status) if answered == command:
                         if status != ResultStatus.ALL_OK:
                             raise error_for(command, status, "measure")
@@ -112,45 +100,30 @@ class Conversation:
         changes, self._changes = frozenset(self._changes), set()
         return changes
 
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; whatever leaves the dialogue out of step closes the link."""
-        async with self._lock:
-            try:
-                yield
-            except (DeviceRefusedError, MeasurementFailedError):
-                raise
-            except BaseException:
-                await self._link.close()
-                raise
-
-    async def _send(self, request: Request, timeout_s: float) -> float:
-        """Send a request and return the wall time until which its answer is awaited."""
+    async def _send(self, request: Request, timeout_s: float) -> None:
+        """Send a request whose answers are awaited from now on."""
         await self._digest_pending()
-        await self._link.send(encode(request))
-        return time.monotonic() + timeout_s
+        silence = (
+            f"the tracker at {self._frames.address} did not answer {command_name(request.command)} in time:"
+            " look whether it is still running, then connect again"
+        )
+        await self._frames.send(encode(request), timeout_s=timeout_s, silence=silence)
 
     async def _digest_pending(self, *, after_answer: bool = False) -> None:
         """Read what arrived unasked, so that it is not taken for news.
 
         Right after an answer nothing may stand there that answers: nobody knows which of them is ours.
         """
-        for _ in range(_MOST_PIECES):
-            while (frame := self._reader.next_frame()) is not None:
-                packet = self._take(frame)
-                if after_answer and isinstance(packet, Answer | Result) and _answers(packet):
-                    raise PacketError(
-                        f"the tracker at {self._link.address} answered more than was asked: connect again"
-                    )
-            data = await self._receive(0.0)
-            if data is None:
-                return
-            self._reader.receive_data(data)
-        raise PacketError(f"the tracker at {self._link.address} does not stop sending: connect again")
+        async for frame in self._frames.arrived():
+            packet = self._take(frame)
+            if after_answer and isinstance(packet, Answer | Result) and _answers(packet):
+                raise PacketError(
+                    f"the tracker at {self._frames.address} answered more than was asked: connect again"
+                )
 
-    async def _answer(self, command: int, deadline_s: float, purpose: Purpose) -> Record:
+    async def _answer(self, command: int, purpose: Purpose) -> Record:
         while True:
-            match await self._next_packet(command, deadline_s):
+            match await self._next_packet():
                 case Answer(answered, status, values) if answered == command:
                     if status != ResultStatus.ALL_OK:
                         raise error_for(command, status, purpose)
@@ -158,17 +131,8 @@ class Conversation:
                 case ErrorReport(active, status) if active == command:
                     raise error_for(command, status, purpose)
 
-    async def _next_packet(self, command: int, deadline_s: float) -> FromServer:
-        while (frame := self._reader.next_frame()) is None:
-            remaining_s = deadline_s - time.monotonic()
-            data = await self._receive(max(remaining_s, 0.0))
-            if data is None or remaining_s < 0.0:
-                raise NoReplyError(
-                    f"the tracker at {self._link.address} did not answer {command_name(command)} in time:"
-                    " look whether it is still running, then connect again"
-                )
-            self._reader.receive_data(data)
-        return self._take(frame)
+    async def _next_packet(self) -> FromServer:
+        return self._take(await self._frames.next())
 
     def _take(self, frame: Frame) -> FromServer:
         packet = decode_from_server(frame)
@@ -177,14 +141,6 @@ class Conversation:
         if isinstance(packet, StatusChange):
             self._changes.add(packet.event)
         return packet
-
-    async def _receive(self, timeout_s: float) -> bytes | None:
-        try:
-            return await self._link.receive(timeout_s)
-        except ConnectionLostError as error:
-            if self._reader.inside_packet:
-                raise ConnectionLostError(f"{error} (it ended in the middle of a packet)") from error
-            raise
 
 
 def _answers(packet: Answer | Result) -> bool:

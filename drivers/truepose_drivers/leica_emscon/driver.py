@@ -23,7 +23,7 @@ from truepose_drivers.errors import (
     NotInitialisedError,
     RemoteProtocolError,
 )
-from truepose_drivers.leica_emscon.conversation import Conversation
+from truepose_drivers.leica_emscon.conversation import TrackerConversation
 from truepose_drivers.leica_emscon.protocol import DEFAULT_PORT, EXCHANGES, Command, Record, Request, Value
 from truepose_drivers.leica_emscon.protocol.equipment import LTSensorType, TrackerFace, TrackerProcessorStatus
 from truepose_drivers.leica_emscon.protocol.settings import StatisticMode, WeatherMonitorStatus
@@ -74,7 +74,7 @@ class LaserTracker:
     def __init__(
         self, link: Link, clock: Clock, *, reflector: str | None = None, time_outs: TimeOuts | None = None
     ) -> None:
-        self._conversation = Conversation(link)
+        self._conversation = TrackerConversation(link)
         self._clock = clock
         self._reflector = reflector
         self._time_outs = time_outs or TimeOuts()

@@ -1,10 +1,6 @@
 """A Digimatic gauge on a Mitutoyo USB-ITN cable: on this computer, or over USB/IP."""
 
-import asyncio
-import contextlib
 import math
-import time
-from collections.abc import AsyncIterator
 from typing import TypeAlias
 
 from truepose_drivers import options as option
@@ -27,6 +23,7 @@ from truepose_drivers.mitutoyo_usb_itn.protocol import (
     Value,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.usb import UsbDevice, UsbPort
 from truepose_drivers.transports.usb_address import usb_address
 from truepose_drivers.usb.protocol.control import VENDOR_FROM_DEVICE, VENDOR_TO_DEVICE
@@ -63,9 +60,7 @@ class UsbItnGauge:
         self._reply_timeout_s = reply_timeout_s
         self._stated_decimals = decimals
         self._form: _Form | None = None  # of the gauge's values; kept over connections, as the gauge is
-        self._reader = ReplyReader()
-        self._give_up_s = 0.0
-        self._lock = asyncio.Lock()
+        self._replies: Listener[Reply] = Listener(port, ReplyReader)
 
     @property
     def connected(self) -> bool:
@@ -77,9 +72,8 @@ class UsbItnGauge:
 
         Raises ConnectFailedError.
         """
-        await self._port.open()
-        self._reader = ReplyReader()
-        async with self._turn():
+        await self._replies.open()
+        async with self._replies.turn():
             try:
                 await self._port.control_out(VENDOR_TO_DEVICE, SET_MODE, SERIAL_MODE)
                 await self._port.control_in(VENDOR_FROM_DEVICE, GET_MODE, 0, 0, 1)
@@ -96,7 +90,7 @@ class UsbItnGauge:
 
     async def identify(self) -> DeviceIdentity:
         """Ask the cable who it is; the gauge on it does not tell."""
-        async with self._turn():
+        async with self._replies.turn():
             manufacturer, product, serial = await self._port.texts()
             device = await self._ask_device()
         return DeviceIdentity(
@@ -105,7 +99,7 @@ class UsbItnGauge:
 
     async def read(self) -> BallbarReading:
         """Ask the gauge for what it displays; a gauge that says nothing is a reading without a signal."""
-        async with self._turn():
+        async with self._replies.turn():
             reply = await self._ask_value()
             if isinstance(reply, Value):
                 reply = await self._in_form(reply)
@@ -163,13 +157,11 @@ class UsbItnGauge:
         for _ in range(_MOST_TRIES):
             await self._ask_device()
             await self._send(READ_VALUE)
-            reply = await self._next_reply()
+            reply = await self._replies.next()
             if isinstance(reply, DeviceInfo):
                 raise ItnProtocolError(f"the cable told about itself ({reply.text!r}) when asked for a value")
-            behind = await self._port.interrupt_in(0.0)
-            if behind is None and not self._reader.inside_reply:
+            if await self._replies.is_quiet():
                 return reply
-            self._reader.receive_packet(behind or b"")
         raise ItnProtocolError(
             f"the cable at {self._port.address} sends more than it is asked for: leave the gauge's keys alone"
         )
@@ -178,34 +170,14 @@ class UsbItnGauge:
         """Ask who it is. No value looks like the answer, so whatever stands before it was sent earlier."""
         await self._send(READ_DEVICE)
         while True:
-            reply = await self._next_reply()
+            reply = await self._replies.next()
             if isinstance(reply, DeviceInfo):
                 return reply
 
     async def _send(self, command: bytes) -> None:
-        self._give_up_s = time.monotonic() + self._reply_timeout_s
+        silence = f"the cable at {self._port.address} says nothing: {_PLUG}, and check the gauge's battery"
+        self._replies.expect(self._reply_timeout_s, silence)
         await self._port.control_out(VENDOR_TO_DEVICE, SEND_COMMAND, data=command)
-
-    async def _next_reply(self) -> Reply:
-        while (reply := self._reader.next_reply()) is None:
-            left_s = self._give_up_s - time.monotonic()
-            packet = await self._port.interrupt_in(max(0.0, left_s))
-            if packet is None or left_s < 0.0:
-                raise NoReplyError(
-                    f"the cable at {self._port.address} says nothing: {_PLUG}, and check the gauge's battery"
-                )
-            self._reader.receive_packet(packet)
-        return reply
-
-    @contextlib.asynccontextmanager
-    async def _turn(self) -> AsyncIterator[None]:
-        """Take the floor; what breaks off closes the device, as a late reply would be misread."""
-        async with self._lock:
-            try:
-                yield
-            except BaseException:
-                await self._port.close()
-                raise
 
 
 def _form(value: Value) -> _Form:

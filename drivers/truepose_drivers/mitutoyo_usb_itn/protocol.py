@@ -93,15 +93,15 @@ class ReplyReader:
         self._buffer = bytearray()
 
     @property
-    def inside_reply(self) -> bool:
+    def inside_message(self) -> bool:
         """Whether more stands here than was taken."""
         return bool(self._buffer)
 
-    def receive_packet(self, packet: bytes) -> None:
+    def receive_data(self, packet: bytes) -> None:
         """Append a packet; zeros at its end only fill it up."""
         self._buffer += packet.rstrip(b"\0")
 
-    def next_reply(self) -> Reply | None:
+    def next_message(self) -> Reply | None:
         """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""
         end = self._buffer.find(_END)
         if (end if end >= 0 else len(self._buffer)) > _LONGEST_REPLY:

@@ -16,6 +16,7 @@ except ImportError:
     import hid as hidapi
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.transports.link import Port
 from truepose_drivers.transports.usb import UsbPort
 from truepose_drivers.transports.usb_address import LocalUsb
 from truepose_drivers.usb.protocol.control import (
@@ -33,26 +34,8 @@ _STALE_PACKETS = 2
 Value = TypeVar("Value")
 
 
-class ReportPort(Protocol):
+class ReportPort(Port, Protocol):
     """What a driver needs of a HID device."""
-
-    @property
-    def address(self) -> str:
-        """Where the device is, for error texts."""
-        ...
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is there as far as known."""
-        ...
-
-    async def open(self) -> None:
-        """Open the device, dropping what was open before; raises ConnectFailedError."""
-        ...
-
-    async def close(self) -> None:
-        """Close the device; never raises."""
-        ...
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""
@@ -207,9 +190,9 @@ class HidOverUsb:
     async def fresh_report(self, timeout_s: float) -> bytes | None:
         """Return an input report that was made after this call; None after `timeout_s` of silence."""
         for _ in range(_STALE_PACKETS):
-            if await self._port.interrupt_in(timeout_s) is None:
+            if await self._port.receive(timeout_s) is None:
                 return None
-        return await self._port.interrupt_in(timeout_s)
+        return await self._port.receive(timeout_s)
 
     async def feature(self, number: int, length: int) -> bytes:
         """Read a feature report; raises DeviceRefusedError."""

@@ -4,11 +4,11 @@ from typing import Final, Protocol
 
 from truepose_drivers.errors import RemoteProtocolError
 
-_MOST_PIECES: Final = 10_000  # waiting on a stream: whoever sends more never stops
+MOST_PIECES: Final = 10_000  # waiting on a stream: whoever sends more never stops
 
 
-class Link(Protocol):
-    """A byte stream to one device; can be opened again after it was lost."""
+class Port(Protocol):
+    """A connection to one device; can be opened again after it was lost."""
 
     @property
     def address(self) -> str:
@@ -17,16 +17,20 @@ class Link(Protocol):
 
     @property
     def is_open(self) -> bool:
-        """Whether the stream is up as far as known."""
+        """Whether the device is there as far as known."""
         ...
 
     async def open(self) -> None:
         """Connect, dropping what was open before; raises ConnectFailedError."""
         ...
 
-    async def send(self, data: bytes) -> None:
-        """Hand `data` to the stream; raises ConnectionLostError."""
+    async def close(self) -> None:
+        """End the connection; never raises."""
         ...
+
+
+class Source(Port, Protocol):
+    """A connection on which bytes arrive."""
 
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return what has arrived, at least one byte; None after `timeout_s` [s, wall time] of silence.
@@ -35,19 +39,28 @@ class Link(Protocol):
         """
         ...
 
-    async def close(self) -> None:
-        """Close the stream; never raises."""
+
+class Link(Source, Protocol):
+    """A byte stream to one device."""
+
+    async def send(self, data: bytes) -> None:
+        """Hand `data` to the stream; raises ConnectionLostError."""
         ...
 
 
-async def drain(link: Link) -> None:
+async def drain(source: Source) -> None:
     """Drop what arrived unasked, so that it is not taken for the answer to the next question.
 
     Raises RemoteProtocolError where it does not end.
     """
-    for _ in range(_MOST_PIECES):
-        if await link.receive(0.0) is None:
+    for _ in range(MOST_PIECES):
+        if await source.receive(0.0) is None:
             return
-    raise RemoteProtocolError(
-        f"whoever is at {link.address} does not stop sending: is this the right address?"
+    raise unending(source)
+
+
+def unending(source: Source) -> RemoteProtocolError:
+    """Return the error of a device that sends on and on."""
+    return RemoteProtocolError(
+        f"whoever is at {source.address} does not stop sending: is this the right address?"
     )

@@ -17,6 +17,7 @@ import usb.core
 import usb.util
 
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError, NoReplyError
+from truepose_drivers.transports.link import Source
 from truepose_drivers.transports.usb_address import LocalUsb, UsbAddress
 from truepose_drivers.transports.usbip_backend import UsbipBackend
 
@@ -27,26 +28,8 @@ _SLICE_S = 0.1
 Value = TypeVar("Value")
 
 
-class UsbPort(Protocol):
+class UsbPort(Source, Protocol):
     """What a driver needs of a USB device: control transfers and one interrupt endpoint."""
-
-    @property
-    def address(self) -> str:
-        """Where the device is, for error texts."""
-        ...
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is there as far as known."""
-        ...
-
-    async def open(self) -> None:
-        """Take the device over, dropping what was open before; raises ConnectFailedError."""
-        ...
-
-    async def close(self) -> None:
-        """Give the device back; never raises."""
-        ...
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""
@@ -60,10 +43,6 @@ class UsbPort(Protocol):
 
     async def control_in(self, request_type: int, request: int, value: int, index: int, length: int) -> bytes:
         """Ask by a control transfer; raises DeviceRefusedError, NoReplyError, ConnectionLostError."""
-        ...
-
-    async def interrupt_in(self, timeout_s: float) -> bytes | None:
-        """Return the next packet, None after `timeout_s` of silence; raises ConnectionLostError."""
         ...
 
 
@@ -129,7 +108,7 @@ class UsbDevice:
             )
         )
 
-    async def interrupt_in(self, timeout_s: float) -> bytes | None:
+    async def receive(self, timeout_s: float) -> bytes | None:
         """Return the next packet, None after `timeout_s` of silence; raises ConnectionLostError."""
         give_up_s = time.monotonic() + timeout_s
         while True:

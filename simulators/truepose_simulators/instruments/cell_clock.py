@@ -18,7 +18,7 @@ def clock_endpoint(clock: CellClock) -> Endpoint:
         while data := await reader.read(_CHUNK_BYTES):
             lines.receive_data(data)
             try:
-                while (line := lines.next_line()) is not None:
+                while (line := lines.next_message()) is not None:
                     writer.write(encode(await answer(line, clock)))
             except JsonLineError as error:  # no end of line in sight: nothing can be read any more
                 writer.write(encode(Refusal(str(error))))

@@ -31,7 +31,7 @@ def hands_endpoint(hands: Hands) -> Endpoint:
         while data := await reader.read(_CHUNK_BYTES):
             lines.receive_data(data)
             try:
-                while (line := lines.next_line()) is not None:
+                while (line := lines.next_message()) is not None:
                     async with busy:
                         writer.write(encode(await answer(line, hands)))
             except JsonLineError as error:  # no end of line in sight: nothing can be read any more

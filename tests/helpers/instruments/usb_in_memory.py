@@ -42,7 +42,7 @@ class UsbInMemory:
     async def control_in(self, request_type, request, value, index, length) -> bytes:
         return self._control(Setup(request_type, request, value, index, length), b"")
 
-    async def interrupt_in(self, timeout_s) -> bytes | None:
+    async def receive(self, timeout_s) -> bytes | None:
         self._check()
         try:
             async with asyncio.timeout(timeout_s):

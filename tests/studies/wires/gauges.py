@@ -72,7 +72,7 @@ class Counter(Gauge):
     def answer(self, data):
         requests, said = RequestReader(), []
         requests.receive_data(data)
-        while (request := requests.next_request()) is not None:
+        while (request := requests.next_message()) is not None:
             self.unit_changes -= 1
             if self.unit_changes == 0:
                 self.inch = not self.inch

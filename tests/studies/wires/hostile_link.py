@@ -118,7 +118,7 @@ class HostileUsb:
     async def control_in(self, request_type, request, value, index, length):
         return b"\x01"
 
-    async def interrupt_in(self, timeout_s):
+    async def receive(self, timeout_s):
         piece = await self.link.receive(timeout_s)
         if piece is not None and len(piece) > self._packet_bytes:
             self.link.pieces.appendleft(piece[self._packet_bytes :])

@@ -132,7 +132,7 @@ class Tracker(Machine):
     def answer(self, data):
         reader, said = FrameReader(), []
         reader.receive_data(data)
-        while (frame := reader.next_frame()) is not None:
+        while (frame := reader.next_message()) is not None:
             said += self._answers(decode_command(frame))
         return said
 

@@ -75,11 +75,11 @@ def test_lines_survive_any_split_of_the_stream(chunk):
 
     for start in range(0, len(stream), chunk):
         reader.receive_data(stream[start : start + chunk])
-        while (line := reader.next_line()) is not None:
+        while (line := reader.next_message()) is not None:
             found.append(decode_request(line))
 
     assert found == [Now(), Sleep(1.0)]
-    assert reader.inside_line
+    assert reader.inside_message
 
 
 def test_a_line_without_end_is_refused():
@@ -87,4 +87,4 @@ def test_a_line_without_end_is_refused():
     reader.receive_data(b"x" * 1025)
 
     with pytest.raises(JsonLineError, match="1024"):
-        reader.next_line()
+        reader.next_message()

@@ -26,7 +26,7 @@ class FakeCell:
         reader = LineReader()
         while data := await end.receive():
             reader.receive_data(data)
-            while (line := reader.next_line()) is not None:
+            while (line := reader.next_message()) is not None:
                 await end.send(await self.answer(line))
 
     async def answer(self, line: bytes) -> bytes:
@@ -108,7 +108,7 @@ async def test_an_answer_too_many_is_not_the_answer_to_the_next_question():
         reader = LineReader()
         while data := await end.receive():
             reader.receive_data(data)
-            while (line := reader.next_line()) is not None:
+            while (line := reader.next_message()) is not None:
                 answer = await answer_twice(line)
                 end.write(answer)
                 end.write(answer)

@@ -46,7 +46,7 @@ def frames(data: bytes, chunk: int | None = None) -> list[Frame]:
     found = []
     for start in range(0, len(data), chunk or len(data)):
         reader.receive_data(data[start : start + (chunk or len(data))])
-        while (packet := reader.next_frame()) is not None:
+        while (packet := reader.next_message()) is not None:
             found.append(packet)
     return found
 
@@ -156,11 +156,11 @@ def test_packets_survive_any_split_of_the_stream(cuts):
     for cut in [*cuts, len(stream)]:
         reader.receive_data(stream[:cut])
         stream = stream[cut:]
-        while (packet := reader.next_frame()) is not None:
+        while (packet := reader.next_message()) is not None:
             found.append(decode_from_server(packet))
 
     assert found == packets
-    assert not reader.inside_packet
+    assert not reader.inside_message
 
 
 def values_of(layout: Layout) -> st.SearchStrategy[Record]:
@@ -203,12 +203,12 @@ def test_any_body_is_decoded_or_refused_and_the_stream_goes_on(body, packet_type
     reader = FrameReader()
     reader.receive_data(struct.pack("<iI", 8 + len(body), packet_type) + body + INITIALIZED)
 
-    garbled = reader.next_frame()
+    garbled = reader.next_message()
     for decode in (decode_request, decode_from_server):
         with contextlib.suppress(PacketError):  # any other exception fails the test
             decode(garbled)
 
-    assert decode_from_server(reader.next_frame()) == Answer(Command.INITIALIZE)
+    assert decode_from_server(reader.next_message()) == Answer(Command.INITIALIZE)
 
 
 @pytest.mark.parametrize("size", [-1, 0, 8, 11, 65_537, 2**31 - 1])
@@ -216,9 +216,9 @@ def test_a_nonsense_size_is_refused_at_once_and_named(size):
     reader = FrameReader()
     reader.receive_data(INITIALIZED + struct.pack("<iI", size, 0))
 
-    assert reader.next_frame() is not None
+    assert reader.next_message() is not None
     with pytest.raises(PacketError, match=f"of {size} bytes"):
-        reader.next_frame()
+        reader.next_message()
 
 
 def test_a_packet_of_the_greatest_size_is_read():

@@ -51,7 +51,7 @@ class FakeCounter:
         while data := await end.receive():
             end.write(self.said_by_itself)
             reader.receive_data(data)
-            while (request := reader.next_request()) is not None:
+            while (request := reader.next_message()) is not None:
                 assert isinstance(request, Command)
                 await self._answer(end, self.answers[request.code])
             while self.prints_all_the_time:

@@ -43,7 +43,7 @@ def replies(data: bytes, chunk: int = 4096) -> list[object]:
     reader, found = ReplyReader(), []
     for start in range(0, len(data), chunk):
         reader.receive_data(data[start : start + chunk])
-        while (reply := reader.next_reply()) is not None:
+        while (reply := reader.next_message()) is not None:
             found.append(reply)
     return found
 
@@ -52,7 +52,7 @@ def requests(data: bytes, chunk: int = 4096) -> list[object]:
     reader, found = RequestReader(), []
     for start in range(0, len(data), chunk):
         reader.receive_data(data[start : start + chunk])
-        while (request := reader.next_request()) is not None:
+        while (request := reader.next_message()) is not None:
             found.append(request)
     return found
 

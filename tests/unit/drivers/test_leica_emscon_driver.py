@@ -124,7 +124,7 @@ class FakeTracker:
             await end.send(encode(packet))
         while data := await end.receive():
             reader.receive_data(data)
-            while (frame := reader.next_frame()) is not None:
+            while (frame := reader.next_message()) is not None:
                 request = decode_request(frame)
                 self.requests.append(request)
                 for packet in self.answers(request):
@@ -745,7 +745,7 @@ async def test_a_connection_closed_in_the_middle_of_a_packet_is_lost():
     half = encode(single())[:100]
     fake.script[Command.START_MEASUREMENT] = lambda _: [half, HANG_UP]
 
-    with pytest.raises(ConnectionLostError, match="middle of a packet"):
+    with pytest.raises(ConnectionLostError, match="middle of a message"):
         await tracker.measure_point(duration_s=1.0)
 
     assert not tracker.connected

@@ -66,17 +66,17 @@ def test_packets_are_put_together_and_padding_is_dropped():
     reader = ReplyReader()
 
     for packet in (b"01A-0000", b".1234\r\0\0", b"911\r"):
-        reader.receive_packet(packet)
+        reader.receive_data(packet)
 
-    assert [reader.next_reply() for _ in range(3)] == [Value(-0.1234, 4), Error(911), None]
+    assert [reader.next_message() for _ in range(3)] == [Value(-0.1234, 4), Error(911), None]
 
 
 def test_a_stream_without_end_is_told():
     reader = ReplyReader()
-    reader.receive_packet(b"x" * 65)
+    reader.receive_data(b"x" * 65)
 
     with pytest.raises(RemoteProtocolError, match="does not end"):
-        reader.next_reply()
+        reader.next_message()
 
 
 class FakeCable:
@@ -115,7 +115,7 @@ class FakeCable:
         self.said.append((request_type, request, value, length))
         return b"\x01"
 
-    async def interrupt_in(self, timeout_s: float) -> bytes | None:
+    async def receive(self, timeout_s: float) -> bytes | None:
         return self.packets.pop(0) if self.packets else None
 
 

@@ -92,17 +92,17 @@ async def test_packets_arrive_in_order():
         for packet in (b"01A+0000", b".1234\r"):
             gadget.packets.put_nowait(packet)
 
-        assert [await device.interrupt_in(1.0) for _ in range(2)] == [b"01A+0000", b".1234\r"]
+        assert [await device.receive(1.0) for _ in range(2)] == [b"01A+0000", b".1234\r"]
 
 
 async def test_a_wait_in_vain_is_taken_back_and_loses_nothing():
     gadget = FakeGadget()
     async with opened(gadget) as device:
-        assert await device.interrupt_in(0.05) is None
-        assert await device.interrupt_in(0.0) is None
+        assert await device.receive(0.05) is None
+        assert await device.receive(0.0) is None
         gadget.packets.put_nowait(b"late")
 
-        assert await device.interrupt_in(1.0) == b"late"
+        assert await device.receive(1.0) == b"late"
 
 
 async def test_a_packet_that_comes_while_it_is_waited_for_arrives():
@@ -110,7 +110,7 @@ async def test_a_packet_that_comes_while_it_is_waited_for_arrives():
     async with opened(gadget) as device:
         asyncio.get_running_loop().call_later(0.15, gadget.packets.put_nowait, b"now")
 
-        assert await device.interrupt_in(2.0) == b"now"
+        assert await device.receive(2.0) == b"now"
 
 
 async def test_a_refused_request_is_a_refusal_and_the_device_stays():
@@ -129,7 +129,7 @@ async def test_a_packet_longer_than_asked_for_is_an_error_not_a_piece():
         gadget.packets.put_nowait(b"123456789")
 
         with pytest.raises(ConnectionLostError):
-            await device.interrupt_in(1.0)
+            await device.receive(1.0)
 
 
 async def test_a_pulled_cable_is_a_lost_connection_until_it_is_back():
@@ -138,7 +138,7 @@ async def test_a_pulled_cable_is_a_lost_connection_until_it_is_back():
         gadget.plugged = False
 
         with pytest.raises(ConnectionLostError, match="check its cable"):
-            await device.interrupt_in(1.0)
+            await device.receive(1.0)
         assert not device.is_open
         with pytest.raises(ConnectFailedError, match="check its cable"):
             await device.open()
@@ -263,7 +263,7 @@ async def test_a_packet_that_completes_while_it_is_given_up_counts():
         return []
 
     async with scripted(answers) as device:
-        assert await device.interrupt_in(0.05) == b"race"
+        assert await device.receive(0.05) == b"race"
 
 
 async def test_a_server_that_answers_given_up_transfers_itself_is_understood():
@@ -273,21 +273,21 @@ async def test_a_server_that_answers_given_up_transfers_itself_is_understood():
         return []
 
     async with scripted(answers) as device:
-        assert await device.interrupt_in(0.05) is None
+        assert await device.receive(0.05) is None
         assert device.is_open
 
 
 async def test_a_device_that_reports_itself_gone_is_gone():
     async with scripted(lambda request: [Submitted(request.sequence, -19, 0)]) as device:
         with pytest.raises(ConnectionLostError):
-            await device.interrupt_in(1.0)
+            await device.receive(1.0)
         assert not device.is_open
 
 
 async def test_a_reply_of_another_protocol_in_mid_session_is_a_lost_connection():
     async with scripted(lambda request: [Unlinked(request.sequence, 0)]) as device:
         with pytest.raises(ConnectionLostError, match="nobody gave up"):
-            await device.interrupt_in(1.0)
+            await device.receive(1.0)
 
 
 async def test_a_control_transfer_that_is_never_answered_is_told():

@@ -15,12 +15,13 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.errors import (
     BeamBrokenError,
-    NoReplyError,
+    DeviceRefusedError,
     ReflectorNotFoundError,
     RemoteProtocolError,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.conversation import Conversation
+from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
 
 _ANSWER_TIMEOUT_S = 10.0  # wall time
@@ -30,24 +31,24 @@ class AcmeTracker:
     """An ACME tracker on a link. Keeps the conversation; computes nothing."""
 
     def __init__(self, link: Link, clock: Clock) -> None:
-        self._link = link
+        # A refusal is an answer; whatever else goes wrong closes the link, for answers have no numbers.
+        self._conversation = Conversation(link, LineReader, harmless=(DeviceRefusedError,))
         self._clock = clock
-        self._lines = LineReader()
         self._face: Literal[1, 2] = 1
 
     @property
     def connected(self) -> bool:
         """Whether the link is up as far as known."""
-        return self._link.is_open
+        return self._conversation.is_open
 
     async def connect(self) -> None:
         """Open the link; raises ConnectFailedError."""
-        self._lines, self._face = LineReader(), 1
-        await self._link.open()
+        self._face = 1
+        await self._conversation.open()
 
     async def close(self) -> None:
         """Close the link; never raises."""
-        await self._link.close()
+        await self._conversation.close()
 
     async def identify(self) -> DeviceIdentity:
         """Ask who it is."""
@@ -101,23 +102,10 @@ class AcmeTracker:
         return reply.rest
 
     async def _ask(self, word: str, *values: float, timeout_s: float = _ANSWER_TIMEOUT_S) -> Reply:
-        """Ask and wait; after anything but an answer the link is closed, for answers have no numbers."""
-        try:
-            await drain(self._link)
-            self._lines = LineReader()
-            await self._link.send(encode(word, *values))
-            return decode(await self._next_line(timeout_s))
-        except BaseException:
-            await self._link.close()
-            raise
-
-    async def _next_line(self, timeout_s: float) -> bytes:
-        while (line := self._lines.next_line()) is None:
-            data = await self._link.receive(timeout_s)
-            if data is None:
-                raise NoReplyError(f"the tracker at {self._link.address} says nothing for {timeout_s:g} s")
-            self._lines.receive_data(data)
-        return line
+        silence = f"the tracker at {self._conversation.address} says nothing for {timeout_s:g} s"
+        return await self._conversation.ask(
+            encode(word, *values), decode, timeout_s=timeout_s, silence=silence
+        )
 
 
 def _open(options: Options, clock: Clock | None) -> AcmeTracker:

@@ -56,7 +56,12 @@ class LineReader:
         if b"\n" not in self._buffer and len(self._buffer) > LONGEST_LINE_BYTES:
             raise RemoteProtocolError("the tracker sends no end of line")
 
-    def next_line(self) -> bytes | None:
+    @property
+    def inside_message(self) -> bool:
+        """Whether more stands here than was taken."""
+        return bool(self._buffer)
+
+    def next_message(self) -> bytes | None:
         """Return the oldest complete line, None where there is none yet."""
         line, end, rest = self._buffer.partition(b"\n")
         if not end:

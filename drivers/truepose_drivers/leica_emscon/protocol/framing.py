@@ -58,7 +58,7 @@ class FrameReader:
         self._buffer = bytearray()
 
     @property
-    def inside_packet(self) -> bool:
+    def inside_message(self) -> bool:
         """Whether the stream stands in the middle of a packet."""
         return bool(self._buffer)
 
@@ -66,7 +66,7 @@ class FrameReader:
         """Append what the stream delivered."""
         self._buffer += data
 
-    def next_frame(self) -> Frame | None:
+    def next_message(self) -> Frame | None:
         """Take the oldest whole packet, or None until more bytes arrive.
 
         Raises PacketError when the stream holds no packet; it cannot be read any further then.

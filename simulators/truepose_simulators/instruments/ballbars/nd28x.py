@@ -190,7 +190,7 @@ def nd28x_endpoint(bar: Electronics) -> Endpoint:
                 requests = RequestReader()
                 continue
             requests.receive_data(data)
-            while (request := requests.next_request()) is not None:
+            while (request := requests.next_message()) is not None:
                 if request in (Control(DC1), Control(DC3)):
                     holding = request == Control(DC3)
                 elif len(outbox) < _MOST_HELD_BYTES:

@@ -27,7 +27,7 @@ class Server:
         reader = FrameReader()
         reader.receive_data(struct.pack("<iII", 12 + len(members), 0, command) + members)
         sent = []
-        for step in self.dialogue.handle(decode_request(reader.next_frame())):
+        for step in self.dialogue.handle(decode_request(reader.next_message())):
             if isinstance(step, Wait):
                 await self.cell.clock.sleep(step.duration_s)
             elif isinstance(step, CutShort | HangUp):

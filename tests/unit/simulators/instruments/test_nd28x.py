@@ -16,7 +16,7 @@ def typed(counter: Counter, characters: bytes) -> bytes:
     """What the counter says to `characters`."""
     reader, said = RequestReader(), b""
     reader.receive_data(characters)
-    while (request := reader.next_request()) is not None:
+    while (request := reader.next_message()) is not None:
         said += b"".join(map(encode_reply, counter.answer(request)))
     return said
 

@@ -70,7 +70,7 @@ class Connection:
         with contextlib.suppress(PacketError):  # no packet in sight any more: hang up
             while not self._writer.is_closing() and (data := await reader.read(_CHUNK_BYTES)):
                 frames.receive_data(data)
-                while (frame := frames.next_frame()) is not None:
+                while (frame := frames.next_message()) is not None:
                     try:
                         request = decode_request(frame)
                     except ShortRequestError as error:
