@@ -15,7 +15,7 @@ CODE = [text for kind, text in _BLOCKS if kind == "python"]
 _MOST_LINES = 10  # from own data to a named cause
 
 
-def _promised():
+def promised():
     """Every block of code with what the page says that it prints."""
     following = [*_BLOCKS[1:], ("", "")]
     return [
@@ -36,7 +36,7 @@ def beside_the_examples(tmp_path, monkeypatch):
 def test_the_code_prints_what_the_page_says(beside_the_examples):
     names = {}
 
-    for code, said in _promised():
+    for code, said in promised():
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             exec(compile(code, str(PAGE), "exec"), names)
@@ -50,4 +50,4 @@ def test_ten_lines_lead_from_own_data_to_a_named_cause():
     lines = [line for line in CODE[0].splitlines() if line.strip()]
 
     assert len(lines) <= _MOST_LINES
-    assert "joint harmonics (joint 4)" in _promised()[0][1]
+    assert "joint harmonics (joint 4)" in promised()[0][1]
