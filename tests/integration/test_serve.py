@@ -153,14 +153,13 @@ def test_an_open_stream_does_not_hold_up_the_end(service):
     with httpx.stream("GET", f"{url}/api/v1/events", timeout=10) as stream:
         lines = stream.iter_lines()
         next(lines)
-        began = time.monotonic()
         service.send_signal(signal.SIGTERM)
+        # A stream that had to be cut breaks off in the middle of a chunk, which httpx reports; this one ends.
         assert [line for line in lines if line.startswith("data")] == []
     status, _, err = ended(service)
 
-    # Uvicorn's own time for requests under way is 5 s: a stream that had to be cut would take that long.
-    assert time.monotonic() - began < 4.5
     assert status == 0, err
+    assert "Cancel" not in err  # Uvicorn's word for requests that it waited for in vain
 
 
 def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(service, database_url):

@@ -1,12 +1,14 @@
 """`python -m truepose_simulators` as whoever starts it sees it."""
 
 import json
+import os
 import random
 import signal
 import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -204,17 +206,24 @@ def test_a_robot_moves_and_all_devices_see_it_in_one_time(start):
         assert json.loads(stream.readline())["now_s"] == pytest.approx(1.0, rel=1e-9)
 
 
+def cpu_s(pid):
+    """Seconds of processor that a process has had: a busy machine does not make them more."""
+    user, system = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="a process is asked of in /proc")
 def test_a_visit_of_a_configuration_costs_a_small_part_of_its_budget(start):
     cell = start("--pace", "0")
     rng = np.random.default_rng(1)
     targets = rng.uniform([-90, 0, -80, -150, -90, -180], [90, 90, 50, 150, 90, 180], (50, 6))
     with cell.connect("robot") as robot:
-        begun_s = time.monotonic()
+        begun_s = cpu_s(cell.process.pid)
         for target in targets:
             for stop in (target - 5.0, target):
                 robot.sendall(f"2 {' '.join(f'{angle:.5f}' for angle in stop)} #".encode())
                 assert robot.recv(100) == b"2 1 "
-        per_visit_s = (time.monotonic() - begun_s) / len(targets)
+        per_visit_s = (cpu_s(cell.process.pid) - begun_s) / len(targets)
 
     assert per_visit_s < BUDGET_PER_CONFIGURATION_S
 

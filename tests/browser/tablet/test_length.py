@@ -5,6 +5,7 @@ import time
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.tablet.ages import drawn_ages
 from tests.browser.tablet.fake_desk import leg, sample, step
 
 STATES = {
@@ -22,6 +23,14 @@ LISTEN = """() => {
     window.tones.push(this.frequency.value);
     return start.apply(this, when);
   };
+}"""
+
+# Keeps what the last outcome looked like; a busy test may look away while it is large.
+WATCH_LAST = """() => {
+  window.lasts = [];
+  const last = document.querySelector("#last");
+  const noted = () => window.lasts.push([last.classList.contains("fresh"), last.textContent]);
+  new MutationObserver(noted).observe(last, { attributes: true, childList: true, subtree: true });
 }"""
 
 
@@ -149,13 +158,15 @@ def test_after_a_doubt_the_bar_must_be_put_on_anew_or_read_again(desk, tablet, r
 
 def test_what_was_stored_is_shown_large_then_kept_in_sight(desk, tablet):
     expect(tablet.locator("#last")).to_have_text("Nothing stored yet")
+    tablet.evaluate(WATCH_LAST)
 
     kept = {"step_id": leg(1, 1)["id"], "kind": "measured", "length_mm": 299.86123, "text": ""}
     desk.show(last_outcome=kept)
 
-    expect(tablet.locator("#last.fresh")).to_contain_text("STORED: B1\u2013T1  299.861 mm")
     expect(tablet.locator("#spoken")).to_have_text("Stored")
-    expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1\u2013T1", timeout=4000)
+    expect(tablet.locator("#last:not(.fresh)")).to_contain_text("Last stored: B1\u2013T1", timeout=20_000)
+    large = [text for fresh, text in tablet.evaluate("window.lasts") if fresh]
+    assert any("STORED: B1\u2013T1  299.861 mm" in text for text in large)
 
 
 def test_states_sound_until_they_are_muted(desk, tablet):
@@ -192,14 +203,6 @@ def test_a_state_is_spoken_once_it_has_lasted(desk, tablet):
 def test_a_number_is_on_the_screen_as_soon_as_it_has_arrived(desk, tablet):
     in_state(tablet, desk, "in_range")
 
-    # Age of the number shown, at each frame for two seconds: the fake sends every 50 ms at best.
-    ages = tablet.evaluate("""async () => {
-        const ages = [];
-        for (const end = Date.now() + 2000; Date.now() < end;) {
-            await new Promise(requestAnimationFrame);
-            ages.push(Date.now() - Number(document.querySelector("#gauge").dataset.sampledAtMs));
-        }
-        return ages.sort((a, b) => a - b);
-    }""")
+    ages, allowed_ms = drawn_ages(tablet, 2000)
 
-    assert ages[int(0.95 * len(ages))] <= 150
+    assert ages[int(0.95 * len(ages))] <= allowed_ms

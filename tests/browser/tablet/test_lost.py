@@ -1,7 +1,5 @@
 """Wi-Fi gone, lid closed, answers lost: nothing is lost, nothing done twice, nothing old moves the robot."""
 
-import time
-
 import pytest
 from playwright.sync_api import expect
 
@@ -9,12 +7,26 @@ from tests.browser.tablet.conftest import a_tablet
 from tests.browser.tablet.fake_desk import leg, move, step
 from tests.browser.tablet.operator_hands import hold_long_enough
 
-BANNER_MS = 2000
+BANNER_TICKS = 20  # of 100 ms of the page's own time, which a busy machine makes no more
+# Counts from the last length that came to the word that the link is lost.
+TICKS_OF_SILENCE = """() => {
+    const [gauge, lost] = [document.querySelector("#gauge"), document.querySelector("#lost")];
+    let [ticks, sampled] = [0, 0];
+    setInterval(() => { ticks += 1; }, 100);
+    const heard = () => {
+        if (!(Number(gauge.dataset.sampledAtMs) > sampled)) return;
+        [ticks, sampled] = [0, Number(gauge.dataset.sampledAtMs)];
+    };
+    new MutationObserver(heard).observe(gauge, { attributes: true });
+    const told = () => lost.hidden || (window.told ??= ticks);
+    new MutationObserver(told).observe(lost, { attributes: true });
+}"""
+PATIENCE_MS = 20_000
 
 
 def lost(page, wire):
     wire.cut()
-    expect(page.locator("#lost")).to_be_visible(timeout=BANNER_MS)
+    expect(page.locator("#lost")).to_be_visible(timeout=PATIENCE_MS)
 
 
 def back(page, wire):
@@ -34,16 +46,11 @@ def settled(page, desk, n):
 
 def test_a_silent_link_is_told_within_two_seconds(desk, wired):
     page, wire = wired
-    page.evaluate("""() => {
-        const told = () => document.querySelector("#lost").hidden || (window.told_ms ??= Date.now());
-        new MutationObserver(told).observe(document.querySelector("#lost"), { attributes: true });
-    }""")
+    page.evaluate(TICKS_OF_SILENCE)
 
-    cut_ms = time.time() * 1000
-    wire.cut()
-    expect(page.locator("#lost")).to_be_visible(timeout=5000)
+    lost(page, wire)
 
-    assert page.evaluate("window.told_ms") - cut_ms <= BANNER_MS
+    assert 0 < page.evaluate("window.told") <= BANNER_TICKS
     expect(page.locator("#lost")).to_contain_text("emergency stop")
     expect(page.locator("#gauge")).to_have_attribute("data-state", "no_signal")  # an old length is no length
     expect(page.locator("#word")).to_have_text("No connection")  # nobody is sent to the cable of the bar
@@ -183,7 +190,7 @@ def test_a_hold_that_outlasts_the_connection_moves_nothing(desk, wired):
     page.wait_for_timeout(700)
 
     page.mouse.down()
-    expect(page.locator("#lost")).to_be_visible(timeout=BANNER_MS)
+    expect(page.locator("#lost")).to_be_visible(timeout=PATIENCE_MS)
     page.wait_for_timeout(1000)
     page.mouse.up()
     back(page, wire)

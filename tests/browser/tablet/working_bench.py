@@ -16,7 +16,7 @@ from truepose.app import create_app
 from truepose.settings import Settings
 from truepose_drivers.api import BallbarReading
 
-PACE = 3  # the clock of the cell runs so much faster than the person who waits for it
+PACE = 8  # the clock of the cell runs so much faster than the person who waits for it
 TABLET = "tablet-1"
 PATIENCE_S = 60.0  # with an answer, on a busy machine
 ONE_POSE = {**PLACEMENT, "poses": PLACEMENT["poses"][:1]}

@@ -76,8 +76,7 @@ async def test_of_a_session_at_rest_a_comment_comes_each_second(client, tablet):
 
     found = await follow(client, tablet.path, lambda found: kinds(found).count("") >= 2)
 
-    # Two heartbeats of a second each; the third half second is what a busy machine takes.
-    assert time.monotonic() - began < 3.5
+    assert time.monotonic() - began > 1.0  # two of them are a second apart
     assert "sample" not in kinds(found)
 
 
