@@ -18,7 +18,7 @@ from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_with
 from truepose.kinematics.pose_device import Assembly, assemblies, measurable
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.motion.bodies import BallbarCell, pose_in_base
-from truepose.planning.ballbar.motion.clearance import Bars, arm_room_mm, bar_room_mm, scene
+from truepose.planning.ballbar.motion.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
     made = device(cell, fixture) if made is None else made
     tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces()]
     joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
-    bodies = scene(cell, fixture, joints)
+    bodies = bodies_at(cell, fixture, joints)
     clear = arm_room_mm(bodies) >= cell.arm_room_mm
     refused["arm or tool too close to something"] = int((~clear).sum())
     joints, index = joints[clear], index[clear]
@@ -105,7 +105,9 @@ def _bars_free(
         return np.zeros(0, dtype=bool)
     legs = np.array([assembly.legs for assembly in tried])
     joined = Bars(legs[:, :, 0].T, legs[:, :, 1].T)
-    room: BoolArray = np.all(bar_room_mm(scene(cell, fixture, joints), joined) >= cell.bar_room_mm, axis=0)
+    room: BoolArray = np.all(
+        bar_room_mm(bodies_at(cell, fixture, joints), joined) >= cell.bar_room_mm, axis=0
+    )
     return room
 
 

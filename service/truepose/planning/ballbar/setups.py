@@ -15,7 +15,7 @@ from truepose.kinematics.frames import (
 from truepose.kinematics.inverse import all_branches, brought_within
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.motion.bodies import BallbarCell, pose_in_base, tool_normal
-from truepose.planning.ballbar.motion.clearance import arm_room_mm, scene, without_cups
+from truepose.planning.ballbar.motion.clearance import arm_room_mm, bodies_at, without_cups
 from truepose.planning.ballbar.motion.motions import Stop, Surroundings, can_lift
 from truepose.planning.errors import WorkSpaceError
 
@@ -100,4 +100,4 @@ def inside(ranges: tuple[JointRange, ...], joints_rad: FloatArray) -> FloatArray
 
 
 def _room(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray, point: int) -> FloatArray:
-    return arm_room_mm(without_cups(scene(cell, fixture, joints_rad), point))
+    return arm_room_mm(without_cups(bodies_at(cell, fixture, joints_rad), point))

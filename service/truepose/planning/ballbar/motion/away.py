@@ -11,7 +11,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import PlannedAway
-from truepose.planning.ballbar.motion.clearance import hands_room_mm, scene
+from truepose.planning.ballbar.motion.clearance import bodies_at, hands_room_mm
 from truepose.planning.ballbar.motion.motions import Stop, Surroundings, is_clear_along, shifted
 from truepose.planning.ballbar.motion.ways import way
 from truepose.planning.errors import NoWayError
@@ -69,7 +69,7 @@ def _room_mm(around: Surroundings, joints: FloatArray) -> float:
     """Return how much room the hands have [mm]; none where the arm cannot be."""
     if not is_clear_along(around, joints[None]):
         return 0.0
-    return float(hands_room_mm(scene(around.cell, around.fixture, joints[None]))[0])
+    return float(hands_room_mm(bodies_at(around.cell, around.fixture, joints[None]))[0])
 
 
 def _way_to(

@@ -28,7 +28,7 @@ _NEIGHBOURS = 2  # links that close to each other meet in a joint and are no col
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Bodies:
     """The bodies of n configurations about one placement of the base fixture."""
 
     cell: BallbarCell
@@ -51,10 +51,10 @@ class Bars:
     nest: IntArray  # (L, n) 1-based
 
 
-def scene(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> Scene:
+def bodies_at(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> Bodies:
     """Return the bodies of configurations (n, J)."""
     chain = chain_of(cell, joints_rad)
-    return Scene(
+    return Bodies(
         cell,
         chain,
         arm_body(cell, chain),
@@ -68,7 +68,7 @@ def scene(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> Sc
     )
 
 
-def arm_room_mm(bodies: Scene) -> FloatArray:
+def arm_room_mm(bodies: Bodies) -> FloatArray:
     """Return the free space about arm and tool [mm], shape (n,): to table, base fixture and to themselves."""
     links = len(bodies.cell.link_radii_mm)
     off_table = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
@@ -77,18 +77,18 @@ def arm_room_mm(bodies: Scene) -> FloatArray:
     return np.asarray(np.min([beside_table, beside_fixture, *_self_gaps(bodies)], axis=0))
 
 
-def hands_room_mm(bodies: Scene) -> FloatArray:
+def hands_room_mm(bodies: Bodies) -> FloatArray:
     """Return the free space about the sides of the base [mm], shape (n,): to tool and moving links."""
     links = len(bodies.cell.link_radii_mm)
     moving = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
     return smallest_gap(moving, still(list(combinations(bodies.fixture_cups_mm, 2)), 0.0))
 
 
-def _of_links(bodies: Scene, links: range) -> Capsules:
+def _of_links(bodies: Bodies, links: range) -> Capsules:
     return bodies.arm.some([k for k, link in enumerate(bodies.links) if link in links])
 
 
-def _self_gaps(bodies: Scene) -> list[FloatArray]:
+def _self_gaps(bodies: Bodies) -> list[FloatArray]:
     """Gaps between the tool and the links before the wrist, and between links that do not meet.
 
     The stem leaves the flange, which is next to the forearm's end in every position: it is left out there.
@@ -104,7 +104,7 @@ def _self_gaps(bodies: Scene) -> list[FloatArray]:
     return free
 
 
-def bar_room_mm(bodies: Scene, places: Bars) -> FloatArray:
+def bar_room_mm(bodies: Bodies, places: Bars) -> FloatArray:
     """Return the free space about each bar alone in the cell [mm], shape (L, n); -inf where it leans too far.
 
     A bar touches the two cups that hold it; how far it may lean over their rims is what limits it there.
@@ -128,7 +128,7 @@ def _gaps_but_one(placed: Capsules, others: Capsules, left_out: IntArray) -> Flo
     return np.asarray(free.min(axis=1))
 
 
-def _leans(bodies: Scene, places: Bars, cups: FloatArray, nests: FloatArray) -> FloatArray:
+def _leans(bodies: Bodies, places: Bars, cups: FloatArray, nests: FloatArray) -> FloatArray:
     """Larger angle between each bar and the directions in which its two cups open, shape (L, n)."""
     way = (nests - cups) / np.linalg.norm(nests - cups, axis=-1, keepdims=True)
     at_cup = np.einsum("lni,lni->ln", way, bodies.fixture_axes[places.base_point - 1])
@@ -138,11 +138,11 @@ def _leans(bodies: Scene, places: Bars, cups: FloatArray, nests: FloatArray) -> 
 
 def is_clear(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -> BoolArray:
     """Whether arm and tool keep their room, without a bar, shape (n,)."""
-    room: BoolArray = arm_room_mm(scene(cell, fixture, joints_rad)) >= cell.arm_room_mm
+    room: BoolArray = arm_room_mm(bodies_at(cell, fixture, joints_rad)) >= cell.arm_room_mm
     return room
 
 
-def without_cups(bodies: Scene, point: int) -> Scene:
+def without_cups(bodies: Bodies, point: int) -> Bodies:
     """Return the bodies without the two cups that hold the setting ball between them at a base point."""
     tool = bodies.tool.some(range(1, len(bodies.tool)))
     others = [piece for piece in range(len(bodies.fixture)) if piece != point - 1]

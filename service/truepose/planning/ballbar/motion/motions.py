@@ -9,7 +9,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.kinematics.inverse import all_branches, brought_within
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.motion.bodies import BallbarCell, chain_of, pose_in_base
-from truepose.planning.ballbar.motion.clearance import Scene, arm_room_mm, scene, without_cups
+from truepose.planning.ballbar.motion.clearance import Bodies, arm_room_mm, bodies_at, without_cups
 from truepose.planning.errors import NoWayError
 
 RETREATS_MM: Final = (60.0, 120.0, 200.0)
@@ -68,7 +68,7 @@ def _lifts_clear(around: Surroundings, stop: Stop, lifted: FloatArray) -> bool:
     """Whether the lift is clear but for the cups that part, and its end altogether."""
     if not is_clear_along(around, lifted[None]):
         return False
-    bodies = scene(around.cell, around.fixture, between(stop.joints_rad, lifted))
+    bodies = bodies_at(around.cell, around.fixture, between(stop.joints_rad, lifted))
     return _roomy(around, without_cups(bodies, int(stop.base_point or 0)))
 
 
@@ -77,10 +77,10 @@ def is_clear_along(around: Surroundings, joints_rad: FloatArray) -> bool:
     _, within = brought_within(joints_rad, around.cell.ranges)
     if not within.all():
         return False
-    return _roomy(around, scene(around.cell, around.fixture, joints_rad))
+    return _roomy(around, bodies_at(around.cell, around.fixture, joints_rad))
 
 
-def _roomy(around: Surroundings, bodies: Scene) -> bool:
+def _roomy(around: Surroundings, bodies: Bodies) -> bool:
     return bool((arm_room_mm(bodies) >= around.cell.arm_room_mm - _ROUNDING_MM).all())
 
 

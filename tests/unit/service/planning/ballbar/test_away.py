@@ -9,7 +9,7 @@ from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.motion.away import ROOMS_MM, away
 from truepose.planning.ballbar.motion.bodies import chain_of
-from truepose.planning.ballbar.motion.clearance import hands_room_mm, scene
+from truepose.planning.ballbar.motion.clearance import bodies_at, hands_room_mm
 from truepose.planning.ballbar.motion.motions import Stop, Surroundings, between, is_clear_along
 from truepose.planning.ballbar.poses import reach
 from truepose.planning.ballbar.setups import setups
@@ -38,7 +38,7 @@ def test_no_nest_and_nothing_that_moves_is_near_to_a_cup_or_to_a_side(robot, poi
     nests = np.array([chain_of(cell, joints).points(nest)[0] for nest in cell.nests_mm])
     apart = np.linalg.norm(nests[:, None] - fixture.cups_mm, axis=2)
     assert apart.min() >= ROOMS_MM[0]
-    assert hands_room_mm(scene(cell, fixture, joints))[0] >= ROOMS_MM[0]
+    assert hands_room_mm(bodies_at(cell, fixture, joints))[0] >= ROOMS_MM[0]
 
 
 def test_over_the_last_cup_itself_there_is_no_room_for_hands():
@@ -47,7 +47,7 @@ def test_over_the_last_cup_itself_there_is_no_room_for_hands():
     held = last_set_up(cell, fixture).joints_rad
 
     # The tool's own cup is 10 mm behind the ball's centre and 8 mm thick.
-    assert hands_room_mm(scene(cell, fixture, held[None]))[0] < 3.0
+    assert hands_room_mm(bodies_at(cell, fixture, held[None]))[0] < 3.0
 
 
 def test_the_way_off_the_cup_is_clear():
@@ -71,7 +71,7 @@ def test_where_the_arm_cannot_go_straight_back_one_of_the_poses_will_do():
     found = planned(cell, fixture, poses)
 
     assert found.joints_rad in {tuple(pose) for pose in poses.tolist()}
-    assert hands_room_mm(scene(cell, fixture, np.array([found.joints_rad])))[0] >= ROOMS_MM[-1]
+    assert hands_room_mm(bodies_at(cell, fixture, np.array([found.joints_rad])))[0] >= ROOMS_MM[-1]
 
 
 def test_where_nothing_leaves_room_the_place_is_refused():

@@ -1,4 +1,4 @@
-"""Clearance of arm, tool and bars in scenes where one sees what touches."""
+"""Clearance of arm, tool and bars in cells where one sees what touches."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from truepose.planning.ballbar.motion.clearance import (
     Bars,
     arm_room_mm,
     bar_room_mm,
+    bodies_at,
     is_clear,
-    scene,
 )
 from truepose.planning.ballbar.poses import reach
 
@@ -30,7 +30,9 @@ def test_an_arm_that_bends_into_the_table_is_not():
 def test_a_tool_folded_back_to_the_forearm_is_not_clear():
     cell = ballbar_cell()
 
-    straight, folded = arm_room_mm(scene(cell, FAR, np.radians([[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 170, 0]])))
+    straight, folded = arm_room_mm(
+        bodies_at(cell, FAR, np.radians([[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 170, 0]]))
+    )
 
     assert straight > 30.0
     assert folded < 10.0
@@ -82,7 +84,7 @@ def bars_of(legs):
 def test_the_bars_of_a_reachable_pose_have_room():
     cell, fixture, joints, legs = a_pose()
 
-    room = bar_room_mm(scene(cell, fixture, joints), bars_of(legs))
+    room = bar_room_mm(bodies_at(cell, fixture, joints), bars_of(legs))
 
     assert room.shape == (6, 1)
     assert room.min() >= cell.bar_room_mm
@@ -91,7 +93,7 @@ def test_the_bars_of_a_reachable_pose_have_room():
 def test_a_bar_that_leans_over_the_rim_of_its_cup_has_none():
     cell, fixture, joints, legs = a_pose()
     from_behind = base_fixture(1, fixture.frame)
-    bodies = scene(cell, from_behind, joints)
+    bodies = bodies_at(cell, from_behind, joints)
     turned = type(bodies)(
         **{name: getattr(bodies, name) for name in bodies.__dataclass_fields__}
         | {"fixture_axes": -bodies.fixture_axes}
@@ -103,7 +105,7 @@ def test_a_bar_that_leans_over_the_rim_of_its_cup_has_none():
 
 def test_a_bar_through_a_post_has_none():
     cell, fixture, joints, legs = a_pose()
-    bodies = scene(cell, fixture, joints)
+    bodies = bodies_at(cell, fixture, joints)
     base, nest = legs[0]
     middle = (fixture.cups_mm[base - 1] + bodies.nests_mm[nest - 1, 0]) / 2
     post = bodies.fixture.some([len(bodies.fixture) - 1])

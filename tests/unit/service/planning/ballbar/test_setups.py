@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.ballbar.cells import IRB_120, LR_MATE, ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.motion.bodies import chain_of, tool_normal
-from truepose.planning.ballbar.motion.clearance import arm_room_mm, scene, without_cups
+from truepose.planning.ballbar.motion.clearance import arm_room_mm, bodies_at, without_cups
 from truepose.planning.ballbar.motion.motions import Stop, Surroundings, can_lift
 from truepose.planning.ballbar.setups import inside, setup_joints, setups
 from truepose.planning.errors import WorkSpaceError
@@ -39,7 +39,7 @@ def test_but_for_the_two_cups_about_the_ball_everything_keeps_its_room():
     cell, fixture = ballbar_cell(), fixture_before_the_arm()
 
     for setup in setups(cell, fixture):
-        bodies = scene(cell, fixture, np.array([setup.joints_rad]))
+        bodies = bodies_at(cell, fixture, np.array([setup.joints_rad]))
         assert arm_room_mm(without_cups(bodies, setup.base_point))[0] >= cell.arm_room_mm
         assert can_lift(Surroundings(cell, fixture), Stop(np.array(setup.joints_rad), setup.base_point))
 

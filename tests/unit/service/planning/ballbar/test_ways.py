@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm, frame
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.motion.bodies import chain_of
-from truepose.planning.ballbar.motion.clearance import arm_room_mm, scene
+from truepose.planning.ballbar.motion.clearance import arm_room_mm, bodies_at
 from truepose.planning.ballbar.motion.motions import Stop, Surroundings, between, is_clear_along, lift
 from truepose.planning.ballbar.motion.ways import way
 from truepose.planning.ballbar.poses import reach
@@ -44,7 +44,7 @@ def test_all_ways_through_the_poses_of_a_placement_keep_room(points):
     for start, end in pairwise(found):
         via = way(around, Stop(start), Stop(end), np.random.default_rng(1))
 
-        room = arm_room_mm(scene(CELL, fixture, finely(start, via, end)))
+        room = arm_room_mm(bodies_at(CELL, fixture, finely(start, via, end)))
         # between two checks 2 deg apart the tool sinks by less than a hundredth of its 30 mm step
         assert room.min() > CELL.arm_room_mm - 1.0
 
