@@ -9,11 +9,11 @@ import statistics
 import time
 from dataclasses import dataclass
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.studies.running import from_command_line
 from truepose.storage.connection.library import VERSION
 from truepose.storage.database import Database
-from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 
 WRITERS = 16
@@ -33,12 +33,12 @@ class Durable:
 
 
 class _Session:
-    def __init__(self, readings, number):
-        self._readings, self._number, self.taken = readings, number, 0
+    def __init__(self, ledger, number):
+        self._ledger, self._number, self.taken = ledger, number, 0
 
     async def take(self):
         self.taken += 1
-        await self._readings.add_point(self._number, make_point(self.taken))
+        await self._ledger.append(self._number, point_taken(make_point(self.taken)))
 
     async def rate(self, writers, each):
         begun_s, before = time.perf_counter(), self.taken
@@ -63,7 +63,7 @@ async def durable(folder, writes, readings, runs):
     """Write and return how fast that was."""
     database = Database(f"sqlite:///{folder}/truepose.sqlite3")
     number = await SessionRepository(database).add("long", make_setup(), make_plan())
-    session = _Session(ReadingRepository(database), number)
+    session = _Session(LedgerRepository(database), number)
     early_ms = await session.median_ms(writes)
     one, sixteen = [], []
     for _ in range(runs):

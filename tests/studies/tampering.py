@@ -16,21 +16,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from tests.studies.running import from_command_line
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import StorageError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.guard import Guard
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
-from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.tables import metadata
 
 _ENOUGH = 100_000  # rows: pages that point at each other have no end
 _PARTS = ("", "-wal", ".seal")
-_TABLES = ("readings", "events", "session_states", "ballbar_entries", "links", "sessions")
+_TABLES = ("readings", "events", "session_states", "session_entries", "links", "sessions")
 
 
 @dataclass
@@ -47,10 +46,11 @@ class Tally:
 async def _fill(database):
     sessions = SessionRepository(database)
     number = await sessions.add("tracker", make_setup(), make_plan())
-    await asyncio.gather(*(ReadingRepository(database).add_point(number, make_point(k)) for k in range(150)))
+    ledger = LedgerRepository(database)
+    await asyncio.gather(*(ledger.append(number, point_taken(make_point(k))) for k in range(150)))
     ballbar = await sessions.add("ballbar", make_setup(), make_ballbar_plan())
     for leg in range(1, 7):
-        await BallbarLedger(database).append(ballbar, measured(f"placement-1/pose-{leg}/leg-1-1"))
+        await ledger.append(ballbar, measured(f"placement-1/pose-{leg}/leg-1-1"))
 
 
 async def _bases(folder):

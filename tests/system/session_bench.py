@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from tests.unit.service.sequencing.tracker.fakes import ListJournal
+from tests.unit.service.sequencing.tracker.fakes import ListLedger
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
@@ -28,7 +28,7 @@ class Bench:
         self.clock = CLOCK.open(address["clock"], None)
         self.tracker = TRACKER.open(address["tracker"], self.clock)
         self.robot = ROBOT.open(address["robot"], self.clock)
-        self.journal = ListJournal()
+        self.journal = ListLedger()
         described = simulated_cell(scenario, seed)
         self.described = described
         self.cell = SessionCell(

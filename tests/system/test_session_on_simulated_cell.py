@@ -10,7 +10,7 @@ from tests.system.session_bench import Bench, bench
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
 from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.transports.tcp import TcpLink
 
@@ -18,7 +18,7 @@ SCENARIO = "irb120-tilted"
 
 
 async def run(opened: Bench, plan, operator=None) -> SessionState:
-    runner = SessionRunner(plan, opened.cell, opened.journal)
+    runner = TrackerRunner(plan, opened.cell, opened.journal)
     running = asyncio.create_task(runner.run())
     async with asyncio.timeout(60):
         return await (operator or PatientOperator()).attend(runner, running)

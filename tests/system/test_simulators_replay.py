@@ -17,7 +17,7 @@ from truepose.exchange.models.file import read_model
 from truepose.exchange.tables.files import read_points_to_predict
 from truepose.identification import predict
 from truepose.planning.tracker.session_plans import plan_validation
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_simulators.recording.__main__ import main
 
 GEARED = """extends = "irb120-clean"
@@ -150,7 +150,7 @@ async def test_a_session_over_the_wire_measures_the_robot_of_the_model(geared):
     identified = read_model(geared / "model.json")
     async with bench("irb120-clean", 3, "--model", str(geared / "model.json")) as opened:
         plan = plan_validation(opened.space, 25, seed=1)
-        runner = SessionRunner(plan, opened.cell, opened.journal)
+        runner = TrackerRunner(plan, opened.cell, opened.journal)
         running = asyncio.create_task(runner.run())
         async with asyncio.timeout(60):
             await PatientOperator().attend(runner, running)

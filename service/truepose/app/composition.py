@@ -32,7 +32,7 @@ from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.web.application import Application, create_application
@@ -224,14 +224,13 @@ def _context(
     perform: Perform,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
+    ledger = LedgerRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     work = BallbarWork(perform)
-    ballbar_desk = BallbarDesk(
-        sessions, BallbarLedger(database), rack, work.precalibrator, work.choose, present=present
-    )
+    ballbar_desk = BallbarDesk(sessions, ledger, rack, work.precalibrator, work.choose, present=present)
     campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
@@ -247,7 +246,7 @@ def _context(
         diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
-        session_desk=SessionDesk(sessions, readings, additions, rack, again.after_session, present=present),
+        session_desk=SessionDesk(sessions, ledger, additions, rack, again.after_session, present=present),
         ballbar_desk=ballbar_desk,
         hands_desk=HandsDesk(rack, ballbar_desk.frame_of),
         job_desk=job_desk,

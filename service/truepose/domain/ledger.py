@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, Suspicion
 from truepose.domain.identities import IdentityTaken
-from truepose.domain.session import SessionState
+from truepose.domain.session import FixedNestTaken, PointTaken, Progress, Registration, SessionState
 
 
 class EntryKind(StrEnum):
@@ -13,13 +13,17 @@ class EntryKind(StrEnum):
 
     SHOWN = "shown"  # a prompt was shown
     CONFIRMED = "confirmed"  # a person did what was asked, or confirmed that the cell is clear
-    MEASURED = "measured"  # a length was stored
+    MEASURED = "measured"  # a length, or the reading of a stop, was stored
     MOVED = "moved"  # the robot arrived
     SKIPPED = "skipped"  # with a reason; of a step in a pose: the whole rest of the pose
     REOPENED = "reopened"  # what was kept of this step counts no more
-    COMPUTED = "computed"  # the pre-calibration ended
+    COMPUTED = "computed"  # the pre-calibration, or the registration, ended
     SUSPECTED = "suspected"  # a reading contradicts the pair that was asked for; it was not stored
     ANSWERED = "answered"  # what a person said to a suspicion
+    BEGUN = "begun"  # the service began a step
+    READ = "read"  # an instrument gave a reading on the way to the end of a step
+    ENDED = "ended"  # the service did what the step asks for
+    NOTED = "noted"  # a sentence for the report and the operator
     CONTROL = "control"  # a state was entered; which tablet acts; which device answered
 
 
@@ -49,6 +53,11 @@ class LedgerEntry:
     identity: IdentityTaken | None = None
     entered: SessionState | None = None  # the state that the session enters with this line, `text` says why
     control: Control | None = None
+    point: PointTaken | None = None
+    fixed_nest: FixedNestTaken | None = None
+    registration: Registration | None = None
+    progress: Progress | None = None
+    stops: tuple[int, ...] = ()  # configurations to which the arm goes once the question is answered
 
     @property
     def told(self) -> str:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Final, Literal
 
 from truepose.domain.arrays import FloatArray
 
@@ -129,3 +129,17 @@ class Progress:
     elapsed_s: float
     remaining_s: float | None
     doing: str
+
+
+_STOP: Final = "stop"
+
+
+def stop_id(config: int) -> str:
+    """Return the name of the step that measures a configuration."""
+    return f"{_STOP}-{config}"
+
+
+def config_of(step_id: str) -> int | None:
+    """Return the configuration that a step measures; None where it measures none."""
+    kind, _, number = step_id.partition("-")
+    return int(number) if kind == _STOP else None

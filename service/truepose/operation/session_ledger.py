@@ -1,13 +1,13 @@
 """The ledger of one session under way, as its runner asks for it."""
 
 from truepose.domain.ledger import LedgerEntry
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 
 
 class SessionLedger:
     """Appends to the disk and keeps the number of the newest entry at hand."""
 
-    def __init__(self, session_id: int, ledger: BallbarLedger, newest: int | None) -> None:
+    def __init__(self, session_id: int, ledger: LedgerRepository, newest: int | None) -> None:
         self._session_id = session_id
         self._ledger = ledger
         self.newest = newest  # number of the newest entry; None before the first

@@ -13,27 +13,29 @@ from typing import Final
 
 from truepose.domain.cell import Cell
 from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import readable_name
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
 from truepose.operation.ballbar.aside import require_ballbar_aside
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.present_cell import PresentCell, speed_limits
+from truepose.operation.session_ledger import SessionLedger
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
 from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
 from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
 from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
+from truepose.sequencing.engine.ledger import Ledger
 from truepose.sequencing.engine.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import after_restart, has_ended, words
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
-from truepose.sequencing.tracker.journal import SessionHistory
 from truepose.sequencing.tracker.plans import extended_plan
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose.sequencing.tracker.situation import situation
 from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.journal import StoredJournal
-from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 
@@ -44,7 +46,7 @@ _MOVABLE: Final = tuple(
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 WhenFinished = Callable[[int], Awaitable[None]]
-MakeRunner = Callable[[SessionPlan, SessionCell, StoredJournal, SessionHistory], SessionRunner]
+MakeRunner = Callable[[SessionPlan, SessionCell, Ledger, tuple[LedgerEntry, ...]], TrackerRunner]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class WantedStops:
 @dataclass(frozen=True, slots=True)
 class _UnderWay:
     session_id: int
-    runner: SessionRunner
+    runner: TrackerRunner
     task: asyncio.Task[None]
 
 
@@ -69,15 +71,15 @@ class SessionDesk:
     def __init__(
         self,
         sessions: SessionRepository,
-        readings: ReadingRepository,
+        ledger: LedgerRepository,
         additions: AddedStopsRepository,
         rack: Rack,
         when_finished: WhenFinished,
-        make_runner: MakeRunner = SessionRunner,
+        make_runner: MakeRunner = TrackerRunner,
         present: PresentCell | None = None,
     ) -> None:
         self._sessions = sessions
-        self._readings = readings
+        self._ledger = ledger
         self._additions = additions
         self._rack = rack
         self._when_finished = when_finished
@@ -155,7 +157,7 @@ class SessionDesk:
             if runner is None and not has_ended(record.state):
                 # Planned, or left by an earlier service: nobody runs it, so nothing is in motion.
                 reason = "The end was asked for."
-                await self._sessions.change_state(session_id, SessionState.ABORTED, reason, name)
+                await self._enter(session_id, SessionState.ABORTED, reason, name)
                 return "The session has ended; nothing was in motion."
         return await self._require(record).request_abort(name)
 
@@ -196,7 +198,8 @@ class SessionDesk:
             return
         # Asked only now: the session may have ended since.
         record = await self._get(added.session_id)
-        done = (await self._history(record)).done
+        left = {stop.config for stop in await self._left(record.id, plan, cell)}
+        done = frozenset(stop.config for stop in plan.stops if stop.config not in left)
         _refuse_unfit(record, cell, extended_plan(plan, added.stops), done)
         await keep()
 
@@ -228,7 +231,7 @@ class SessionDesk:
                 continue  # its ledger says where it stands
             state = after_restart(record.state)
             if state is not record.state:
-                await self._sessions.change_state(record.id, state, reason)
+                await self._enter(record.id, state, reason, control=Control.RESTARTED)
 
     async def _refuse_beside_another(self, session_id: int) -> None:
         for other in await self._sessions.in_state(*_MOVABLE):
@@ -241,13 +244,13 @@ class SessionDesk:
         await self._sessions.require_intact(record.id)
         plan = await self._sessions.plan(record.id)
         cell = self._cell(await self._sessions.setup(record.id))
-        journal = StoredJournal(record.id, self._sessions, self._readings)
-        # On a thread: it goes through the whole plan first.
-        history = await self._history(record)
-        left = [stop for stop in plan.stops if stop.config not in history.done]
+        entries = await self._entries(record.id)
+        left = situation(plan, len(cell.fixed_nests), entries).left
         if cell.bodies is not None:
             await asyncio.to_thread(_refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
-        runner = await asyncio.to_thread(self._make_runner, plan, cell, journal, history)
+        ledger = SessionLedger(record.id, self._ledger, None)
+        # On a thread: it goes through the whole plan first.
+        runner = await asyncio.to_thread(self._make_runner, plan, cell, ledger, entries)
         self._rack.lend(record.id)
         task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
         self._tasks.add(task)
@@ -266,7 +269,7 @@ class SessionDesk:
         with contextlib.suppress(asyncio.CancelledError):
             await task
 
-    async def _run(self, session_id: int, runner: SessionRunner) -> None:
+    async def _run(self, session_id: int, runner: TrackerRunner) -> None:
         try:
             state = await runner.run()
         except Exception:
@@ -310,16 +313,27 @@ class SessionDesk:
             bodies=bodies_of(cell),
         )
 
-    async def _history(self, record: SessionRecord) -> SessionHistory:
-        progress = await self._sessions.progress(record.id)
-        return SessionHistory(
-            state=record.state,
-            points=tuple(await self._readings.points(record.id)),
-            skipped=tuple(await self._sessions.skipped(record.id)),
-            registration=await self._sessions.registration(record.id),
-            identities=tuple(await self._sessions.identities(record.id)),
-            elapsed_s=0.0 if progress is None else progress.elapsed_s,
+    async def _entries(self, session_id: int) -> tuple[LedgerEntry, ...]:
+        return tuple(record.entry for record in await self._ledger.page(session_id))
+
+    async def _left(self, session_id: int, plan: SessionPlan, cell: Cell) -> tuple[PlannedStop, ...]:
+        return situation(plan, len(cell.fixed_nests), await self._entries(session_id)).left
+
+    async def _enter(
+        self,
+        session_id: int,
+        state: SessionState,
+        reason: str,
+        person: str | None = None,
+        control: Control | None = None,
+    ) -> None:
+        """Put on record that a session that nobody runs has entered a state."""
+        entries = await self._entries(session_id)
+        time_s = entries[-1].time_s if entries else 0.0
+        entry = LedgerEntry(
+            "", EntryKind.CONTROL, time_s, person, text=reason, entered=state, control=control
         )
+        await self._ledger.append(session_id, entry)
 
     async def _get(self, session_id: int) -> SessionRecord:
         record = await self._sessions.get(session_id)
@@ -329,11 +343,11 @@ class SessionDesk:
             )
         return record
 
-    def _running(self, session_id: int) -> SessionRunner | None:
+    def _running(self, session_id: int) -> TrackerRunner | None:
         under_way = self._under_way
         return under_way.runner if under_way is not None and under_way.session_id == session_id else None
 
-    def _require(self, record: SessionRecord) -> SessionRunner:
+    def _require(self, record: SessionRecord) -> TrackerRunner:
         runner = self._running(record.id)
         if runner is None:
             raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")

@@ -111,8 +111,8 @@ added_stops = sa.Table(
     sqlite_autoincrement=True,
 )
 
-ballbar_entries = sa.Table(
-    "ballbar_entries",
+session_entries = sa.Table(
+    "session_entries",
     metadata,
     _number(),
     _recorded(),
@@ -120,10 +120,11 @@ ballbar_entries = sa.Table(
     sa.Column("step_id", sa.Text, nullable=False),
     sa.Column("kind", sa.Text, nullable=False),
     sa.Column("key", sa.Text, nullable=True),  # of the request that caused it
-    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),  # without the reading that it brings
+    _reference("reading_id", "readings", nullable=True),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
-    sa.Index("ix_ballbar_entries_session_id", "session_id", "id"),
-    sa.Index("ix_ballbar_entries_kind", "session_id", "kind", "step_id"),
+    sa.Index("ix_session_entries_session_id", "session_id", "id"),
+    sa.Index("ix_session_entries_kind", "session_id", "kind", "step_id"),
     sqlite_autoincrement=True,
 )
 
@@ -133,7 +134,7 @@ ballbar_answers = sa.Table(
     _number(),
     _recorded(),
     _reference("session_id", "sessions"),
-    _reference("entry_id", "ballbar_entries", nullable=True),  # what was kept; none: nothing was
+    _reference("entry_id", "session_entries", nullable=True),  # what was kept; none: nothing was
     sa.Column("key", sa.Text, nullable=False),
     sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
     sa.Column("sentence", sa.Text, nullable=False),

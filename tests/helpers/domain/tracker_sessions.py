@@ -1,8 +1,9 @@
 """Dull sessions and readings."""
 
 from truepose.domain.cell import Cell, DeviceEntry
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FixedNest, JointRow, Nest, Robot
-from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan
+from truepose.domain.session import FixedNestTaken, PlannedStop, PointTaken, SessionPlan, stop_id
 from truepose.storage.records import SessionSetup
 
 
@@ -44,3 +45,15 @@ def make_point(config=1, x_mm=1.0, nest=1):
 
 def make_fixed_nest(time_s=5.0, phase="reference"):
     return FixedNestTaken(phase, 1, 1, time_s, (0.0, 0.0, 0.0), (600.0, 0.0, 0.0), 0.01)
+
+
+def point_taken(point):
+    return LedgerEntry(stop_id(point.config), EntryKind.MEASURED, point.time_s, point=point)
+
+
+def fixed_nest_taken(reading):
+    return LedgerEntry("fixed-nests", EntryKind.READ, reading.time_s, fixed_nest=reading)
+
+
+def entered(state, text, person=None, time_s=0.0):
+    return LedgerEntry("", EntryKind.CONTROL, time_s, person, text=text, entered=state)

@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
+from tests.helpers.domain.tracker_sessions import entered
 from tests.integration.web.bench import Bench
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.cell import DeviceEntry
@@ -20,7 +21,7 @@ from truepose.sequencing.ballbar.situation import situation
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.storage.errors import KeyReusedError
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import RequestKey, SessionSetup
 
@@ -66,7 +67,7 @@ class Scene:
             bench.clock,
         )
         self.sessions = SessionRepository(database)
-        self.ledger = BallbarLedger(database)
+        self.ledger = LedgerRepository(database)
         self.runners = []
         self.refusal = None
         self.desk = BallbarDesk(
@@ -189,20 +190,20 @@ async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
 async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
     session_id = await scene.planned()
     await scene.act(session_id)
-    await scene.sessions.change_state(session_id, SessionState.RUNNING, "started")
+    await scene.ledger.append(session_id, entered(SessionState.RUNNING, "started"))
     await scene.desk.close()
 
     again = BallbarDesk(scene.sessions, scene.ledger, scene.rack, lambda setup: None, None, scene.make_runner)
     await again.recover()
 
-    assert [entry.kind for entry in scene.runners[-1].entries] == [EntryKind.MEASURED]
+    assert [entry.kind for entry in scene.runners[-1].entries] == [EntryKind.MEASURED, EntryKind.CONTROL]
     assert again.runner(session_id) is scene.runners[-1]
     await again.close()
 
 
 async def test_a_session_whose_cell_lost_its_ballbar_does_not_keep_the_service_from_starting(scene):
     session_id = await scene.planned()
-    await scene.sessions.change_state(session_id, SessionState.RUNNING, "started")
+    await scene.ledger.append(session_id, entered(SessionState.RUNNING, "started"))
     bare = Rack([], Bench().clock)
 
     desk = BallbarDesk(scene.sessions, scene.ledger, bare, lambda setup: None, None, scene.make_runner)

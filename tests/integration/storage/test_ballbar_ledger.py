@@ -13,7 +13,7 @@ from truepose.domain.session import SessionState
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.errors import ConflictError, KeyReusedError
 from truepose.storage.events import EventRepository
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, Page, RequestKey
 
@@ -25,7 +25,7 @@ def sessions(database):
 
 @pytest.fixture
 def ledger(database):
-    return BallbarLedger(database)
+    return LedgerRepository(database)
 
 
 @pytest.fixture
@@ -110,7 +110,7 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
 
     # Another connection sees committed transactions only; FULL makes each commit wait for the disk.
     with LIBRARY.connect(database.file) as other:
-        seen = other.execute("SELECT id FROM ballbar_entries").fetchall()
+        seen = other.execute("SELECT id FROM session_entries").fetchall()
     other.close()
     settings = await database.write(
         lambda c: [c.exec_driver_sql(f"PRAGMA {name}").scalar() for name in ("journal_mode", "synchronous")]
@@ -119,7 +119,7 @@ async def test_what_is_written_is_on_disk_when_its_number_is_known(ledger, sessi
     assert settings == ["wal", 2]
 
 
-@pytest.mark.parametrize("table", ["ballbar_entries", "ballbar_answers"])
+@pytest.mark.parametrize("table", ["session_entries", "ballbar_answers"])
 @pytest.mark.parametrize("change", ["UPDATE {} SET session_id = 1", "DELETE FROM {}"])
 async def test_nothing_that_happened_is_changed(ledger, session_id, database, table, change):
     number = await ledger.append(session_id, measured("placement-1/pose-1/leg-1-1"))

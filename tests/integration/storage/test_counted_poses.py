@@ -7,7 +7,7 @@ from tests.helpers.domain.tracker_sessions import make_setup
 from tests.unit.service.sequencing.ballbar.sessions import Story, found, make_plan, make_pose
 from truepose.domain.ledger import EntryKind
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 
 PLAN = make_plan((1, 2, 3, 12), precalibrate_after=2)
@@ -33,7 +33,7 @@ class Kept:
 @pytest.fixture
 async def kept(database):
     sessions = SessionRepository(database)
-    return Kept(sessions, BallbarLedger(database), await sessions.add("first", make_setup(), PLAN))
+    return Kept(sessions, LedgerRepository(database), await sessions.add("first", make_setup(), PLAN))
 
 
 async def test_a_pose_measured_at_a_later_attempt_is_left_out_by_nobody(kept):

@@ -25,16 +25,16 @@ from truepose.storage.tables import metadata
 WRITES_UNTIL_KILLED = textwrap.dedent("""
     import asyncio, sys
     from truepose.storage.database import Database
-    from truepose.storage.measurement.readings import ReadingRepository
+    from truepose.storage.measurement.ledger import LedgerRepository
     from truepose.storage.measurement.sessions import SessionRepository
-    from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
+    from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 
     async def main():
         database = Database(sys.argv[1])
-        sessions, readings = SessionRepository(database), ReadingRepository(database)
+        sessions, ledger = SessionRepository(database), LedgerRepository(database)
         number = await sessions.add("crash", make_setup(), make_plan())
         for config in range(1, 100_000):
-            print(await readings.add_point(number, make_point(config)), flush=True)
+            print(await ledger.append(number, point_taken(make_point(config))), flush=True)
 
     asyncio.run(main())
 """)

@@ -7,12 +7,13 @@ import sys
 
 import pytest
 
-from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import make_plan, make_point, make_setup, point_taken
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.guard import Guard
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 
@@ -57,11 +58,11 @@ TAMPERED = {
 
 
 async def fill(database):
-    sessions, readings = SessionRepository(database), ReadingRepository(database)
+    sessions, ledger = SessionRepository(database), LedgerRepository(database)
     for name in ("first", "second"):
         await sessions.add(name, make_setup(), make_plan())
     for config in range(1, 6):
-        await readings.add_point(1, make_point(config))
+        await ledger.append(1, point_taken(make_point(config)))
 
 
 @pytest.fixture

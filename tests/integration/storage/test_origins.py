@@ -15,7 +15,7 @@ from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.documents import to_document
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import CampaignSummary, JobKind, Page
 from truepose.storage.rows import add_row
@@ -88,7 +88,7 @@ async def test_uploads_stored_by_an_earlier_version_say_it_by_their_note(records
 
 
 async def test_a_ballbar_session_is_dated_by_its_last_length(database, records):
-    ledger = BallbarLedger(database)
+    ledger = LedgerRepository(database)
     number = await records.sessions.add("first", REAL, make_ballbar_plan())
     await ledger.append(number, measured("placement-1/pose-1/leg-1-1"))
     taken = (await ledger.page(number))[-1].recorded_at

@@ -1,17 +1,27 @@
 """Records are appended or superseded, never changed."""
 
+import functools
 import json
 
 import pytest
 from sqlalchemy import text
 
-from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_plan, make_point, make_setup
+from tests.helpers.domain.tracker_sessions import (
+    entered,
+    fixed_nest_taken,
+    make_fixed_nest,
+    make_plan,
+    make_point,
+    make_setup,
+    point_taken,
+)
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.journal import StoredJournal
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
@@ -28,8 +38,10 @@ def readings(database):
 
 
 @pytest.fixture
-async def journal(sessions, readings):
-    return StoredJournal(await sessions.add("first", make_setup(), make_plan()), sessions, readings)
+async def keep(sessions, database):
+    """Return what keeps lines of a session that was planned."""
+    number = await sessions.add("first", make_setup(), make_plan())
+    return functools.partial(LedgerRepository(database).append, number)
 
 
 async def test_a_session_comes_back_as_it_was_planned(sessions):
@@ -43,12 +55,13 @@ async def test_a_session_comes_back_as_it_was_planned(sessions):
     assert await sessions.setup(number) == make_setup()
 
 
-async def test_the_journal_tells_what_happened_in_order(journal, sessions, database):
-    await journal.state_changed(SessionState.RUNNING, "started", "Ada")
-    reading_id = await journal.point_taken(make_point())
-    await journal.stop_skipped(StopSkipped(2, 30.0, "no reflector"))
-    await journal.progressed(Progress(1, 1, 2, 30.0, None, "ending"))
-    await journal.state_changed(SessionState.FINISHED, "all stops visited", None)
+async def test_the_ledger_tells_what_happened_in_order(keep, sessions, database):
+    await keep(entered(SessionState.RUNNING, "started", "Ada"))
+    await keep(point_taken(make_point()))
+    await keep(LedgerEntry("stop-2", EntryKind.SKIPPED, 30.0, text="no reflector"))
+    progress = Progress(1, 1, 2, 30.0, None, "ending")
+    await keep(LedgerEntry("fixed-nests", EntryKind.BEGUN, 30.0, progress=progress))
+    await keep(entered(SessionState.FINISHED, "all stops visited"))
 
     told = await EventRepository(database).after(Page())
     record = await sessions.get(1)
@@ -61,27 +74,28 @@ async def test_the_journal_tells_what_happened_in_order(journal, sessions, datab
         "session.progress",
         "session.state",
     ]
-    assert told[2].document["reading_id"] == int(reading_id)
+    assert told[2].document["reading_id"] == 1
+    assert await sessions.skipped(1) == [StopSkipped(2, 30.0, "no reflector")]
     assert (record.state, record.measured, record.skipped) == (SessionState.FINISHED, 1, 1)
     assert [change.person for change in await sessions.states(1)] == [None, "Ada", None]
     assert (await sessions.progress(1)).skipped == 1
 
 
-async def test_a_stop_read_again_supersedes_and_keeps_the_first_reading(journal, readings):
-    first = int(await journal.point_taken(make_point(x_mm=1.0)))
-    second = int(await journal.point_taken(make_point(x_mm=2.0)))
+async def test_a_stop_read_again_supersedes_and_keeps_the_first_reading(keep, readings):
+    await keep(point_taken(make_point(x_mm=1.0)))
+    await keep(point_taken(make_point(x_mm=2.0)))
 
-    kept = await readings.get(first)
+    kept = await readings.get(1)
     counting = await readings.points(1)
 
-    assert kept.superseded_by == second
+    assert kept.superseded_by == 2
     assert kept.reading == make_point(x_mm=1.0)
     assert counting == [make_point(x_mm=2.0)]
 
 
-async def test_every_look_at_a_fixed_nest_counts(journal, readings):
-    await journal.fixed_nest_taken(make_fixed_nest(5.0))
-    await journal.fixed_nest_taken(make_fixed_nest(6.0))
+async def test_every_look_at_a_fixed_nest_counts(keep, readings):
+    await keep(fixed_nest_taken(make_fixed_nest(5.0)))
+    await keep(fixed_nest_taken(make_fixed_nest(6.0)))
 
     assert [r.time_s for r in await readings.fixed_nests(1)] == [5.0, 6.0]
     assert await readings.points(1) == []
@@ -91,8 +105,8 @@ async def test_every_look_at_a_fixed_nest_counts(journal, readings):
     "change",
     ["UPDATE readings SET time_s = 0", "DELETE FROM readings", "UPDATE session_states SET state = 'x'"],
 )
-async def test_the_database_itself_refuses_to_change_a_record(journal, database, change):
-    await journal.point_taken(make_point())
+async def test_the_database_itself_refuses_to_change_a_record(keep, database, change):
+    await keep(point_taken(make_point()))
 
     with pytest.raises(ConflictError, match="never changed"):
         await database.write(lambda c: c.execute(text(change)))

@@ -19,23 +19,20 @@ from truepose.demo.errors import ServiceFailedError
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.cell import Cell, SimulatedCell
-from truepose.domain.identities import IdentityTaken
+from truepose.domain.ledger import LedgerEntry
 from truepose.domain.robot import Nest, WorldRegistration
 from truepose.domain.session import (
-    FixedNestTaken,
     PointTaken,
-    Progress,
     Registration,
     SessionPlan,
     SessionState,
-    StopSkipped,
 )
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
 from truepose.planning.work_volume.cell_space import space_of_cell
 from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose.web.context import Endpoint
 from truepose_drivers.api import Clock, PointTracker, RobotController
 from truepose_drivers.registry import load_registry
@@ -55,42 +52,23 @@ class CellMeasurement:
 
 
 @dataclass(slots=True)
-class _MemoryJournal:
+class _MemoryLedger:
     """Keeps what the runner stores; a crash loses it, which an accuracy report may."""
 
     points: list[PointTaken] = field(default_factory=list)
     registration: Registration | None = None
+    lines: int = 0
 
-    async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
-        """Forget it."""
-
-    async def point_taken(self, point: PointTaken) -> str:
-        """Keep the reading."""
-        self.points.append(point)
-        return str(len(self.points))
+    async def append(self, entry: LedgerEntry) -> int:
+        """Keep the readings and the latest registration."""
+        if entry.point is not None:
+            self.points.append(entry.point)
+        self.registration = entry.registration or self.registration
+        self.lines += 1
+        return self.lines
 
     async def writable(self) -> None:
         """Return at once: nothing is refused."""
-
-    async def fixed_nest_taken(self, taken: FixedNestTaken) -> str:
-        """Forget it: the registration holds what the nests said."""
-        return "fixed"
-
-    async def stop_skipped(self, skipped: StopSkipped) -> None:
-        """Forget it: what is missing is counted at the end."""
-
-    async def registered(self, registration: Registration) -> None:
-        """Keep the latest."""
-        self.registration = registration
-
-    async def progressed(self, progress: Progress) -> None:
-        """Forget it."""
-
-    async def identified(self, taken: IdentityTaken) -> None:
-        """Forget it: nobody exchanges the devices of this cell."""
-
-    async def noted(self, text: str) -> None:
-        """Forget it."""
 
 
 async def measure_cell(scenario: str, seed: int, n_calibration: int, n_validation: int) -> CellMeasurement:
@@ -161,16 +139,16 @@ def _work_space(cell: Cell) -> WorkSpace:
 
 async def _session(cell: SessionCell, plan: SessionPlan) -> tuple[PointReadings, Registration]:
     """Run a session; each one places the tracker in the world anew."""
-    journal = _MemoryJournal()
-    runner = SessionRunner(plan, cell, journal)
+    ledger = _MemoryLedger()
+    runner = TrackerRunner(plan, cell, ledger)
     running = asyncio.create_task(runner.run())
     while not running.done():
         await asyncio.sleep(_LOOK_S)
         if runner.state is SessionState.AWAITING_CONFIRMATION and runner.question:
             await runner.confirm(_PERSON)
-    if running.result() is not SessionState.FINISHED or journal.registration is None:
+    if running.result() is not SessionState.FINISHED or ledger.registration is None:
         raise ServiceFailedError(f"A session of the accuracy report ended as {running.result().value}.")
-    return point_readings(journal.points), journal.registration
+    return point_readings(ledger.points), ledger.registration
 
 
 async def _with_truth(

@@ -13,6 +13,6 @@ _NAMES = ("number", "step_id", "kind", "key", "document")
 def lines(database: Path, after: int = 0) -> list[dict[str, Any]]:
     """Return the lines of all ledgers with a number above `after`, from the disk."""
     with contextlib.closing(LIBRARY.connect(f"file:{database}?mode=ro", uri=True)) as connection:
-        query = "SELECT id, step_id, kind, key, document FROM ballbar_entries WHERE id > ? ORDER BY id"
+        query = "SELECT id, step_id, kind, key, document FROM session_entries WHERE id > ? ORDER BY id"
         rows = connection.execute(query, (after,)).fetchall()
     return [{**dict(zip(_NAMES, row, strict=True)), "document": json.loads(row[4])} for row in rows]

@@ -39,7 +39,7 @@ from truepose.sequencing.engine.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError
-from truepose.storage.measurement.ballbar_ledger import BallbarLedger
+from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 
@@ -69,7 +69,7 @@ class BallbarDesk:
     def __init__(
         self,
         sessions: SessionRepository,
-        ledger: BallbarLedger,
+        ledger: LedgerRepository,
         rack: Rack,
         make_precalibrator: MakePreCalibrator,
         choose: ChoosePoses,

@@ -182,6 +182,11 @@ class Logbook(Generic[S]):
         """Whether a request with this key was answered, in this run or in an earlier one."""
         return key in self._outcomes or key in self.record.keys
 
+    def refresh(self) -> None:
+        """Look anew at where the session stands: its plan has changed."""
+        self.situation = self._describe()
+        self.tell()
+
     def tell(self) -> None:
         """Wake everybody who waits for a change."""
         self.version += 1

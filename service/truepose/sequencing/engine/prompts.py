@@ -1,12 +1,10 @@
-"""Where a session waits for a person: one open question at a time, and nothing moves while it is open."""
+"""What a person is asked, and whose answer counts."""
 
-import asyncio
 from collections.abc import Sequence
 from typing import Final
 
 from truepose.domain.people import announced_as, fault_of_name, tidy_name
 from truepose.sequencing.errors import (
-    NotNowError,
     PersonMissingError,
     PersonUnknownError,
     PersonUnreadableError,
@@ -15,35 +13,6 @@ from truepose.sequencing.errors import (
 CELL_CLEAR: Final = (
     "The robot is about to move. Is the cell clear of people and things, and is an emergency stop in reach?"
 )
-
-
-class Desk:
-    """Holds the open question and wakes the session when it is answered."""
-
-    def __init__(self) -> None:
-        self._question: str | None = None
-        self._answered = asyncio.Event()
-
-    @property
-    def question(self) -> str | None:
-        """What a person is asked; None where nothing is asked."""
-        return self._question
-
-    def ask(self, question: str) -> None:
-        """Put a question; raises NotNowError where one is open already."""
-        if self._question is not None:
-            raise NotNowError(f"A question is open already: {self._question}")
-        self._question = question
-        self._answered.clear()
-
-    def answer(self) -> None:
-        """Close the question."""
-        self._question = None
-        self._answered.set()
-
-    async def wait(self) -> None:
-        """Wait until the question is closed."""
-        await self._answered.wait()
 
 
 def require_person(person: str) -> str:

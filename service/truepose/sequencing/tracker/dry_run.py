@@ -1,6 +1,6 @@
 """Goes through a plan without a cell: whether every move lies within the limits, how long it will take."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,15 +14,15 @@ from truepose.planning.work_volume.work_space import widened
 from truepose.sequencing.engine.interlocks import joint_outside
 from truepose.sequencing.engine.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.plans import session_sections
+from truepose.sequencing.tracker.plans import visit
+from truepose.sequencing.tracker.situation import steps
 from truepose.sequencing.tracker.steps import (
     MeasurePoint,
     Move,
     OpenDevices,
+    Operation,
     ReadFixedNest,
-    Section,
     Settle,
-    Step,
 )
 
 FIND_S: Final = 3.0  # turning the head and locking on; order of magnitude, replaced by the pace once known
@@ -44,29 +44,31 @@ def dry_run(
     plan: SessionPlan, robot: Robot, base: FramePlacement, nests: tuple[Nest, ...], n_fixed_nests: int
 ) -> DryRun:
     """Return what a plan amounts to; raises PlanRefusedError where a nest of it is unknown."""
-    steps = [step for section in session_sections(plan, n_fixed_nests) for step in section.steps]
-    targets = np.array([step.target_rad for step in steps if isinstance(step, Move)])
+    operations = [operation for step in steps(plan, n_fixed_nests) for operation in step.operations]
+    targets = np.array([operation.target_rad for operation in operations if isinstance(operation, Move)])
     motion_s = _motion_times(plan, robot, base, nest_centre(nests, plan.stops[0].nest), targets)
     return DryRun(
         configurations=len(plan.stops),
         moves=len(targets),
-        readings=sum(_readings(step) for step in steps),
-        duration_s=float(motion_s.sum()) + sum(_duration_s(plan, step) for step in steps),
+        readings=sum(_readings(operation) for operation in operations),
+        duration_s=float(motion_s.sum()) + sum(_duration_s(plan, operation) for operation in operations),
     )
 
 
-def _readings(step: Step) -> int:
-    return step.readings if isinstance(step, ReadFixedNest) else int(isinstance(step, MeasurePoint))
+def _readings(operation: Operation) -> int:
+    if isinstance(operation, ReadFixedNest):
+        return operation.readings
+    return int(isinstance(operation, MeasurePoint))
 
 
-def _duration_s(plan: SessionPlan, step: Step) -> float:
-    match step:
+def _duration_s(plan: SessionPlan, operation: Operation) -> float:
+    match operation:
         case OpenDevices():
             return INITIALISE_S
         case Settle(duration_s):
             return duration_s
         case ReadFixedNest() | MeasurePoint():
-            return FIND_S + _readings(step) * plan.measure_s
+            return FIND_S + _readings(operation) * plan.measure_s
         case _:
             return 0.0
 
@@ -100,16 +102,17 @@ def check_plan(
     _check_numbers(plan)
     _check_stops(plan, robot, nests)
     _check_fixed_nests(fixed_nests)
-    for section, move in _moves(session_sections(plan, len(fixed_nests), done=done)):
-        outside = joint_outside(move.target_rad, limits)
-        if outside is not None:
-            what = "The approach to" if move.approach else "The stop at"
-            config = section.stop.config if section.stop else 0
-            raise PlanRefusedError(f"{what} configuration {config} lies outside the limits: {outside}.")
+    for stop in plan.stops:
+        if stop.config not in done:
+            _check_motions(plan, stop, limits)
 
 
-def _moves(sections: Iterator[Section]) -> Iterator[tuple[Section, Move]]:
-    return ((section, step) for section in sections for step in section.steps if isinstance(step, Move))
+def _check_motions(plan: SessionPlan, stop: PlannedStop, limits: tuple[JointRange, ...]) -> None:
+    for operation in visit(plan, stop).operations:
+        outside = joint_outside(operation.target_rad, limits) if isinstance(operation, Move) else None
+        if isinstance(operation, Move) and outside is not None:
+            what = "The approach to" if operation.approach else "The stop at"
+            raise PlanRefusedError(f"{what} configuration {stop.config} lies outside the limits: {outside}.")
 
 
 def _check_numbers(plan: SessionPlan) -> None:

@@ -1,17 +1,19 @@
-"""Performs single steps on the devices; when and whether a step is due is the runner's business."""
+"""Performs single operations on the devices; when and whether one is due is the runner's business."""
 
 from typing import assert_never
 
 import numpy as np
 
 from truepose.domain.identities import IdentityOf
-from truepose.domain.session import Registration, SessionPlan
+from truepose.domain.ledger import EntryKind
+from truepose.domain.session import SessionPlan
 from truepose.sequencing.engine.arm import Arm
 from truepose.sequencing.engine.limits import binding_speed, speed_sentence
+from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.identity_check import DeviceIdentities
-from truepose.sequencing.tracker.journal import SessionJournal
+from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
+from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.steps import (
     CheckFaces,
     CheckReferences,
@@ -20,62 +22,59 @@ from truepose.sequencing.tracker.steps import (
     MeasurePoint,
     Move,
     OpenDevices,
+    Operation,
     ReadFixedNest,
     ReadJoints,
     Register,
     Settle,
-    Step,
 )
 from truepose.sequencing.tracker.tool_nests import ToolNests
-from truepose.sequencing.tracker.tracking import WatchfulTracker
+from truepose.sequencing.tracker.tracking import CheckedTracker
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose_drivers.api import DeviceIdentity, JointReading, PointTracker, RobotController, motion_guard
 
 
 class Execution:
-    """Does what a step says."""
+    """Does what an operation says."""
 
     def __init__(
         self,
         plan: SessionPlan,
         cell: SessionCell,
         arm: Arm,
-        journal: SessionJournal,
-        registration: Registration | None,
-        acquaintances: DeviceIdentities,
+        logbook: Logbook[TrackerSituation],
+        identities: TrackerIdentityCheck,
     ) -> None:
-        tracker = WatchfulTracker(cell.tracker, acquaintances)
-        self._acquaintances = acquaintances
+        tracker = CheckedTracker(cell.tracker, identities)
+        self._identities = identities
         self._plan = plan
         self._cell = cell
         self._arm = arm
-        self._journal = journal
-        self.fixed_nests = FixedNests(plan, cell, tracker, journal, registration)
-        if registration is not None and not acquaintances.vouch_for(registration):
-            self.fixed_nests.distrust()
-        self._tool_nests = ToolNests(plan, cell, tracker, self.fixed_nests, journal)
+        self._logbook = logbook
+        self._fixed_nests = FixedNests(plan, cell, tracker, logbook)
+        self._tool_nests = ToolNests(plan, cell, tracker, self._fixed_nests, logbook)
         self._joints: JointReading | None = None
 
-    def begin_section(self) -> None:
-        """Forget what belongs to an earlier section."""
-        self.fixed_nests.begin_section()
+    def begin_step(self) -> None:
+        """Forget what belongs to an earlier step."""
+        self._fixed_nests.begin_step()
         self._joints = None
 
-    async def perform(self, step: Step) -> None:
-        """Do one step; raises what the devices and the checks raise."""
-        match step:
+    async def perform(self, operation: Operation) -> None:
+        """Do one operation; raises what the devices and the checks raise."""
+        match operation:
             case OpenDevices():
                 await self._open()
             case LocateFixedNests():
-                await self.fixed_nests.locate()
+                await self._fixed_nests.locate()
             case ReadFixedNest():
-                await self.fixed_nests.read(step)
+                await self._fixed_nests.read(operation)
             case CheckFaces():
-                self.fixed_nests.check_faces()
+                self._fixed_nests.check_faces()
             case Register():
-                await self.fixed_nests.register()
+                await self._fixed_nests.register()
             case CheckReferences():
-                self.fixed_nests.check_references()
+                self._fixed_nests.check_references()
             case Move(target_rad):
                 await self._move(target_rad)
             case Settle(duration_s):
@@ -85,31 +84,31 @@ class Execution:
             case FindReflector(stop):
                 await self._tool_nests.find(stop)
             case MeasurePoint():
-                await self._measure(step)
+                await self._measure(operation)
             case _:
-                assert_never(step)
+                assert_never(operation)
 
     async def _open(self) -> None:
-        await self._journal.noted(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
-        await self._journal.noted(_introduce("robot", await self._meet_robot()))
+        await self._note(_introduce("tracker", await self._meet("tracker", self._cell.tracker)))
+        await self._note(_introduce("robot", await self._meet("robot", self._cell.robot_controller)))
         await self._cell.tracker.initialise()
         speed = binding_speed(self._plan, self._cell.speed_limits)
         await self._cell.robot_controller.set_limits(speed)
-        await self._journal.noted(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
+        await self._note(speed_sentence(speed, motion_guard(self._cell.robot_controller)))
 
     async def _move(self, target_rad: tuple[float, ...]) -> None:
         robot = self._cell.robot_controller
         if robot.connected:  # a link that is down is for a person; the interlocks say so
-            await self._acquaintances.meet("robot", robot)
+            await self._identities.meet("robot", robot)
         await self._arm.move(target_rad)
 
-    async def _meet_robot(self) -> DeviceIdentity:
-        return await self._meet("robot", self._cell.robot_controller)
+    async def _note(self, text: str) -> None:
+        await self._logbook.write(EntryKind.NOTED, text=text)
 
     async def _meet(self, what: IdentityOf, device: PointTracker | RobotController) -> DeviceIdentity:
         if not device.connected:
             await device.connect()
-        return await self._acquaintances.meet(what, device)
+        return await self._identities.meet(what, device)
 
     async def _read_joints(self, expected_rad: tuple[float, ...]) -> None:
         reading = await self._arm.read()
@@ -125,10 +124,10 @@ class Execution:
             )
         self._joints = reading
 
-    async def _measure(self, step: MeasurePoint) -> None:
+    async def _measure(self, operation: MeasurePoint) -> None:
         if self._joints is None:
             raise ReadingRejectedError("The joints have not been read at this stop.")
-        await self._tool_nests.measure(step.stop, self._joints, self._arm.direction)
+        await self._tool_nests.measure(operation.stop, self._joints, self._arm.direction)
 
 
 def _introduce(what: str, identity: DeviceIdentity) -> str:

@@ -1,10 +1,10 @@
-"""The procedure of a tracker session as generators of steps: nothing here waits, moves or measures.
+"""The steps of a tracker session and the operations in them: nothing here waits, moves or measures.
 
 The manner is that of A. Nubiola's thesis (2014), sections 2.2 and 2.4: approach every configuration
 from the same side, 4 s of rest, the world frame from fixed nests.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from truepose.domain.session import PlannedStop, SessionPlan
@@ -16,43 +16,16 @@ from truepose.sequencing.tracker.steps import (
     MeasurePoint,
     Move,
     OpenDevices,
+    Operation,
     ReadFixedNest,
     ReadJoints,
     Register,
-    Section,
     Settle,
     Step,
+    StepKind,
 )
 
 _FACE_READINGS = 5  # the mean of five scatters by 0.007 mm at 2.5 m: small against a two-face limit of 0.1 mm
-
-
-def session_sections(
-    plan: SessionPlan, n_fixed_nests: int, *, registered: bool = False, done: Collection[int] = ()
-) -> Iterator[Section]:
-    """Yield all sections of a session in order.
-
-    `done` are numbers of configurations that earlier runs measured or skipped; a session that is
-    `registered` already only looks at its fixed nests again, to see that nothing moved meanwhile.
-    """
-    yield opening()
-    if not registered:
-        yield registration(plan, n_fixed_nests)
-    yield references(n_fixed_nests)
-    yield from visits(plan, plan.stops, n_fixed_nests, done)
-
-
-def visits(
-    plan: SessionPlan, stops: Sequence[PlannedStop], n_fixed_nests: int, done: Collection[int] = ()
-) -> Iterator[Section]:
-    """Yield the sections that measure `stops`, with looks at the fixed nests among them and at the end."""
-    for index, stop in enumerate(stops, start=1):
-        if stop.config in done:
-            continue
-        yield visit(plan, stop)
-        if index % plan.reference_every == 0 and index < len(stops):
-            yield references(n_fixed_nests)
-    yield references(n_fixed_nests)
 
 
 def extended_plan(plan: SessionPlan, stops: tuple[PlannedStop, ...]) -> SessionPlan:
@@ -66,17 +39,17 @@ def numbers(stops: Sequence[PlannedStop]) -> str:
     return f"configuration {first}" if first == last else f"configurations {first} to {last}"
 
 
-def opening() -> Section:
-    """Return the section that makes the instruments ready."""
-    return Section("making the instruments ready", (OpenDevices(),))
+def opening() -> Step:
+    """Return the step that makes the instruments ready."""
+    return Step(StepKind.OPEN, (OpenDevices(),))
 
 
-def registration(plan: SessionPlan, n_fixed_nests: int) -> Section:
-    """Return the section that finds the tracker's place in the world."""
-    return Section("finding the tracker's place in the world", tuple(_registration(plan, n_fixed_nests)))
+def registration(plan: SessionPlan, n_fixed_nests: int) -> Step:
+    """Return the step that finds the tracker's place in the world."""
+    return Step(StepKind.REGISTER, tuple(_registration(plan, n_fixed_nests)))
 
 
-def _registration(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Step]:
+def _registration(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Operation]:
     yield LocateFixedNests()
     if plan.two_face_check:
         yield ReadFixedNest(1, "two_face", face=1, readings=_FACE_READINGS)
@@ -87,19 +60,19 @@ def _registration(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Step]:
     yield Register()
 
 
-def references(n_fixed_nests: int) -> Section:
-    """Return the section that looks whether anything moved since the registration."""
+def references(n_fixed_nests: int) -> Step:
+    """Return the step that looks whether anything moved since the registration."""
     nests = range(1, n_fixed_nests + 1)
     looks = tuple(ReadFixedNest(nest, "reference", face=1, readings=1) for nest in nests)
-    return Section("looking at the fixed nests", (*looks, CheckReferences()))
+    return Step(StepKind.LOOK, (*looks, CheckReferences()))
 
 
-def visit(plan: SessionPlan, stop: PlannedStop) -> Section:
-    """Return the section that measures one configuration."""
-    return Section(f"measuring configuration {stop.config}", tuple(_visit(plan, stop)), stop)
+def visit(plan: SessionPlan, stop: PlannedStop) -> Step:
+    """Return the step that measures one configuration."""
+    return Step(StepKind.MEASURE, tuple(_visit(plan, stop)), stop)
 
 
-def _visit(plan: SessionPlan, stop: PlannedStop) -> Iterator[Step]:
+def _visit(plan: SessionPlan, stop: PlannedStop) -> Iterator[Operation]:
     if plan.approach_offset_rad is not None:
         yield Move(approach_target(stop.joints_rad, plan.approach_offset_rad), approach=True)
     yield Move(stop.joints_rad, approach=False)

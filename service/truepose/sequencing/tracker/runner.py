@@ -1,73 +1,60 @@
-"""Executes a tracker session: takes the sections of a plan in turn and decides what a fault means.
+"""Runs a tracker session: takes one step after the other while nobody is in the cell.
 
-- A configuration whose reading fails is skipped with the reason, unless nothing has been measured since a
-  person last had the session go on, or several in a row have failed: then the instrument is suspect, and
-  the session pauses.
-- A lost link, a robot that is not where it was left and a program that was restarted are the same thing
-  to a session: nothing moves before a person confirms; then the devices are opened anew, the fixed nests
-  are looked at, and the section that was interrupted begins again.
-- Another tracker than the expected one measures nothing before a person has accepted it by its serial
-  number; then it is placed in the world anew. Another robot is refused.
+- What a fault means is in `faults`; what is due next in `situation`.
 - Configurations may be added to the plan until the session has ended. They are measured after the others,
   once a person has confirmed that the cell is clear for them: whoever added them need not stand beside it.
-- A pause or the end that somebody asks for takes effect between two steps, hence at the end of a motion.
-- A record that is refused is kept and tried again, and nothing moves; a person confirms before
-  the next motion.
+- A pause or the end that somebody asks for takes effect between two operations, hence at the end of a motion.
+- After a record was refused a person confirms before the next motion.
 """
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Awaitable, Callable, Sequence
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final
 
-from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState, StopSkipped
-from truepose.sequencing.engine.arm import Arm
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.people import tidy_name
+from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
+from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.arm import Arm, Permission
+from truepose.sequencing.engine.halts import Halts
+from truepose.sequencing.engine.ledger import Ledger
 from truepose.sequencing.engine.limits import binding_speed
+from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion_segments import MotionSegments
 from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
-from truepose.sequencing.engine.states import after_restart, has_ended, words
-from truepose.sequencing.errors import (
-    AttentionNeededError,
-    ForeignInstrumentError,
-    MotionForbiddenError,
-    NotNowError,
-    ReadingRejectedError,
-)
+from truepose.sequencing.engine.runner import SessionRunner
+from truepose.sequencing.engine.states import has_ended, require_transition, words
+from truepose.sequencing.errors import MotionForbiddenError, NotNowError, SequencingError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
 from truepose.sequencing.tracker.execution import Execution
-from truepose.sequencing.tracker.identity_check import DeviceIdentities
-from truepose.sequencing.tracker.journal import SessionHistory, SessionJournal
-from truepose.sequencing.tracker.pace import Pace
-from truepose.sequencing.tracker.plans import (
-    extended_plan,
-    opening,
-    references,
-    registration,
-    session_sections,
-    visits,
-)
-from truepose.sequencing.tracker.standing import Standing
-from truepose.sequencing.tracker.steps import MeasurePoint, Move, Section
-from truepose.sequencing.tracker.way_preview import outlook
-from truepose_drivers.errors import (
-    ConfigurationError,
-    DeviceRefusedError,
-    DriverError,
-    MeasurementFailedError,
-    NotInitialisedError,
-)
+from truepose.sequencing.tracker.faults import Line, is_interruption, lines_after
+from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
+from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.record import TrackerRecord
+from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
+from truepose.sequencing.tracker.steps import Move, Step, StepKind
+from truepose.sequencing.tracker.way_preview import what_lies_ahead
+from truepose_drivers.errors import DriverError
 
-_INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
+_EFFECTS: Final = {
+    SessionState.PAUSED: "Paused on request. Is the cell clear, so that it can be resumed?",
+    SessionState.ABORTED: "The session ended on request, between two motions.",
+}
+_NOT_ON_RECORD: Final = "the database cannot be written now, so this is on record later"
+_WAITS_IN: Final = {
+    ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
+    ActName.RESUME: SessionState.PAUSED,
+}
 
 
-class _EndedError(Exception):
-    """The session has ended; unwinds the run."""
+class TrackerRunner(SessionRunner[TrackerSituation]):
+    """One tracker session on one cell; `run` is its task, all other methods may be called from other tasks.
 
-
-class SessionRunner:
-    """One session on one cell; `run` is its task, all other methods may be called from other tasks.
-
+    `entries` are what earlier runs kept: the session goes on where they end, once a person has confirmed.
     Raises PlanRefusedError where the plan does not fit the cell.
     """
 
@@ -75,95 +62,74 @@ class SessionRunner:
         self,
         plan: SessionPlan,
         cell: SessionCell,
-        journal: SessionJournal,
-        history: SessionHistory | None = None,
+        ledger: Ledger,
+        entries: tuple[LedgerEntry, ...] = (),
     ) -> None:
-        history = history or SessionHistory()
         limits = motion_limits(cell.robot, cell.joint_limits, plan)
-        check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits, history.done)
         self._plan = plan
         self._limits = limits
         self._cell = cell
-        self._standing = Standing(
-            journal, after_restart(history.state), lambda: end_of_motion(cell.robot_controller)
-        )
-        self._journal = self._standing.journal
+        record = TrackerRecord()
+
+        def describe() -> TrackerSituation:
+            return situation_of(self._plan, len(cell.fixed_nests), record)
+
+        logbook = Logbook(ledger, cell.clock, record, describe, entries)
+        self._check(plan, logbook.situation)
+        halts = Halts(logbook, lambda: end_of_motion(cell.robot_controller), _EFFECTS)
+        super().__init__(logbook, halts)
         self._arm = Arm(
             cell.robot_controller,
             cell.clock,
             limits,
             plan.joint_tolerance_rad,
-            self._standing.permission,
+            self._permission,
             pieces=MotionSegments(cell.robot, binding_speed(plan, cell.speed_limits)),
         )
-        self._acquaintances = DeviceIdentities(cell.expected, self._journal, history.identities)
-        self._execution = Execution(
-            plan, cell, self._arm, self._journal, history.registration, self._acquaintances
-        )
-        self._done = set(history.done)
-        self._agenda = deque(
-            session_sections(
-                plan,
-                len(cell.fixed_nests),
-                registered=self._execution.fixed_nests.registered,
-                done=history.done,
-            )
-        )
-        self._pace = Pace(
-            len(plan.stops), len(history.points), len(history.skipped), elapsed_s=history.elapsed_s
-        )
-        self._now_s = 0.0  # at the end of the last step
-        self._measured = False  # something was measured since a person last had the session go on
-        self._failures_in_a_row = 0
-        self._paused_at: set[int] = set()  # configurations that made the session pause
-        self._interrupted_at: Counter[int] = Counter()
-        self._added: set[int] = set()  # configurations that no person has confirmed yet
-
-    @property
-    def state(self) -> SessionState:
-        """Where the session stands, as the journal has it."""
-        return self._standing.state
+        self._identities = TrackerIdentityCheck(cell.expected, logbook)
+        self._execution = Execution(plan, cell, self._arm, logbook, self._identities)
+        self._first = logbook.situation.left  # what the first question is about
+        self._asked = False  # in this run
 
     @property
     def question(self) -> str | None:
         """What a person is asked to confirm, or why the session waits; None while it runs or has ended."""
-        return self.trouble or self._standing.desk.question
-
-    @property
-    def trouble(self) -> str | None:
-        """What a person is told while records are refused; nothing moves meanwhile."""
-        return self._standing.trouble
+        return self.trouble or (self.situation.question if self._asked else None)
 
     @property
     def progress(self) -> Progress:
         """How far the session is."""
-        return self._pace.progress()
+        return self.situation.progress
 
     async def request_pause(self, person: str | None = None) -> str:
         """Ask for a pause; returns the sentence that says when it takes effect. Raises NotNowError."""
-        return await self._standing.request_pause(person)
+        return await self._request(Act(ActName.PAUSE, person or ""), "The session pauses")
 
     async def request_abort(self, person: str | None = None) -> str:
         """Ask for the end; returns the sentence that says when it takes effect.
 
         Raises NotNowError, and RecordRefusedError where nothing is in motion: nothing was done then.
         """
-        return await self._standing.request_abort(person)
+        return await self._request(Act(ActName.ABORT, person or ""), "The session ends")
+
+    async def _request(self, act: Act, sentence: str) -> str:
+        try:
+            return (await self.act(act)).sentence
+        except RecordRefusedError:
+            if self._pending.owed is not act:
+                raise
+            return f"{sentence}; {self._halts.end}, and {_NOT_ON_RECORD}."
 
     async def resume(self, person: str) -> str:
         """Continue a paused session. Raises NotNowError, PersonMissingError."""
-        await self._standing.go_on(SessionState.PAUSED, "resume", person)
-        return "The session goes on; what was under way begins again."
+        return (await self.act(Act(ActName.RESUME, person))).sentence
 
     async def confirm(self, person: str, accepted_serial: str = "") -> str:
         """Confirm what `question` asks; a tracker that it questions is accepted by its serial number only.
 
         Raises NotNowError, PersonMissingError.
         """
-        self._acquaintances.require_questioned(accepted_serial)
-        await self._standing.go_on(SessionState.AWAITING_CONFIRMATION, "confirm", person)
-        self._acquaintances.permit(accepted_serial, require_person(person))
-        return "Confirmed; the session goes on."
+        return (await self.act(Act(ActName.CONFIRM, person, accepted_serial=accepted_serial))).sentence
 
     async def add_stops(self, stops: tuple[PlannedStop, ...], keep: Callable[[], Awaitable[None]]) -> None:
         """Add stops to the plan; they come last, after a person has confirmed.
@@ -171,227 +137,173 @@ class SessionRunner:
         `keep` stores them; it is awaited while the session cannot end, and nothing is added where it
         raises. Raises NotNowError, PlanRefusedError.
         """
-        async with self._standing.changing:
-            if self._standing.ends:
+        async with self._logbook.changing:
+            if self._ended or self._halts.wish is SessionState.ABORTED:
                 raise NotNowError(f"The session is {words(self.state)}; plan a new one for what is missing.")
             plan = extended_plan(self._plan, stops)
-            cell = self._cell
-            check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, self._limits, self._done)
+            self._check(plan, self.situation)
             await keep()
             self._plan = plan
-            self._agenda.extend(visits(plan, stops, len(self._cell.fixed_nests)))
-            self._added |= {stop.config for stop in stops}
-            self._pace.planned += len(stops)
+            self._logbook.refresh()
 
-    async def run(self) -> SessionState:
-        """Run to the end and return the state it ended in; first a person has to `confirm`.
+    def _check(self, plan: SessionPlan, now: TrackerSituation) -> None:
+        cell, left = self._cell, {stop.config for stop in now.left}
+        done = [stop.config for stop in self._plan.stops if stop.config not in left]
+        check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, self._limits, done)
 
-        Raises what the journal raises; every fault of the devices becomes a state with a sentence.
-        """
-        try:
-            await self._session()
-        except _EndedError:
-            pass
-        except ConfigurationError as error:
-            await self._standing.fail(str(error))
-        except Exception as error:
-            await self._standing.fail(f"The program failed ({type(error).__name__}): {error}")
-            raise
-        return self.state
+    # what a person asks for
 
-    async def _session(self) -> None:
-        if has_ended(self.state):
-            return
-        foreign = self._acquaintances.question or ""  # also of before a restart
-        await self._wait_before([stop for stop in self._plan.stops if stop.config not in self._done], foreign)
-        while not await self._finished():
-            while self._agenda:
-                await self._carry_out(self._agenda.popleft())
-            await self._heed_requests()
+    def require(self, act: Act) -> None:
+        """Raise NotNowError, PersonMissingError where an act is not allowed now."""
+        if act.name is ActName.PAUSE:
+            require_transition(self.state, SessionState.PAUSING)
+        elif act.name is ActName.ABORT:
+            if self._ended or self.state is SessionState.ABORTING:
+                raise NotNowError(f"The session is {words(self.state)} already.")
+        else:
+            require_person(act.person)
+            if self.state is not _WAITS_IN.get(act.name) or not self._asked:
+                raise NotNowError(f"The session is {words(self.state)}; there is nothing to {act.name}.")
 
-    async def _finished(self) -> bool:
-        return await self._standing.finish(self._nothing_left)
-
-    def _nothing_left(self) -> Progress | None:
-        if self._agenda:
-            return None
-        self._pace.doing = "finished"
-        return self.progress
-
-    async def _wait_for_person(self, state: SessionState, question: str) -> None:
-        """Enter `state` and return when a person had the session go on; raises _EndedError where it ended."""
-        self._standing.desk.ask(question)
-        self._pace.hold()
-        await self._standing.put(state)
-        await self._journal.progressed(self.progress)
-        if self._standing.wish is SessionState.ABORTING:
-            await self._end_as_asked()
-        await self._standing.desk.wait()
-        if has_ended(self.state):
-            raise _EndedError
+    async def do(self, act: Act) -> ActOutcome:
+        """Do what an act asks for; raises NotNowError."""
+        if act.name in HALTS:
+            return await self._halts.halt(act)
+        self._identities.require_questioned(act.accepted_serial)
+        name = tidy_name(act.person)
+        number = await self._logbook.enter(SessionState.RUNNING, f"{name} had the session go on.", act)
+        self._identities.permit(act.accepted_serial, name)
+        self._halts.forget()
         self._arm.forget()
-        self._journal.forget()
-        self._measured = False
-        self._failures_in_a_row = 0
+        if act.name is ActName.CONFIRM:
+            return ActOutcome("Confirmed; the session goes on.", number)
+        return ActOutcome("The session goes on; what was under way begins again.", number)
 
-    async def _wait_before(self, stops: Sequence[PlannedStop], what: str) -> None:
+    def _permission(self, _: float) -> Permission:
+        return Permission(self.state, self._halts.wish is not None, self.situation.question, self.trouble)
+
+    # what the run does
+
+    async def begin(self) -> None:
+        """Ask a person to look at the cell; also after a restart, whatever was asked before."""
+        if has_ended(self.state):
+            await super().begin()
+        else:
+            await self._ask(self._identities.question or "", self._first)
+
+    async def _ask(self, what: str, stops: Sequence[PlannedStop]) -> None:
         """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""
-        ahead = await outlook(self._cell, stops, self._plan.approach_offset_rad)
+        ahead = await what_lies_ahead(self._cell, stops, self._plan.approach_offset_rad)
         asked = " ".join(filter(None, (what, ahead, CELL_CLEAR)))
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, asked)
+        await self._logbook.keep(lambda: self._put(asked, tuple(stop.config for stop in stops)))
+        self._asked = True
 
-    async def _heed_requests(self) -> bool:
-        """Pause or end where that was asked for; returns whether the session was paused meanwhile."""
-        if self._standing.wish is None:
-            return False
-        if self._standing.wish is SessionState.ABORTING:
-            await self._end_as_asked()
-        await self._wait_for_person(
-            SessionState.PAUSED, "Paused on request. Is the cell clear, so that it can be resumed?"
-        )
-        return True
-
-    async def _end_as_asked(self) -> None:
-        await self._standing.end_as_asked()
-        raise _EndedError
-
-    # sections
-
-    async def _carry_out(self, section: Section) -> None:
-        """Do a section; after a fault the agenda holds what is to be done about it."""
-        self._pace.doing = section.title
-        self._execution.begin_section()
-        try:
-            await self._do_steps(section)
-        except (NotInitialisedError, MotionForbiddenError) as error:
-            await self._on_interruption(section, error)
-        except (MeasurementFailedError, DeviceRefusedError, ReadingRejectedError) as error:
-            await self._on_failed_measurement(section, str(error))
-        except AttentionNeededError as error:
-            await self._on_attention_needed(section, str(error))
-        except ForeignInstrumentError as error:
-            await self._on_foreign_tracker(section, str(error))
-        except ConfigurationError:
-            raise
-        except DriverError as error:  # the link, nonsense on it, or a driver that failed
-            await self._on_interruption(section, error)
-
-    async def _do_steps(self, section: Section) -> None:
-        await self._tick()
-        if section.stop is not None and section.stop.config in self._added:
-            await self._confirm_added()
-        if section.stop is not None:
-            self._pace.begin_stop()
-        await self._journal.progressed(self.progress)
-        for step in section.steps:
-            if await self._heed_requests() or (isinstance(step, Move) and await self._confirm_again()):
-                self._agenda.appendleft(section)
-                return
-            await self._execution.perform(step)
-            if isinstance(step, MeasurePoint):  # stored: whatever fails now, it is not measured again
-                self._on_measured(step.stop)
-            await self._tick()
-
-    async def _confirm_again(self) -> bool:
-        """Have a person confirm where records were refused since the last time; returns whether one did."""
-        refused = self._journal.interrupted
-        if refused is None:
-            return False
-        why = f"The database could not be written for a while ({refused.rstrip('.')}); nothing is missing."
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{why} {CELL_CLEAR}")
-        return True
-
-    async def _confirm_added(self) -> None:
-        asked = frozenset(self._added)
-        what = "The configurations that were added to the plan come next."
-        await self._wait_before([stop for stop in self._plan.stops if stop.config in asked], what)
-        self._added -= asked  # not those that came while the question was open
-
-    def _on_measured(self, stop: PlannedStop) -> None:
-        self._done.add(stop.config)
-        self._pace.end_stop(measured=True)
-        self._measured = True
-        self._failures_in_a_row = 0
-
-    async def _tick(self) -> None:
-        self._now_s = await self._cell.clock.now_s()
-        self._pace.tick(self._now_s)
-
-    async def _on_interruption(self, section: Section, error: Exception) -> None:
-        if isinstance(error, MotionForbiddenError):
-            if self._standing.wish is not None:  # asked for between two looks; the next section heeds it
-                self._agenda.appendleft(section)
-                return
-        else:
-            await self._cell.tracker.close()
-            await self._cell.robot_controller.close()
-        await self._wait_for_person(
-            SessionState.AWAITING_CONFIRMATION, f"{_sentence(str(error))} Put it right. {CELL_CLEAR}"
-        )
-        await self._take_up_again(section, str(error))
-
-    async def _take_up_again(self, section: Section, reason: str) -> None:
-        stop = section.stop
-        if stop is None:
-            self._agenda.appendleft(section)
-        elif stop.config not in self._done:
-            self._interrupted_at[stop.config] += 1
-            if self._interrupted_at[stop.config] < _INTERRUPTIONS_PER_STOP:
-                self._agenda.appendleft(section)
-            else:
-                await self._skip(stop, f"The session was interrupted here twice: {reason}")
-        if stop is not None and self._execution.fixed_nests.registered:
-            self._agenda.appendleft(references(len(self._cell.fixed_nests)))
-        if section != opening():
-            self._agenda.appendleft(opening())
-
-    async def _on_foreign_tracker(self, section: Section, question: str) -> None:
-        await self._wait_for_person(SessionState.AWAITING_CONFIRMATION, f"{question} {CELL_CLEAR}")
-        if section != opening():
-            self._agenda.appendleft(section)
-        if self._execution.fixed_nests.registered:  # also of one that was put back: it was moved
-            self._execution.fixed_nests.distrust()
-            self._agenda.appendleft(registration(self._plan, len(self._cell.fixed_nests)))
-        self._agenda.appendleft(opening())
-
-    async def _on_failed_measurement(self, section: Section, reason: str) -> None:
-        stop = section.stop
-        if stop is None:
-            await self._pause(f"While {section.title}: {reason}")
-            self._agenda.appendleft(section)
+    async def _put(self, asked: str, stops: tuple[int, ...]) -> None:
+        if self._ended or self._halts.wish is not None:
             return
-        self._failures_in_a_row += 1
-        suspect = not self._measured or self._failures_in_a_row >= self._plan.failures_in_a_row
-        if suspect and stop.config not in self._paused_at:
-            self._paused_at.add(stop.config)
-            await self._pause(
-                f"Configuration {stop.config} could not be measured: {_sentence(reason)} "
-                f"{self._why_suspect()} Check the tracker and its line of sight, then resume."
-            )
-            self._agenda.appendleft(section)
+        line: dict[str, Any] = {
+            "entered": SessionState.AWAITING_CONFIRMATION,
+            "text": asked,
+            "stops": stops,
+            "progress": self.progress,
+        }
+        if self._logbook.restarted:
+            await self._logbook.open(**line)
         else:
-            await self._skip(stop, reason)
+            await self._logbook.append(EntryKind.CONTROL, **line)
 
-    def _why_suspect(self) -> str:
-        if not self._measured:
-            return "Nothing has been measured since the session was last started."
-        return f"It is number {self._failures_in_a_row} in a row."
+    async def perform(self) -> None:
+        """Do the present step; after a fault the ledger says what is to be done about it."""
+        now = self.situation
+        if self._halts.wish is not None:
+            return
+        if now.step is None:
+            await self._logbook.keep(self.settle)
+        elif now.step.stop in now.unasked:
+            await self._ask("The configurations that were added to the plan come next.", now.unasked)
+        else:
+            await self._do(now.step)
 
-    async def _on_attention_needed(self, section: Section, reason: str) -> None:
-        await self._pause(reason)
-        self._agenda.appendleft(section)
-        if self._execution.fixed_nests.registered:
-            self._execution.fixed_nests.distrust()
-            self._agenda.appendleft(registration(self._plan, len(self._cell.fixed_nests)))
+    async def _do(self, step: Step) -> None:
+        self._halts.moving = True
+        try:
+            lines = deque(await self._attempt(step))
+        finally:
+            self._halts.moving = False
+        await self._logbook.keep(lambda: self._conclude(lines))
 
-    async def _pause(self, reason: str) -> None:
-        await self._wait_for_person(SessionState.PAUSED, reason)
+    async def _attempt(self, step: Step) -> Sequence[Line]:
+        """Do the operations of a step; returns what is put on record at its end."""
+        try:
+            return await self._operate(step)
+        except (SequencingError, DriverError) as error:
+            if isinstance(error, MotionForbiddenError) and self._halts.wish is not None:
+                return ()  # asked for between two looks
+            if is_interruption(error):
+                await self._cell.tracker.close()
+                await self._cell.robot_controller.close()
+            return tuple(lines_after(error, step, self.situation, self._plan))
 
-    async def _skip(self, stop: PlannedStop, reason: str) -> None:
-        await self._journal.stop_skipped(StopSkipped(stop.config, self._now_s, reason))
-        self._pace.end_stop(measured=False)
+    async def _operate(self, step: Step) -> Sequence[Line]:
+        progress = self._progress(step.title)
+        await self._logbook.write(EntryKind.BEGUN, step.id, text=step.title, progress=progress)
+        self._execution.begin_step()
+        for operation in step.operations:
+            if self._halts.wish is not None:
+                return ()
+            refused = self._logbook.interrupted
+            if isinstance(operation, Move) and refused is not None:
+                return (_confirm_again(refused),)
+            await self._execution.perform(operation)
+        ends_by_itself = step.kind in {StepKind.OPEN, StepKind.LOOK}
+        return (Line(EntryKind.ENDED, step.id),) if ends_by_itself else ()
+
+    def _progress(self, doing: str) -> Progress:
+        return replace(self.progress, doing=doing)
+
+    async def _conclude(self, lines: deque[Line]) -> None:
+        """Put on record how a step ended, once; a halt that was asked for meanwhile takes effect."""
+        ends = self._halts.wish is SessionState.ABORTED
+        while lines:
+            line = lines[0]
+            if line.entered is None:
+                await self._logbook.append(line.kind, line.step_id, text=line.text)
+            elif not ends:
+                said: dict[str, Any] = {"entered": line.entered, "text": line.text}
+                await self._logbook.append(line.kind, line.step_id, progress=self.progress, **said)
+                self._halts.wish = None  # it waits for a person, as was wished
+            lines.popleft()
+        if self.state in {SessionState.PAUSING, SessionState.ABORTING}:
+            await self._halts.take_effect()
+        await self.settle()
+
+    async def settle(self) -> None:
+        """End the session where nothing is left to do."""
+        if self.situation.busy and self._halts.wish is None and self.situation.step is None:
+            reason, progress = "Every configuration was measured or skipped.", self._progress("finished")
+            await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
+
+    async def hold(self, reason: str) -> None:
+        """Have the session wait for a person: something is not as it was left."""
+        if self.state in {SessionState.RUNNING, SessionState.PAUSING}:
+            await self._logbook.enter(SessionState.AWAITING_CONFIRMATION, f"{reason} {CELL_CLEAR}")
+
+    async def note_failure(self, error: Exception) -> None:
+        """End the session as failed."""
+        reason = f"The program failed ({type(error).__name__}): {error}"
+
+        async def fail() -> None:
+            if not self._ended:
+                await self._logbook.enter(SessionState.FAILED, reason)
+
+        try:
+            await self._logbook.keep(fail)
+        except Exception as second:  # the run ends with the first one: the log must not name another instead
+            error.add_note(f"Nor could that be kept ({type(second).__name__}): {second}")
+            self._logbook.record.enter(SessionState.FAILED, reason)
 
 
-def _sentence(text: str) -> str:
-    """Return `text` with a full stop; drivers' errors come with and without."""
-    return text if text.rstrip().endswith((".", "!", "?")) else f"{text.rstrip()}."
+def _confirm_again(refused: str) -> Line:
+    why = f"The database could not be written for a while ({refused.rstrip('.')}); nothing is missing."
+    state = SessionState.AWAITING_CONFIRMATION
+    return Line(EntryKind.CONTROL, text=f"{why} {CELL_CLEAR}", entered=state)

@@ -1,9 +1,10 @@
-"""What a session does, one thing at a time; a plan is a row of these and touches no device."""
+"""What a tracker session does: steps between checkpoints, each a row of operations; touches no device."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from enum import StrEnum
+from typing import Final, Literal, TypeAlias
 
-from truepose.domain.session import PlannedStop
+from truepose.domain.session import PlannedStop, stop_id
 
 FixedNestPhase: TypeAlias = Literal["registration", "two_face", "reference"]
 
@@ -79,7 +80,7 @@ class MeasurePoint:
     stop: PlannedStop
 
 
-Step: TypeAlias = (
+Operation: TypeAlias = (
     OpenDevices
     | LocateFixedNests
     | ReadFixedNest
@@ -94,10 +95,36 @@ Step: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
-    """Steps between two checkpoints: after a pause or a lost link they are done again from the first."""
+class StepKind(StrEnum):
+    """What a step is for; the first three are the names of their steps as well."""
 
-    title: str
-    steps: tuple[Step, ...]
-    stop: PlannedStop | None = None  # the configuration that this section measures
+    OPEN = "instruments"
+    REGISTER = "world-frame"
+    LOOK = "fixed-nests"
+    MEASURE = "stop"
+
+
+_TITLES: Final = {
+    StepKind.OPEN: "making the instruments ready",
+    StepKind.REGISTER: "finding the tracker's place in the world",
+    StepKind.LOOK: "looking at the fixed nests",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Operations between two checkpoints: after a pause or a lost link they are done again from the first."""
+
+    kind: StepKind
+    operations: tuple[Operation, ...]
+    stop: PlannedStop | None = None  # the configuration that this step measures
+
+    @property
+    def id(self) -> str:
+        """The name by which the ledger knows the step."""
+        return self.kind.value if self.stop is None else stop_id(self.stop.config)
+
+    @property
+    def title(self) -> str:
+        """What goes on, as the operator reads it."""
+        return _TITLES[self.kind] if self.stop is None else f"measuring configuration {self.stop.config}"

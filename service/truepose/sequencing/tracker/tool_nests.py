@@ -5,13 +5,15 @@ import math
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.session import PlannedStop, PointTaken, SessionPlan
+from truepose.domain.ledger import EntryKind
+from truepose.domain.session import PlannedStop, PointTaken, SessionPlan, stop_id
+from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.nominal_arm import nest_in_world
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.journal import SessionJournal
+from truepose.sequencing.tracker.situation import TrackerSituation
 from truepose.sequencing.tracker.tracking import (
-    WatchfulTracker,
+    CheckedTracker,
     standard_uncertainty_mm,
     world_covariance_mm2,
 )
@@ -28,15 +30,15 @@ class ToolNests:
         self,
         plan: SessionPlan,
         cell: SessionCell,
-        tracker: WatchfulTracker,
+        tracker: CheckedTracker,
         fixed_nests: FixedNests,
-        journal: SessionJournal,
+        logbook: Logbook[TrackerSituation],
     ) -> None:
         self._plan = plan
         self._cell = cell
         self._tracker = tracker
         self._fixed_nests = fixed_nests
-        self._journal = journal
+        self._logbook = logbook
 
     async def find(self, stop: PlannedStop) -> None:
         """Point the tracker at the nest; raises ReflectorNotFoundError."""
@@ -59,7 +61,8 @@ class ToolNests:
         world = to_world(self._fixed_nests.registration, np.array(reading.point_mm))
         self._check(stop, reading, world)
         point = self._record(stop, reading, world, joints, direction, await self._tracker.temperature_c())
-        await self._journal.point_taken(point)
+        step_id = stop_id(stop.config)
+        await self._logbook.write(EntryKind.MEASURED, step_id, point=point, time_s=point.time_s)
         return point
 
     def _check(self, stop: PlannedStop, reading: TrackerReading, world: FloatArray) -> None:

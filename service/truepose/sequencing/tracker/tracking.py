@@ -9,19 +9,19 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.session import Registration, Vector
 from truepose.sequencing.engine.identities import told
 from truepose.sequencing.errors import ReadingRejectedError
-from truepose.sequencing.tracker.identity_check import DeviceIdentities
+from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose_drivers.api import PointTracker, TrackerReading
 from truepose_drivers.errors import DeviceRefusedError, MeasurementFailedError, NotInitialisedError
 
 _SMALLEST_UNCERTAINTY_MM: Final = 1e-4  # last digit that trackers give; keeps weights finite
 
 
-class WatchfulTracker:
+class CheckedTracker:
     """Measures on the face that is asked for, and refuses readings that are no numbers, or another's."""
 
-    def __init__(self, tracker: PointTracker, acquaintances: DeviceIdentities) -> None:
+    def __init__(self, tracker: PointTracker, identities: TrackerIdentityCheck) -> None:
         self._tracker = tracker
-        self._acquaintances = acquaintances
+        self._identities = identities
         self.serial = ""  # of the one that took the last reading
 
     async def find(self, place_mm: FloatArray, radius_mm: float) -> None:
@@ -40,7 +40,7 @@ class WatchfulTracker:
                 f"The tracker stays on face {reading.face}; face {face} was asked for."
             )
         # asked after the reading: one that was exchanged meanwhile behind the same address is seen
-        self.serial = told((await self._acquaintances.meet("tracker", self._tracker)).serial)
+        self.serial = told((await self._identities.meet("tracker", self._tracker)).serial)
         return reading
 
     async def _measure(self, duration_s: float) -> TrackerReading:

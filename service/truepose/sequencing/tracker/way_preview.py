@@ -13,7 +13,9 @@ from truepose_drivers.errors import DriverError
 _STATED_WITHIN_S: Final = 1.0  # of wall time; a question is not kept waiting for it
 
 
-async def outlook(cell: SessionCell, stops: Sequence[PlannedStop], approach_offset_rad: float | None) -> str:
+async def what_lies_ahead(
+    cell: SessionCell, stops: Sequence[PlannedStop], approach_offset_rad: float | None
+) -> str:
     """Return on which ways to `stops` something would touch, from where the arm stands where that is known.
 
     Empty where all look clear, and where the cell does not say what there is to be looked at.

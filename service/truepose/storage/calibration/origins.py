@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from sqlalchemy import ColumnElement, Connection, Label, case, exists, func, or_, select
 
-from truepose.storage.tables import ballbar_entries, campaigns, readings, sessions
+from truepose.storage.tables import campaigns, readings, session_entries, sessions
 
 _SIMULATED: Final = "$.cell.simulated"
 _BY_A_NOTE: Final = "SIMULATED:*"  # how older archives of this program say it
@@ -63,10 +63,10 @@ class Origin:
             readings.c.session_id == self._session_id,
             readings.c.recorded_at <= self._stored_at,  # a running session goes on measuring
         )
-        lengths = select(func.max(ballbar_entries.c.recorded_at)).where(
-            ballbar_entries.c.session_id == self._session_id,
-            ballbar_entries.c.kind == "measured",
-            ballbar_entries.c.recorded_at <= self._stored_at,
+        lengths = select(func.max(session_entries.c.recorded_at)).where(
+            session_entries.c.session_id == self._session_id,
+            session_entries.c.kind == "measured",
+            session_entries.c.recorded_at <= self._stored_at,
         )
         last: str | None = self._connection.scalar(points) or self._connection.scalar(lengths)
         return last

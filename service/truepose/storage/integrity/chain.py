@@ -5,7 +5,8 @@ out or slipped in breaks the chain of its stream at that place, whoever did it a
 
 The hash is SHA-256 over the hash before (32 bytes; zeros before the first), then the names of table and
 columns and the values, each with its length before it, columns by name and without those that are null: a
-column that a later schema adds leaves earlier hashes as they are.
+column that a later schema adds leaves earlier hashes as they are. A link names its table as that was called
+when it was made.
 """
 
 import hashlib
@@ -14,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any, Final
 
+TABLE_NOW: Final = {"ballbar_entries": "session_entries"}  # renamed by schema 0010
 GENESIS: Final = bytes(32)
 OF_NO_SESSION: Final = 0
 _LENGTH: Final = struct.Struct(">I")

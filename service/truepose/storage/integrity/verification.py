@@ -13,7 +13,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from truepose.storage.connection.library import LIBRARY
-from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, linked_hash, stream_of
+from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, TABLE_NOW, linked_hash, stream_of
 from truepose.storage.migrations.append_only import trigger, trigger_name
 from truepose.storage.tables import metadata
 
@@ -55,14 +55,15 @@ def stream_findings(connection: Any, stream: int) -> Iterator[str]:
     links = "SELECT record, record_id, hash FROM links WHERE stream = ? ORDER BY id"
     linked: Counter[str] = Counter()
     for record, record_id, found in connection.execute(links, (stream,)):
-        if record in metadata.tables:
-            linked[record] += 1
-            rows = connection.execute(f'SELECT * FROM "{record}" WHERE rowid = ?', (record_id,))
+        table = TABLE_NOW.get(record, record)
+        if table in metadata.tables:
+            linked[table] += 1
+            rows = connection.execute(f'SELECT * FROM "{table}" WHERE rowid = ?', (record_id,))
             names, row = tuple(column[0] for column in rows.description), rows.fetchone()
             if row is None or linked_hash(before, record, names, row) != found:
                 yield f"{_record(record, record_id, stream)} is not as it was written."
         before = found
-    for record in ("readings", "ballbar_entries"):
+    for record in ("readings", "session_entries"):
         held = connection.execute(f"SELECT count(*) FROM {record} WHERE session_id = ?", (stream,))
         if held.fetchone()[0] != linked[record]:
             yield f"Of the {_words(record)} of session {stream} some were slipped in or taken out."
@@ -136,7 +137,7 @@ class _ChainReader:
         before, self._heads[stream] = self._heads.get(stream, GENESIS), found
         self.head = (self._last, found.hex())
         self.records += 1
-        table = self._tables.get(record)
+        table = self._tables.get(TABLE_NOW.get(record, record))
         if table is None:
             self.findings.append(f"A link names the unknown table {record}.")
             return

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from sqlalchemy import ColumnElement, Integer, String, and_, cast, exists, func, or_, select
 
-from truepose.storage.tables import ballbar_entries, sessions
+from truepose.storage.tables import session_entries, sessions
 
 _POSE: Final = "/pose-"
 _LAST_ATTEMPT: Final = "%/again-2/%"  # after the third nothing is offered again
@@ -17,10 +17,10 @@ _LAST_ATTEMPT: Final = "%/again-2/%"  # after the third nothing is offered again
 
 def measured_poses() -> Any:
     """Count the poses of which a leg was measured: "placement-1/pose-12/leg-2-3" is of pose 12."""
-    step = ballbar_entries.c.step_id
+    step = session_entries.c.step_id
     return (
         select(func.count(func.distinct(_number_of(step))))
-        .where(ballbar_entries.c.session_id == sessions.c.id, ballbar_entries.c.kind == "measured")
+        .where(session_entries.c.session_id == sessions.c.id, session_entries.c.kind == "measured")
         .where(step.contains(_POSE), step.contains("/leg-"))
         .scalar_subquery()
     )
@@ -28,7 +28,7 @@ def measured_poses() -> Any:
 
 def skipped_poses() -> Any:
     """Count the poses of a session, of the query around it, whose last attempt ended with a skip."""
-    skip, later = ballbar_entries.alias("skip"), ballbar_entries.alias("later")
+    skip, later = session_entries.alias("skip"), session_entries.alias("later")
     pose = _pose_of(skip.c.step_id)
     newer_word = exists().where(
         later.c.session_id == skip.c.session_id,
@@ -47,7 +47,7 @@ def skipped_poses() -> Any:
 
 def _is_offered_again(skip: Any) -> ColumnElement[bool]:
     """Whether the first pre-calibration after a skip found something, and another attempt is allowed."""
-    found = ballbar_entries.alias("found")
+    found = session_entries.alias("found")
     place = func.substr(skip.c.step_id, 1, func.instr(skip.c.step_id, _POSE) - 1)
     first = (
         select(func.json_type(found.c.document, "$.precalibration"))

@@ -14,26 +14,25 @@ from truepose.storage.rows import add_row
 from truepose.storage.tables import readings
 
 
+def add_point(connection: Connection, session_id: int, point: PointTaken) -> int:
+    """Append a reading of a tool nest inside the caller's transaction and return its number.
+
+    An earlier one of the same configuration and nest is superseded.
+    """
+    earlier = _current(connection, session_id, point.config, point.nest)
+    return _add(connection, session_id, point, point.config, point.nest, earlier)
+
+
+def add_fixed_nest(connection: Connection, session_id: int, reading: FixedNestTaken) -> int:
+    """Append a reading of a fixed nest; each of them counts, none supersedes another."""
+    return _add(connection, session_id, reading, None, reading.fixed_nest, None)
+
+
 class ReadingRepository:
-    """All queries about readings."""
+    """All queries about readings; they are written with the line of the ledger that brings them."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
-
-    async def add_point(self, session_id: int, point: PointTaken) -> int:
-        """Store a reading of a tool nest; an earlier one of the same configuration and nest is superseded."""
-
-        def work(connection: Connection) -> int:
-            earlier = _current(connection, session_id, point.config, point.nest)
-            return _add(connection, session_id, point, point.config, point.nest, earlier)
-
-        return await self._database.write(work)
-
-    async def add_fixed_nest(self, session_id: int, reading: FixedNestTaken) -> int:
-        """Store a reading of a fixed nest; each of them counts, none supersedes another."""
-        return await self._database.write(
-            lambda c: _add(c, session_id, reading, None, reading.fixed_nest, None)
-        )
 
     async def get(self, reading_id: int) -> ReadingRecord:
         """Return a reading; raises NotFoundError."""

@@ -60,6 +60,26 @@ def add_state(
     add_event(connection, "session.state", values, session_id=session_id)
 
 
+def add_skip(connection: Connection, session_id: int, skipped: StopSkipped) -> None:
+    """Append that a configuration was not measured, and why."""
+    document = to_document(skipped)
+    add_row(connection, skipped_stops, session_id=session_id, document=document)
+    add_event(connection, "session.stop_skipped", document, session_id=session_id)
+
+
+def add_registration(connection: Connection, session_id: int, registration: Registration) -> None:
+    """Append the tracker's place in the world; it supersedes the one before."""
+    add_row(connection, registrations, session_id=session_id, document=to_document(registration))
+    told = {"rms_mm": registration.rms_mm, "two_face_mm": registration.two_face_mm}
+    add_event(connection, "session.registered", told, session_id=session_id)
+
+
+def add_note(connection: Connection, session_id: int, text: str) -> None:
+    """Append a sentence."""
+    add_row(connection, notes, session_id=session_id, text=text)
+    add_event(connection, "session.note", {"text": text}, session_id=session_id)
+
+
 class SessionRepository:
     """All queries about sessions."""
 
@@ -77,10 +97,6 @@ class SessionRepository:
     async def require_intact(self, session_id: int) -> None:
         """Raise DamagedDatabaseError where a record of a session is not as it was written."""
         await self._database.require_intact(session_id)
-
-    async def writable(self) -> None:
-        """Return once records are taken again, after one was refused."""
-        await self._database.writable()
 
     async def answered(self, key: RequestKey) -> int | None:
         """Return the session that a request with this key made before; raises KeyReusedError."""
@@ -136,28 +152,12 @@ class SessionRepository:
             raise NotFoundError("session", session_id)
         return document
 
-    async def change_state(
-        self, session_id: int, state: SessionState, reason: str, person: str | None = None
-    ) -> None:
-        """Append a state."""
-        await self._database.write(lambda c: add_state(c, session_id, state, reason, person))
-
     async def states(self, session_id: int) -> list[StateChange]:
         """Return every state that the session was in, oldest first."""
         table = session_states
         query = select(table).where(table.c.session_id == session_id).order_by(table.c.id)
         rows = await self._database.read(lambda c: c.execute(query).all())
         return [StateChange(r.recorded_at, SessionState(r.state), r.reason, r.person) for r in rows]
-
-    async def skip(self, session_id: int, skipped: StopSkipped) -> None:
-        """Keep that a configuration was not measured, and why."""
-        document = to_document(skipped)
-
-        def work(connection: Connection) -> None:
-            add_row(connection, skipped_stops, session_id=session_id, document=document)
-            add_event(connection, "session.stop_skipped", document, session_id=session_id)
-
-        await self._database.write(work)
 
     async def skipped(self, session_id: int) -> list[StopSkipped]:
         """Return what was not measured, oldest first."""
@@ -166,28 +166,12 @@ class SessionRepository:
         documents = await self._database.read(lambda c: c.scalars(query).all())
         return [from_document(StopSkipped, document) for document in documents]
 
-    async def register(self, session_id: int, registration: Registration) -> None:
-        """Keep the tracker's place in the world; it supersedes the one before."""
-        document = to_document(registration)
-
-        def work(connection: Connection) -> None:
-            add_row(connection, registrations, session_id=session_id, document=document)
-            told = {"rms_mm": registration.rms_mm, "two_face_mm": registration.two_face_mm}
-            add_event(connection, "session.registered", told, session_id=session_id)
-
-        await self._database.write(work)
-
     async def registration(self, session_id: int) -> Registration | None:
         """Return the tracker's place as last registered."""
         table = registrations
         query = select(table.c.document).where(table.c.session_id == session_id).order_by(table.c.id.desc())
         document = await self._database.read(lambda c: c.scalar(query.limit(1)))
         return None if document is None else from_document(Registration, document)
-
-    async def identify(self, session_id: int, taken: IdentityTaken) -> None:
-        """Keep which device answered, or who accepted it."""
-        document = to_document(taken)
-        await self._database.write(lambda c: add_event(c, IDENTITY, document, session_id=session_id))
 
     async def identities(self, session_id: int) -> list[IdentityTaken]:
         """Return which devices answered and who accepted them, oldest first."""
@@ -198,22 +182,12 @@ class SessionRepository:
 
     async def note(self, session_id: int, text: str) -> None:
         """Keep a sentence."""
-
-        def work(connection: Connection) -> None:
-            add_row(connection, notes, session_id=session_id, text=text)
-            add_event(connection, "session.note", {"text": text}, session_id=session_id)
-
-        await self._database.write(work)
+        await self._database.write(lambda c: add_note(c, session_id, text))
 
     async def notes(self, session_id: int) -> list[str]:
         """Return the sentences kept, oldest first."""
         query = select(notes.c.text).where(notes.c.session_id == session_id).order_by(notes.c.id)
         return await self._database.read(lambda c: list(c.scalars(query)))
-
-    async def tell_progress(self, session_id: int, progress: Progress) -> None:
-        """Keep how far the session is."""
-        document = to_document(progress)
-        await self._database.write(lambda c: add_event(c, PROGRESS, document, session_id=session_id))
 
     async def progress(self, session_id: int) -> Progress | None:
         """Return how far the session was when it last said so."""

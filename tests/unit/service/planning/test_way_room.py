@@ -21,7 +21,7 @@ from truepose.planning.work_volume.room_on_ways import (
     what_blocks_a_way,
     what_to_watch,
 )
-from truepose.sequencing.tracker.plans import visits
+from truepose.sequencing.tracker.plans import visit
 from truepose.sequencing.tracker.steps import Move
 
 CELL = Cell(name="bench", robot_key="", robot=IRB120, nests=NESTS)
@@ -140,7 +140,7 @@ def test_above_a_floor_that_nobody_states_the_way_is_spoken_of_and_not_refused()
 def test_ways_are_those_that_a_session_goes(offset_rad):
     stops = planned(BEFORE, BEYOND, FOLDED)
     plan = SessionPlan("calibration", tuple(stops), approach_offset_rad=offset_rad)
-    steps = [step for section in visits(plan, stops, 3) for step in section.steps]
+    steps = [operation for stop in stops for operation in visit(plan, stop).operations]
     targets = np.array([step.target_rad for step in steps if isinstance(step, Move)])
 
     ways = ways_between(stops, offset_rad)

@@ -7,13 +7,15 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.ledger import EntryKind
 from truepose.domain.session import FixedNestTaken, Registration, SessionPlan
+from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.errors import AttentionNeededError
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.journal import SessionJournal
-from truepose.sequencing.tracker.steps import ReadFixedNest
+from truepose.sequencing.tracker.situation import TrackerSituation
+from truepose.sequencing.tracker.steps import ReadFixedNest, StepKind
 from truepose.sequencing.tracker.tracking import (
-    WatchfulTracker,
+    CheckedTracker,
     standard_uncertainty_mm,
     stated_covariance_mm2,
 )
@@ -36,40 +38,29 @@ class FixedNests:
         self,
         plan: SessionPlan,
         cell: SessionCell,
-        tracker: WatchfulTracker,
-        journal: SessionJournal,
-        registration: Registration | None,
+        tracker: CheckedTracker,
+        logbook: Logbook[TrackerSituation],
     ) -> None:
         self._plan = plan
         self._cell = cell
         self._tracker = tracker
-        self._journal = journal
+        self._logbook = logbook
         self._certified = np.array([nest.centre_mm for nest in cell.fixed_nests])
-        self._last_known = registration
-        self._registration = registration
         self._rough: RoughFrame | None = None
         self._two_face_mm: float | None = None
-        self._taken: dict[tuple[int, int], list[TrackerReading]] = {}  # (fixed nest, face) in this section
+        self._taken: dict[tuple[int, int], list[TrackerReading]] = {}  # (fixed nest, face) in this step
 
     @property
     def registration(self) -> Registration:
         """The tracker's place in the world; raises AttentionNeededError where it is not known."""
-        if self._registration is None:
+        found = self._logbook.situation.registration
+        if found is None:
             raise AttentionNeededError("The tracker's place in the world is not known.")
-        return self._registration
+        return found
 
-    @property
-    def registered(self) -> bool:
-        """Whether the tracker's place in the world is known."""
-        return self._registration is not None
-
-    def begin_section(self) -> None:
-        """Forget the readings of an earlier section."""
+    def begin_step(self) -> None:
+        """Forget the readings of an earlier step."""
         self._taken.clear()
-
-    def distrust(self) -> None:
-        """Give up the registration, because the fixed nests contradict it; it remains a guess."""
-        self._registration = None
 
     async def locate(self) -> None:
         """Find out roughly where the fixed nests are."""
@@ -83,8 +74,9 @@ class FixedNests:
 
     def _guesses(self) -> list[tuple[FloatArray, float]]:
         guesses: list[tuple[FloatArray, float]] = []
-        if self._last_known is not None:
-            guesses.append((to_tracker(self._last_known, self._certified), AIMED_RADIUS_MM))
+        last_known = self._logbook.situation.last_known
+        if last_known is not None:
+            guesses.append((to_tracker(last_known, self._certified), AIMED_RADIUS_MM))
         if self._cell.fixed_nests_seen_mm is not None:
             guesses.append((np.array(self._cell.fixed_nests_seen_mm), AIMED_RADIUS_MM))
         return guesses
@@ -95,7 +87,9 @@ class FixedNests:
         readings = self._taken.setdefault((step.fixed_nest, step.face), [])
         for _ in range(step.readings):
             reading = await self._tracker.measure(self._plan.measure_s, step.face)
-            await self._journal.fixed_nest_taken(self._record(step, reading))
+            taken = self._record(step, reading)
+            of = StepKind.LOOK if step.phase == "reference" else StepKind.REGISTER
+            await self._logbook.write(EntryKind.READ, of, fixed_nest=taken, time_s=taken.time_s)
             readings.append(reading)
 
     async def _find(self, fixed_nest: int) -> None:
@@ -108,16 +102,18 @@ class FixedNests:
 
     def _expected(self, fixed_nest: int) -> FloatArray:
         centre: FloatArray = self._certified[fixed_nest - 1]
-        if self._registration is not None:
-            return to_tracker(self._registration, centre)
+        registration = self._logbook.situation.registration
+        if registration is not None:
+            return to_tracker(registration, centre)
         if self._rough is None:
             raise AttentionNeededError("The fixed nests have not been located yet.")
         return self._rough.to_tracker(centre)
 
     def _record(self, step: ReadFixedNest, reading: TrackerReading) -> FixedNestTaken:
         world = None
-        if self._registration is not None and step.phase == "reference":
-            x, y, z = (float(value) for value in to_world(self._registration, np.array(reading.point_mm)))
+        registration = self._logbook.situation.registration
+        if registration is not None and step.phase == "reference":
+            x, y, z = (float(value) for value in to_world(registration, np.array(reading.point_mm)))
             world = (x, y, z)
         return FixedNestTaken(
             phase=step.phase,
@@ -160,9 +156,8 @@ class FixedNests:
                 f"The fixed nests contradict their certificate: {registration.rms_mm:.3f} mm remain, "
                 f"limit {limit_mm:.3f} mm. Clean the nests and reflectors and seat them anew, then continue."
             )
-        await self._journal.registered(registration)
-        await self._journal.noted(scale_sentence(registration))
-        self._registration = self._last_known = registration
+        await self._logbook.write(EntryKind.COMPUTED, StepKind.REGISTER, registration=registration)
+        await self._logbook.write(EntryKind.NOTED, text=scale_sentence(registration))
 
     def _stated(self, fixed_nest: int) -> FloatArray:
         return np.array([stated_covariance_mm2(reading) for reading in self._taken[fixed_nest, 1]])

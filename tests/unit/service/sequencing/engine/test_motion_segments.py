@@ -16,7 +16,7 @@ from truepose.sequencing.engine.motion_segments import MotionSegments
 from truepose.sequencing.engine.nominal_arm import nominal_chain
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.errors import MotionForbiddenError
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.api import MotionGuard, MotionLimits, motion_guard
 
 SLOW = MotionLimits(20.0, math.radians(3.0))
@@ -146,7 +146,7 @@ async def test_an_arm_outside_its_limits_may_be_brought_inside():
 async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
     cell = FakeCell()
     cell.robot.motion_guard = MotionGuard(longest_piece_s=1.0)
-    runner = SessionRunner(make_plan(1, tool_speed_mm_s=20.0), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(1, tool_speed_mm_s=20.0), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.question is not None)
     said = []

@@ -9,6 +9,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.identities import IdentityTaken
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, JointRow, Nest, Robot
 from truepose.domain.session import (
     FixedNestTaken,
@@ -19,6 +20,7 @@ from truepose.domain.session import (
     SessionPlan,
     SessionState,
     StopSkipped,
+    config_of,
 )
 from truepose.kinematics.frames import rotation_xyz
 from truepose.sequencing.engine.nominal_arm import nest_in_world
@@ -205,10 +207,11 @@ class FakeTracker:
         return Environment(23.1, 1013.0, 40.0)
 
 
-class ListJournal:
-    """Keeps everything in lists, in the order of the calls."""
+class ListLedger:
+    """Keeps lines, and what they say in lists of each kind; the methods of each kind may be replaced."""
 
     def __init__(self) -> None:
+        self.entries: list[LedgerEntry] = []
         self.states: list[tuple[SessionState, str, str | None]] = []
         self.points: list[PointTaken] = []
         self.fixed: list[FixedNestTaken] = []
@@ -238,6 +241,29 @@ class ListJournal:
         if self.full:
             self.refused.set()
             raise RecordRefusedError("database or disk is full")
+
+    async def append(self, entry: LedgerEntry) -> int:
+        self._require_room()
+        if entry.point is not None:
+            await self.point_taken(entry.point)
+        if entry.fixed_nest is not None:
+            await self.fixed_nest_taken(entry.fixed_nest)
+        if entry.kind is EntryKind.SKIPPED:
+            config = config_of(entry.step_id)
+            assert config is not None
+            await self.stop_skipped(StopSkipped(config, entry.time_s, entry.text))
+        if entry.registration is not None:
+            await self.registered(entry.registration)
+        if entry.identity is not None:
+            await self.identified(entry.identity)
+        if entry.kind is EntryKind.NOTED:
+            await self.noted(entry.text)
+        if entry.entered is not None:
+            await self.state_changed(entry.entered, entry.text, entry.person)
+        if entry.progress is not None:
+            await self.progressed(entry.progress)
+        self.entries.append(entry)
+        return len(self.entries)
 
     async def state_changed(self, state: SessionState, reason: str, person: str | None) -> None:
         self._require_room()
@@ -283,7 +309,7 @@ class FakeCell:
         self.clock = FakeClock()
         self.robot = FakeRobot(self.clock)
         self.tracker = FakeTracker(self.clock, self.robot, azimuth_rad=azimuth_rad, noise_mm=noise_mm)
-        self.journal = ListJournal()
+        self.journal = ListLedger()
         self.cell = SessionCell(
             tracker=self.tracker,
             robot_controller=self.robot,

@@ -4,9 +4,9 @@ import asyncio
 from collections.abc import Callable
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
+from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import SessionPlan, SessionState
-from truepose.sequencing.tracker.journal import SessionHistory
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 
 _TURNS_WITHOUT_CHANGE = 2000  # of the event loop; a session that waits longer waits for nobody
 
@@ -23,7 +23,7 @@ class PatientOperator:
         self.questions: list[str] = []
         self.before_answer: Callable[[str], None] | None = None
 
-    async def attend(self, runner: SessionRunner, running: asyncio.Task[SessionState]) -> SessionState:
+    async def attend(self, runner: TrackerRunner, running: asyncio.Task[SessionState]) -> SessionState:
         while not running.done():
             await asyncio.sleep(self._look_s)
             if runner.question is None or runner.state not in (
@@ -34,7 +34,12 @@ class PatientOperator:
             await self._answer(runner)
         return running.result()
 
-    async def _answer(self, runner: SessionRunner) -> None:
+    async def attend_from_the_start(self, runner: TrackerRunner) -> SessionState:
+        """Run a session and answer what it asks."""
+        async with asyncio.timeout(20):
+            return await self.attend(runner, asyncio.create_task(runner.run()))
+
+    async def _answer(self, runner: TrackerRunner) -> None:
         question = runner.question or ""
         self.questions.append(question)
         if self.before_answer is not None:
@@ -51,12 +56,10 @@ async def run_session(
     cell: FakeCell,
     plan: SessionPlan,
     operator: PatientOperator | None = None,
-    history: SessionHistory | None = None,
+    entries: tuple[LedgerEntry, ...] = (),
 ) -> SessionState:
-    runner = SessionRunner(plan, cell.cell, cell.journal, history)
-    running = asyncio.create_task(runner.run())
-    async with asyncio.timeout(20):
-        return await (operator or PatientOperator()).attend(runner, running)
+    runner = TrackerRunner(plan, cell.cell, cell.journal, entries)
+    return await (operator or PatientOperator()).attend_from_the_start(runner)
 
 
 async def until(condition: Callable[[], bool]) -> None:

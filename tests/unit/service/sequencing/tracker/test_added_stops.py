@@ -10,7 +10,7 @@ from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan, mak
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
 from truepose.domain.session import SessionState
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 
 ADDED = (make_stop(11), make_stop(12))
 MOVES_PER_STOP = 2  # the approach and the stop itself
@@ -35,7 +35,7 @@ class Session:
     def __init__(self, n_stops=2, **changes):
         self.cell = FakeCell()
         self.operator = PatientOperator()
-        self.runner = SessionRunner(make_plan(n_stops, **changes), self.cell.cell, self.cell.journal)
+        self.runner = TrackerRunner(make_plan(n_stops, **changes), self.cell.cell, self.cell.journal)
         self.running = asyncio.create_task(self.runner.run())
 
     async def attended(self):

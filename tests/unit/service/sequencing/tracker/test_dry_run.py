@@ -18,7 +18,7 @@ from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest
 from truepose.domain.session import PlannedStop
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker.dry_run import check_plan, dry_run, motion_limits
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 
 WIDE = tuple(JointRange(-math.pi, math.pi) for _ in range(6))
 
@@ -107,7 +107,7 @@ def test_a_runner_refuses_an_unfit_plan_at_once():
     cell = FakeCell()
 
     with pytest.raises(PlanRefusedError):
-        SessionRunner(make_plan(stops=()), cell.cell, cell.journal)
+        TrackerRunner(make_plan(stops=()), cell.cell, cell.journal)
 
 
 def test_a_dry_run_counts_moves_and_readings():

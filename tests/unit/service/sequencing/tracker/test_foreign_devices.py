@@ -7,11 +7,11 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
+from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.sequencing.engine.identity_check import Expected
 from truepose.sequencing.errors import NotNowError
-from truepose.sequencing.tracker.journal import SessionHistory
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.errors import ConnectionLostError
 
 A, B = "390001", "777777"
@@ -24,7 +24,7 @@ class Accepting(PatientOperator):
         super().__init__(patience)
         self._serial = serial
 
-    async def _answer(self, runner: SessionRunner) -> None:
+    async def _answer(self, runner: TrackerRunner) -> None:
         question = runner.question or ""
         if self._serial and f"accept {self._serial}" in question:
             self.questions.append(question)
@@ -187,7 +187,7 @@ async def test_swapped_and_swapped_back_is_asked_both_times():
 async def test_a_confirmation_meant_for_the_question_before_accepts_nothing():
     cell = FakeCell()
     expecting(cell, tracker="390003")
-    runner = SessionRunner(make_plan(1), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(1), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION and runner.question is not None)
     await runner.confirm("Eva")
@@ -207,7 +207,7 @@ async def test_a_confirmation_meant_for_the_question_before_accepts_nothing():
 async def interrupted_at_the_question(cell):
     """Run a session until it questions a tracker, then kill it; returns what is on disk."""
     at_reading(cell, 1, exchanged(cell))
-    runner = SessionRunner(make_plan(3), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.question is not None and runner.state is SessionState.AWAITING_CONFIRMATION)
     await runner.confirm("Eva")
@@ -218,12 +218,7 @@ async def interrupted_at_the_question(cell):
 
 
 def on_disk(cell):
-    return SessionHistory(
-        state=cell.journal.states[-1][0],
-        points=tuple(cell.journal.points),
-        registration=cell.journal.registrations[-1],
-        identities=tuple(cell.journal.identities),
-    )
+    return tuple(cell.journal.entries)
 
 
 async def test_a_restart_between_question_and_answer_puts_the_question_again():
@@ -251,11 +246,10 @@ async def test_a_restart_between_question_and_answer_accepts_nothing_by_itself()
 async def test_an_acceptance_survives_a_restart_and_the_registration_of_the_other_one_does_not():
     cell = FakeCell()
     history = await interrupted_at_the_question(cell)
-    accepting = replace(history.identities[-1], finding="accepted", person="Eva")
+    accepting = replace(cell.journal.identities[-1], finding="accepted", person="Eva")
+    accepted = LedgerEntry("", EntryKind.NOTED, cell.clock.time_s, identity=accepting)
 
-    ended = await run_session(
-        cell, make_plan(3), PatientOperator(1), replace(history, identities=(*history.identities, accepting))
-    )
+    ended = await run_session(cell, make_plan(3), PatientOperator(1), (*history, accepted))
 
     assert ended is SessionState.FINISHED
     assert serials(cell) == [A, B, B]

@@ -8,19 +8,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.unit.service.sequencing.tracker.fakes import FakeCell, ListJournal, make_plan
+from tests.unit.service.sequencing.tracker.fakes import FakeCell, ListLedger, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
 from truepose.sequencing.engine.interlocks import MAX_STATE_AGE_S
 from truepose.sequencing.engine.states import has_ended
 from truepose.sequencing.errors import NotNowError
-from truepose.sequencing.tracker.runner import SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.errors import ConnectionLostError
 
 N_STOPS = 4
 
 
-class SlowJournal(ListJournal):
+class SlowLedger(ListLedger):
     """Lets others run before and after each record, as a disk does."""
 
     async def state_changed(self, state, reason, person):
@@ -38,7 +38,7 @@ class Guard:
 
     def __init__(self, cell: FakeCell) -> None:
         self.cell = cell
-        self.runner = SessionRunner(make_plan(N_STOPS, registration_readings=1), cell.cell, cell.journal)
+        self.runner = TrackerRunner(make_plan(N_STOPS, registration_readings=1), cell.cell, cell.journal)
         self.stop_asked = False
         self.confirmed_since_fault = False
         self.read_at_s: float | None = None
@@ -146,7 +146,7 @@ SCRIPTS = st.lists(st.tuples(st.integers(0, 12), ACTIONS), max_size=14)  # turns
 
 async def play(script):
     cell = FakeCell()
-    cell.journal = SlowJournal()
+    cell.journal = SlowLedger()
     guard = Guard(cell)
     running = asyncio.create_task(guard.runner.run())
     while guard.runner.state is not SessionState.AWAITING_CONFIRMATION:
@@ -205,8 +205,8 @@ async def test_the_guard_notices_a_motion_without_confirmation():
 
 async def test_an_abort_during_a_confirmation_wins():
     cell = FakeCell()
-    cell.journal = SlowJournal()
-    runner = SessionRunner(make_plan(), cell.cell, cell.journal)
+    cell.journal = SlowLedger()
+    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     while runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)
@@ -219,8 +219,8 @@ async def test_an_abort_during_a_confirmation_wins():
 
 async def test_of_two_confirmations_one_is_refused():
     cell = FakeCell()
-    cell.journal = SlowJournal()
-    runner = SessionRunner(make_plan(), cell.cell, cell.journal)
+    cell.journal = SlowLedger()
+    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     while runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)

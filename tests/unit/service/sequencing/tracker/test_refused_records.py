@@ -9,8 +9,9 @@ from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
+from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError
-from truepose.sequencing.tracker.runner import CELL_CLEAR, SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 
 REFUSED_ONCE = ("state_changed", "point_taken", "fixed_nest_taken", "stop_skipped", "registered", "noted")
 
@@ -24,7 +25,7 @@ class Run:
 
     def __init__(self, full_at_motion=None):
         self.cell = FakeCell()
-        self.runner = SessionRunner(make_plan(3), self.cell.cell, self.cell.journal)
+        self.runner = TrackerRunner(make_plan(3), self.cell.cell, self.cell.journal)
         self._full_at = full_at_motion
         self.cell.robot.before_move = self._fill
 

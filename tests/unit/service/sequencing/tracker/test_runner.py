@@ -9,11 +9,12 @@ import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
-from truepose.domain.session import SessionState, StopSkipped
+from truepose.domain.ledger import EntryKind, LedgerEntry
+from truepose.domain.session import SessionState
 from truepose.sequencing.engine.nominal_arm import nest_in_world
+from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError, PersonMissingError
-from truepose.sequencing.tracker.journal import SessionHistory
-from truepose.sequencing.tracker.runner import CELL_CLEAR, SessionRunner
+from truepose.sequencing.tracker.runner import TrackerRunner
 from truepose_drivers.errors import (
     BeamBrokenError,
     ConnectionLostError,
@@ -26,6 +27,11 @@ from truepose_drivers.errors import (
 )
 
 LOST = ConnectionLostError("the cable was pulled")
+
+
+def before_the_end(cell):
+    """What a service had on disk that was killed just before the session had finished."""
+    return tuple(cell.journal.entries[:-1])
 
 
 def states(cell):
@@ -97,7 +103,7 @@ async def test_without_an_approach_the_direction_is_that_of_the_way_from_stop_to
 
 async def test_nothing_moves_before_a_named_person_has_confirmed():
     cell = FakeCell()
-    runner = SessionRunner(make_plan(), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
 
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
@@ -464,7 +470,7 @@ async def test_a_stale_robot_state_forbids_motion():
 
 async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins_again():
     cell = FakeCell()
-    runner = SessionRunner(make_plan(3), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
     answers = []
 
     async def ask_for_a_pause_during_the_fourth_motion():
@@ -489,7 +495,7 @@ async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins
 
 async def test_an_abort_takes_effect_at_the_end_of_the_motion():
     cell = FakeCell()
-    runner = SessionRunner(make_plan(3), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
 
     async def ask_for_the_end():
         if len(cell.robot.moves) == 2:
@@ -507,7 +513,7 @@ async def test_an_abort_takes_effect_at_the_end_of_the_motion():
 
 async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
     cell = FakeCell()
-    runner = SessionRunner(make_plan(), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
 
     with pytest.raises(NotNowError, match="planned; it cannot become pausing"):
         await runner.request_pause()
@@ -611,34 +617,28 @@ async def test_a_restarted_session_asks_first_and_measures_only_what_is_missing(
     first = FakeCell()
     await run_session(first, make_plan(3))
     again = FakeCell()
-    history = SessionHistory(
-        state=SessionState.RUNNING,
-        points=tuple(first.journal.points),
-        skipped=(StopSkipped(4, 0.0, "hidden"),),
-        registration=first.journal.registrations[0],
-        elapsed_s=600.0,
-    )
+    again.clock.time_s = first.clock.time_s
+    entries = before_the_end(first)
+    ran_s = first.journal.progress[-1].elapsed_s
+    entries += (LedgerEntry("stop-4", EntryKind.SKIPPED, entries[-1].time_s, text="hidden"),)
 
-    ended = await run_session(again, make_plan(6), history=history)
+    ended = await run_session(again, make_plan(6), entries=entries)
 
     assert ended is SessionState.FINISHED
     assert [point.config for point in again.journal.points] == [5, 6]
     assert again.journal.registrations == []  # the fixed nests agree with the one on disk
     assert states(again)[0] is SessionState.AWAITING_CONFIRMATION
     assert again.journal.progress[-1].done == 5
-    assert again.journal.progress[-1].elapsed_s > 600.0
+    assert again.journal.progress[-1].elapsed_s > ran_s
 
 
 async def test_a_restart_after_the_tracker_was_moved_places_it_anew():
     first = FakeCell()
     await run_session(first, make_plan(1))
     again = FakeCell(azimuth_rad=0.4)
-    history = SessionHistory(
-        SessionState.RUNNING, tuple(first.journal.points), registration=first.journal.registrations[0]
-    )
     operator = PatientOperator()
 
-    ended = await run_session(again, make_plan(2), operator, history)
+    ended = await run_session(again, make_plan(2), operator, before_the_end(first))
 
     assert ended is SessionState.FINISHED
     assert "Fixed nest 1 was not found" in operator.questions[1]
@@ -693,7 +693,7 @@ async def test_devices_introduce_themselves_in_the_record():
 
 async def test_a_cancelled_run_leaves_the_record_as_it_was():
     cell = FakeCell()
-    runner = SessionRunner(make_plan(), cell.cell, cell.journal)
+    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
 

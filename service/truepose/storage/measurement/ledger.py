@@ -1,27 +1,35 @@
-"""The ledger of ballbar sessions: appended when something happened; it says where a session stands."""
+"""The ledger of sessions: appended when something happened; it says where a session stands."""
 
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import Connection, Row, func, select
+from sqlalchemy import Connection, Row, Select, func, select
 
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
-from truepose.domain.session import SessionState
+from truepose.domain.session import FixedNestTaken, PointTaken, SessionState, StopSkipped, config_of
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.events import add_event
-from truepose.storage.measurement.sessions import add_state
+from truepose.storage.measurement.readings import add_fixed_nest, add_point
+from truepose.storage.measurement.sessions import (
+    IDENTITY,
+    PROGRESS,
+    add_note,
+    add_registration,
+    add_skip,
+    add_state,
+)
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.rows import add_row
-from truepose.storage.tables import ballbar_answers, ballbar_entries
+from truepose.storage.tables import ballbar_answers, readings, session_entries, sessions
 
 _ALL = Page(limit=-1)  # SQLite: a negative limit is none
 _RESTARTED_BEFORE = "The service was started anew."
 
 
-class BallbarLedger:
-    """All queries about what happened in ballbar sessions."""
+class LedgerRepository:
+    """All queries about what happened in sessions."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -31,7 +39,7 @@ class BallbarLedger:
 
         An entry whose key the session has already changes nothing; the earlier one's number comes back.
         """
-        document = to_document(entry)  # outside the transaction: a pre-calibration is long
+        document = _document(entry)  # outside the transaction: a pre-calibration is long
         return await self._database.write(lambda c: _append(c, session_id, entry, document))
 
     async def writable(self) -> None:
@@ -40,9 +48,9 @@ class BallbarLedger:
 
     async def page(self, session_id: int, page: Page = _ALL) -> list[LedgerRecord]:
         """Return the entries of a session, oldest first."""
-        table = ballbar_entries
+        table = session_entries
         query = (
-            select(table)
+            _records()
             .where(table.c.session_id == session_id, table.c.id > page.after)
             .order_by(table.c.id)
             .limit(page.limit)
@@ -51,13 +59,13 @@ class BallbarLedger:
 
     async def newest(self, session_id: int) -> int | None:
         """Return the number of the newest entry of a session; None before the first."""
-        query = select(func.max(ballbar_entries.c.id)).where(ballbar_entries.c.session_id == session_id)
+        query = select(func.max(session_entries.c.id)).where(session_entries.c.session_id == session_id)
         return await self._database.read(lambda c: c.scalar(query))
 
     async def entry_with(self, session_id: int, key: str) -> LedgerRecord | None:
         """Return the entry that a request with this key caused; None where none did."""
-        table = ballbar_entries
-        query = select(table).where(table.c.session_id == session_id, table.c.key == key)
+        table = session_entries
+        query = _records().where(table.c.session_id == session_id, table.c.key == key)
         row = await self._database.read(lambda c: c.execute(query).one_or_none())
         return None if row is None else _record(row)
 
@@ -88,24 +96,49 @@ def _append(
     known = None if entry.key is None else _number_of(connection, session_id, entry.key)
     if known is not None:
         return known
+    of_ballbar = _role(connection, session_id) == "ballbar"
     number = add_row(
         connection,
-        ballbar_entries,
+        session_entries,
         session_id=session_id,
         step_id=entry.step_id,
         kind=entry.kind.value,
         key=entry.key,
         document=document,
+        reading_id=None if of_ballbar else _list(connection, session_id, entry),
     )
-    told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.told}
-    add_event(connection, "session.entry", told, session_id=session_id)
+    if of_ballbar:
+        told = {"entry": number, "step_id": entry.step_id, "kind": entry.kind.value, "text": entry.told}
+        add_event(connection, "session.entry", told, session_id=session_id)
     if entry.entered is not None:
         add_state(connection, session_id, entry.entered, entry.text, entry.person)
+    if entry.progress is not None:
+        add_event(connection, PROGRESS, to_document(entry.progress), session_id=session_id)
     return number
 
 
+def _list(connection: Connection, session_id: int, entry: LedgerEntry) -> int | None:
+    """Enter what a line of a tracker session says in the lists that clients read; return its reading."""
+    config = config_of(entry.step_id) if entry.kind is EntryKind.SKIPPED else None
+    if config is not None:
+        add_skip(connection, session_id, StopSkipped(config, entry.time_s, entry.text))
+    if entry.registration is not None:
+        add_registration(connection, session_id, entry.registration)
+    if entry.identity is not None:
+        add_event(connection, IDENTITY, to_document(entry.identity), session_id=session_id)
+    if entry.kind is EntryKind.NOTED:
+        add_note(connection, session_id, entry.text)
+    if entry.fixed_nest is not None:
+        return add_fixed_nest(connection, session_id, entry.fixed_nest)
+    return None if entry.point is None else add_point(connection, session_id, entry.point)
+
+
+def _role(connection: Connection, session_id: int) -> str | None:
+    return connection.scalar(select(sessions.c.role).where(sessions.c.id == session_id))
+
+
 def _number_of(connection: Connection, session_id: int, key: str) -> int | None:
-    table = ballbar_entries
+    table = session_entries
     return connection.scalar(select(table.c.id).where(table.c.session_id == session_id, table.c.key == key))
 
 
@@ -121,8 +154,25 @@ def _keep_answer(connection: Connection, session_id: int, key: RequestKey, answe
     )
 
 
+def _records() -> Select[Any]:
+    joined = session_entries.outerjoin(readings, readings.c.id == session_entries.c.reading_id)
+    read = readings.c.kind.label("reading_kind"), readings.c.document.label("reading")
+    return select(session_entries, *read).select_from(joined)
+
+
 def _record(row: Row[Any]) -> LedgerRecord:
-    return LedgerRecord(row.id, row.recorded_at, _as_typed(from_document(LedgerEntry, row.document)))
+    entry = _as_typed(from_document(LedgerEntry, row.document))
+    if row.reading_kind == "point":
+        entry = replace(entry, point=from_document(PointTaken, row.reading))
+    elif row.reading_kind is not None:
+        entry = replace(entry, fixed_nest=from_document(FixedNestTaken, row.reading))
+    return LedgerRecord(row.id, row.recorded_at, entry)
+
+
+def _document(entry: LedgerEntry) -> dict[str, Any]:
+    """Return what is kept of a line: what it says, without the reading, which has a record of its own."""
+    told = to_document(replace(entry, point=None, fixed_nest=None))
+    return {name: value for name, value in told.items() if value not in (None, [], "") or name == "step_id"}
 
 
 def _as_typed(entry: LedgerEntry) -> LedgerEntry:

@@ -1,0 +1,131 @@
+"""What a fault means to a tracker session: the lines that follow from it. Pure.
+
+- A configuration whose reading fails is skipped with the reason, unless nothing has been measured since a
+  person last had the session go on, or several in a row have failed: then the instrument is suspect, and
+  the session pauses.
+- A lost link and a robot that is not where it was left are the same thing to a session: nothing moves before
+  a person confirms; then the devices are opened anew, the fixed nests are looked at, and the step that was
+  interrupted begins again.
+- Another tracker than the expected one measures nothing before a person has accepted it by its serial
+  number; then it is placed in the world anew. Another robot is refused.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from truepose.domain.ledger import EntryKind
+from truepose.domain.session import SessionPlan, SessionState
+from truepose.sequencing.engine.prompts import CELL_CLEAR
+from truepose.sequencing.errors import (
+    AttentionNeededError,
+    ForeignInstrumentError,
+    MotionForbiddenError,
+    ReadingRejectedError,
+    SequencingError,
+)
+from truepose.sequencing.tracker.situation import TrackerSituation
+from truepose.sequencing.tracker.steps import Step, StepKind
+from truepose_drivers.errors import (
+    ConfigurationError,
+    DeviceRefusedError,
+    DriverError,
+    MeasurementFailedError,
+    NotInitialisedError,
+)
+
+_INTERRUPTIONS_PER_STOP: Final = 2  # a configuration on which the link breaks so often is left out
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """What is put on record."""
+
+    kind: EntryKind
+    step_id: str = ""
+    text: str = ""
+    entered: SessionState | None = None
+
+
+def is_interruption(error: Exception) -> bool:
+    """Whether devices have to be opened anew: the link, nonsense on it, or a driver that failed."""
+    if isinstance(error, NotInitialisedError):
+        return True
+    spoken = MeasurementFailedError | DeviceRefusedError | ConfigurationError
+    return isinstance(error, DriverError) and not isinstance(error, spoken)
+
+
+def lines_after(
+    error: SequencingError | DriverError, step: Step, now: TrackerSituation, plan: SessionPlan
+) -> Iterator[Line]:
+    """Yield what is put on record after a fault within a step; raises what is no fault of a cell."""
+    reason = str(error)
+    if is_interruption(error) or isinstance(error, MotionForbiddenError):
+        return _after_interruption(reason, step, now)
+    match error:
+        case MeasurementFailedError() | DeviceRefusedError() | ReadingRejectedError():
+            return _after_failed_measurement(reason, step, now, plan)
+        case AttentionNeededError():
+            return _after_contradiction(reason, now)
+        case ForeignInstrumentError():
+            return _after_exchange(reason, now)
+        case ConfigurationError():
+            return iter((Line(EntryKind.CONTROL, text=reason, entered=SessionState.FAILED),))
+        case _:
+            raise error
+
+
+def _after_interruption(reason: str, step: Step, now: TrackerSituation) -> Iterator[Line]:
+    yield Line(EntryKind.REOPENED, StepKind.OPEN)
+    if step.stop is not None and now.interruptions + 1 >= _INTERRUPTIONS_PER_STOP:
+        yield Line(EntryKind.SKIPPED, step.id, f"The session was interrupted here twice: {reason}")
+    yield _awaits(f"{_sentence(reason)} Put it right.", step.id)
+
+
+def _after_failed_measurement(
+    reason: str, step: Step, now: TrackerSituation, plan: SessionPlan
+) -> Iterator[Line]:
+    if step.stop is None:
+        yield _paused(f"While {step.title}: {reason}")
+        return
+    suspect = not now.measured_lately or now.failures + 1 >= plan.failures_in_a_row
+    if not suspect or now.paused_before:
+        yield Line(EntryKind.SKIPPED, step.id, reason)
+        return
+    yield _paused(
+        f"Configuration {step.stop.config} could not be measured: {_sentence(reason)} "
+        f"{_why_suspect(now)} Check the tracker and its line of sight, then resume.",
+        step.id,
+    )
+
+
+def _why_suspect(now: TrackerSituation) -> str:
+    if not now.measured_lately:
+        return "Nothing has been measured since the session was last started."
+    return f"It is number {now.failures + 1} in a row."
+
+
+def _after_contradiction(reason: str, now: TrackerSituation) -> Iterator[Line]:
+    if now.registration is not None:
+        yield Line(EntryKind.REOPENED, StepKind.REGISTER)
+    yield _paused(reason)
+
+
+def _after_exchange(question: str, now: TrackerSituation) -> Iterator[Line]:
+    yield Line(EntryKind.REOPENED, StepKind.OPEN)
+    if now.last_known is not None:  # also of one that is put back: it was moved
+        yield Line(EntryKind.REOPENED, StepKind.REGISTER)
+    yield _awaits(question)
+
+
+def _paused(reason: str, step_id: str = "") -> Line:
+    return Line(EntryKind.CONTROL, step_id, reason, SessionState.PAUSED)
+
+
+def _awaits(what: str, step_id: str = "") -> Line:
+    return Line(EntryKind.CONTROL, step_id, f"{what} {CELL_CLEAR}", SessionState.AWAITING_CONFIRMATION)
+
+
+def _sentence(text: str) -> str:
+    """Return `text` with a full stop; drivers' errors come with and without."""
+    return text if text.rstrip().endswith((".", "!", "?")) else f"{text.rstrip()}."

@@ -1,0 +1,130 @@
+"""The present situation of a tracker session: a pure function of its plan and its ledger.
+
+The present step is the first that is due: instruments that are ready, a tracker whose place in the world is
+known, fixed nests that were looked at lately, then the next stop that was neither measured nor skipped.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from truepose.domain.ledger import LedgerEntry
+from truepose.domain.session import PlannedStop, Progress, Registration, SessionPlan, SessionState
+from truepose.sequencing.engine.identities import KnownDevice, same_number
+from truepose.sequencing.tracker import plans
+from truepose.sequencing.tracker.record import TrackerRecord
+from truepose.sequencing.tracker.steps import Step, StepKind
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerSituation:
+    """Where a session stands."""
+
+    state: SessionState
+    reason: str  # why this state was entered; of a person who is waited for: the question
+    step: Step | None  # the present one; None: nothing is left to do
+    left: tuple[PlannedStop, ...]  # neither measured nor skipped
+    unasked: tuple[PlannedStop, ...]  # of them: those to which nobody has let the arm go
+    registration: Registration | None  # the tracker's place in the world, where it holds
+    last_known: Registration | None  # or where it stood before
+    measured_lately: bool
+    failures: int
+    paused_before: bool  # the present step made the session pause once
+    interruptions: int  # of the present step
+    progress: Progress
+
+    @property
+    def busy(self) -> bool:
+        """Whether the present step is done, as soon as nothing forbids it."""
+        return self.state is SessionState.RUNNING
+
+    @property
+    def question(self) -> str | None:
+        """What a person is asked to confirm, or why the session waits."""
+        waits = {SessionState.AWAITING_CONFIRMATION, SessionState.PAUSED}
+        return self.reason if self.state in waits else None
+
+
+def situation(plan: SessionPlan, n_fixed_nests: int, entries: Iterable[LedgerEntry]) -> TrackerSituation:
+    """Return where a session stands after these lines of its ledger, oldest first."""
+    record = TrackerRecord()
+    for entry in entries:
+        record.apply(entry)
+    return situation_of(plan, n_fixed_nests, record)
+
+
+def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -> TrackerSituation:
+    """Return where a session stands after what is on record."""
+    ended = record.measured | record.skipped
+    left = tuple(stop for stop in plan.stops if stop.config not in ended)
+    step = present_step(plan, n_fixed_nests, record, left[0] if left else None)
+    each_s = record.times.median_s([StepKind.MEASURE])
+    return TrackerSituation(
+        state=record.state,
+        reason=record.reason,
+        step=step,
+        left=left,
+        unasked=tuple(stop for stop in left if stop.config not in record.allowed),
+        registration=record.registration if _is_registered(record) else None,
+        last_known=record.registration,
+        measured_lately=record.measured_lately,
+        failures=record.failures,
+        paused_before=step is not None and step.id in record.paused_at,
+        interruptions=0 if step is None else record.interruptions[step.id],
+        progress=Progress(
+            done=len(record.measured),
+            skipped=len(record.skipped),
+            planned=len(plan.stops),
+            elapsed_s=record.times.elapsed_s,
+            remaining_s=None if each_s is None else each_s * len(left),
+            doing=record.doing,
+        ),
+    )
+
+
+def present_step(
+    plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord, following: PlannedStop | None
+) -> Step | None:
+    """Return what is due now, where `following` is the next stop that is left; None: nothing is."""
+    if not record.opened:
+        return plans.opening()
+    if not _is_registered(record):
+        return plans.registration(plan, n_fixed_nests)
+    if _look_is_due(plan, record, following):
+        return plans.references(n_fixed_nests)
+    return None if following is None else plans.visit(plan, following)
+
+
+def steps(plan: SessionPlan, n_fixed_nests: int) -> Iterator[Step]:
+    """Yield all steps of a session that nothing disturbs."""
+    record = TrackerRecord(allowed={stop.config for stop in plan.stops})
+    left = deque(plan.stops)
+    while (step := present_step(plan, n_fixed_nests, record, left[0] if left else None)) is not None:
+        yield step
+        if step.stop is not None:
+            left.popleft()
+        record.end(step.kind)
+
+
+def _look_is_due(plan: SessionPlan, record: TrackerRecord, following: PlannedStop | None) -> bool:
+    """Whether fixed nests are looked at now: first, last, every so often, and before somebody is asked."""
+    if not record.looked:
+        return True
+    if record.since_look == 0:
+        return False
+    asks = following is None or following.config not in record.allowed
+    return asks or record.since_look >= plan.reference_every
+
+
+def _is_registered(record: TrackerRecord) -> bool:
+    """Whether the registration holds, and is of the tracker that the session measures with."""
+    found = record.registration
+    return record.registered and (found is None or _vouches_for(record.known("tracker"), found))
+
+
+def _vouches_for(tracker: KnownDevice, registration: Registration) -> bool:
+    if tracker.foreign is not None:
+        return False
+    if registration.instrument_serial and tracker.serial:
+        return same_number(registration.instrument_serial, tracker.serial)
+    return not tracker.by_person
