@@ -2,14 +2,16 @@
 
 For a given n, O1 grows with det M, M = sum over the chosen candidates of J_i' J_i (D-optimality; thesis of
 A. Nubiola, 2014, section 2.5.2; V. V. Fedorov, Theory of Optimal Experiments, 1972, chapter 3). With
+G_ab = J_a M^-1 J_b' all losses and gains follow from blocks as small as one candidate's Jacobian is high:
 
-    G_ab = J_a M^-1 J_b'     A_a = I + G_aa
     det(M - J_b'J_b) = det M det(I - G_bb)
-    det(M - J_b'J_b + J_a'J_a) = det M det A_a det(I - G_bb + G_ba A_a^-1 G_ab)
+    det(M + J_a'J_a) = det M det(I + G_aa)
+    without b:  G_aa + G_ab (I - G_bb)^-1 G_ba        with b:  G_aa - G_ab (I + G_bb)^-1 G_ba
 
-all losses and gains follow from blocks as small as one candidate's Jacobian is high; M itself is inverted
-once an exchange. The last line holds where M without b is singular, too: a set that is just large enough
-can still change.
+so that an exchange brings every block up to date by two thin products. Where M without b is (nearly)
+singular, as with a set that is just large enough, the same gain is taken from
+
+    det(M - J_b'J_b + J_a'J_a) = det M det A_a det(I - G_bb + G_ba A_a^-1 G_ab)        A_a = I + G_aa
 
 An exchange takes out the candidate whose loss lowers the index least and puts in the one that raises it most.
 Where that brings nothing, the other members are tried in the order of their loss; it ends when no
@@ -17,7 +19,7 @@ single exchange helps.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -27,6 +29,10 @@ from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.observability import observability_o1
 
 _SMALLEST_GAIN: Final = 1e-6  # of log det: far above its rounding, and O1 gains less than that relatively
+_FRESH: Final = (
+    16  # exchanges after which the blocks are worked out anew: what rounding adds up to stays small
+)
+_DISPENSABLE: Final = 1e-4  # of det(I - G_bb): below it too few digits are left of what stays without b
 _RIDGE: Final = 1e-9  # of the mean information per parameter: makes a rank-deficient start comparable
 
 
@@ -87,8 +93,7 @@ def rank_substitutes(jacobians: FloatArray, chosen: BoolArray, prior_information
 
     Parameters and errors as above; `chosen` is a mask of shape (n_candidates,).
     """
-    state = _blocks(jacobians, chosen, prior_information)
-    gains = np.where(chosen, -np.inf, _log_det(np.eye(state.rows) + state.blocks))
+    gains = _Blocks(jacobians, chosen, prior_information).gains()
     ranked: IntArray = np.argsort(-gains, kind="stable")[: int(np.sum(~chosen))]
     return ranked
 
@@ -119,61 +124,131 @@ def _o1(chosen: FloatArray) -> float:
 
 
 def _exchange_until_it_stops(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> int:
-    exchanges = 0
-    while _exchange_once(_blocks(jacobians, chosen, prior), chosen):
-        exchanges += 1
+    exchanges, state = 0, _Blocks(jacobians, chosen, prior)
+    while (swap := state.swap()) is not None or state.exchanges > 0:
+        if swap is not None:
+            chosen[[swap.leaving, swap.entering]] = False, True
+            exchanges += 1
+        if swap is None or state.exchanges == _FRESH or not state.exchanged(swap):
+            state = _Blocks(jacobians, chosen, prior)
     return exchanges
 
 
-def _exchange_once(state: "_Blocks", chosen: BoolArray) -> bool:
-    """Make the first exchange that helps; whether there was one."""
-    losses = np.where(chosen, _log_det(np.eye(state.rows) - state.blocks), -np.inf)
-    plus = np.eye(state.rows) + state.blocks
-    plus_inverse, plus_log_det = np.linalg.inv(plus), _log_det(plus)
-    members_first = np.lexsort((-losses, ~chosen))  # those that can go most easily, then the others
-    for leaving in members_first[: int(chosen.sum())]:
-        seen = state.seen_from(int(leaving))
-        left = np.eye(state.rows) - state.blocks[leaving] + np.swapaxes(seen, 1, 2) @ plus_inverse @ seen
-        gains = np.where(chosen, -np.inf, plus_log_det + _log_det(left))
-        entering = int(np.argmax(gains))
-        if gains[entering] > _SMALLEST_GAIN:
-            chosen[leaving], chosen[entering] = False, True
-            return True
-    return False
+class _Swap(NamedTuple):
+    """Who leaves and who enters."""
+
+    leaving: int
+    entering: int
+    without: FloatArray | None  # (rows, rows, N) blocks once the one has left; None: too few digits would be
 
 
-@dataclass(frozen=True, slots=True)
 class _Blocks:
-    """Inverse of M and the blocks G_i of all N candidates."""
+    """Inverse of M and the blocks G_aa of all N candidates, which come last: products run over them."""
 
-    jacobians: FloatArray  # (N, rows, P)
-    inverse: FloatArray  # (P, P)
-    blocks: FloatArray  # (N, rows, rows)
+    def __init__(self, jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> None:
+        self._chosen = chosen.copy()
+        self._rows = np.ascontiguousarray(jacobians.transpose(2, 1, 0))  # (P, rows, N)
+        members = jacobians[chosen].reshape(-1, jacobians.shape[2])
+        self._inverse = _inverted(members.T @ members + prior)
+        flat = self._rows.reshape(len(self._rows), -1)
+        weighted = (self._inverse @ flat).reshape(self._rows.shape)
+        self._blocks = _products(self._rows, weighted)  # (rows, rows, N)
+        self.exchanges = 0  # since all was worked out from the candidates
 
-    @property
-    def rows(self) -> int:
-        """Rows of each candidate's Jacobian."""
-        return int(self.blocks.shape[1])
+    def gains(self) -> FloatArray:
+        """Growth of log det M with each candidate, shape (N,); -inf of those that are chosen."""
+        return np.where(self._chosen, -np.inf, _log_det(_plus_one(self._blocks)))
 
-    def seen_from(self, candidate: int) -> FloatArray:
-        """Return the blocks G_ab of all candidates a with one candidate b, shape (N, rows, rows)."""
-        return _times(self.jacobians, self.inverse @ self.jacobians[candidate].T)
+    def swap(self) -> _Swap | None:
+        """Return the first exchange that helps; None where none does."""
+        members = np.flatnonzero(self._chosen)
+        losses = _log_det(_plus_one(-self._blocks[:, :, members]))
+        for place in np.argsort(-losses, kind="stable"):
+            leaving, without = int(members[place]), None
+            if losses[place] > np.log(_DISPENSABLE):
+                without = self._without(leaving)
+                gains = losses[place] + _log_det(_plus_one(without))
+            else:
+                gains = self._gains_of_indispensable(leaving)
+            gains[members] = -np.inf
+            entering = int(np.argmax(gains))
+            if gains[entering] > _SMALLEST_GAIN:
+                return _Swap(leaving, entering, without)
+        return None
+
+    def exchanged(self, swap: _Swap) -> bool:
+        """Bring everything up to date with an exchange; False where too few digits would be left."""
+        if swap.without is None:
+            return False
+        own = np.eye(len(self._blocks)) - self._blocks[:, :, swap.leaving]
+        self._blocks = swap.without
+        self._inverse = _with_term(self._inverse, self._rows[:, :, swap.leaving], _inverted(own))
+        own = np.eye(len(self._blocks)) + self._blocks[:, :, swap.entering]
+        self._blocks = self._blocks - _shared(self._seen_from(swap.entering), _inverted(own))
+        self._inverse = _with_term(self._inverse, self._rows[:, :, swap.entering], -_inverted(own))
+        self._chosen[[swap.leaving, swap.entering]] = False, True
+        self.exchanges += 1
+        return True
+
+    def _without(self, leaving: int) -> FloatArray:
+        """Return the blocks once a member has left, shape (rows, rows, N)."""
+        own = np.eye(len(self._blocks)) - self._blocks[:, :, leaving]
+        return self._blocks + _shared(self._seen_from(leaving), _inverted(own))
+
+    def _seen_from(self, candidate: int) -> FloatArray:
+        """Return the blocks G_ba of one candidate b with all candidates a, shape (rows, rows, N)."""
+        own = self._rows[:, :, candidate].T @ self._inverse
+        return np.asarray((own @ self._rows.reshape(len(self._rows), -1)).reshape(self._blocks.shape))
+
+    def _gains_of_indispensable(self, leaving: int) -> FloatArray:
+        """Return by what log det M grows where a member leaves that the others can hardly do without."""
+        plus = np.moveaxis(_plus_one(self._blocks), 2, 0)
+        seen = np.moveaxis(self._seen_from(leaving), 2, 0)
+        left = np.eye(plus.shape[1]) - self._blocks[:, :, leaving]
+        left = left + seen @ np.linalg.solve(plus, np.swapaxes(seen, 1, 2))
+        return _log_det(_plus_one(self._blocks)) + _log_det(np.moveaxis(left, 0, 2))
 
 
-def _blocks(jacobians: FloatArray, chosen: BoolArray, prior: FloatArray) -> _Blocks:
-    members = jacobians[chosen].reshape(-1, jacobians.shape[2])
-    inverse: FloatArray = np.asarray(np.linalg.inv(members.T @ members + prior))
-    return _Blocks(jacobians, inverse, np.einsum("nrp,nsp->nrs", _times(jacobians, inverse), jacobians))
+def _inverted(matrix: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.inv(matrix), dtype=float)
 
 
-def _times(stack: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Product of (N, r, p) with (p, q) as one flat product, several times faster than N small ones."""
-    n, rows, _ = stack.shape
-    product: FloatArray = (stack.reshape(n * rows, -1) @ matrix).reshape(n, rows, -1)
-    return product
+def _plus_one(blocks: FloatArray) -> FloatArray:
+    """Return I + G of blocks (rows, rows, N)."""
+    return np.asarray(blocks + np.eye(len(blocks))[:, :, None])
+
+
+def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Sum over the first axis of products of (k, rows, N), symmetric in the rows, shape (rows, rows, N)."""
+    rows, n = first.shape[1:]
+    sums = np.empty((rows, rows, n))
+    for i in range(rows):
+        for j in range(i + 1):
+            sums[i, j] = sums[j, i] = np.einsum("kn,kn->n", first[:, i], second[:, j])
+    return sums
+
+
+def _shared(seen: FloatArray, own: FloatArray) -> FloatArray:
+    """Return G_ab K G_ba of all candidates a, from G_ba and K (rows, rows) of one, shape (rows, rows, N)."""
+    return _products(seen, np.tensordot(own, seen, 1))
+
+
+def _with_term(inverse: FloatArray, rows: FloatArray, own: FloatArray) -> FloatArray:
+    """Return M^-1 after a candidate (P, rows) has come or gone."""
+    reach = inverse @ rows
+    return np.asarray(inverse + reach @ own @ reach.T)
 
 
 def _log_det(matrices: FloatArray) -> FloatArray:
-    """Logarithms of determinants, -inf where one is not positive: a member that M cannot do without."""
-    sign, log_det = np.linalg.slogdet(matrices)
-    return np.where(sign > 0.0, log_det, -np.inf)
+    """Logarithms of determinants of symmetric (rows, rows, N), -inf where one is not positive.
+
+    By elimination, all N at once; a pivot that is not positive is of a member that M cannot do without.
+    """
+    left, total = matrices.copy(), np.zeros(matrices.shape[2])
+    with np.errstate(divide="ignore", invalid="ignore"):  # no logarithm is asked of what is not positive
+        for k in range(len(left)):
+            pivot = left[k, k]
+            total += np.where(pivot > 0.0, np.log(pivot), -np.inf)
+            for i in range(k + 1, len(left)):
+                left[i, k + 1 : i + 1] -= left[i, k] / pivot * left[k + 1 : i + 1, k]
+    return np.where(np.isnan(total), -np.inf, total)
