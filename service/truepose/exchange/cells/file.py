@@ -4,27 +4,28 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
+from typing import Final
 
-from truepose.domain.cell import Cell, SimulatedCell
+from truepose.domain.cell import Cell, CellLimits, Conditions, SimulatedCell
 from truepose.domain.robot import FramePlacement, LinkMass, Nest, Robot
 from truepose.exchange.cells.sections import (
-    optional_text,
-    read_artefact,
-    read_ballbar,
-    read_conditions,
+    ARTEFACT,
+    BALLBAR,
+    CONDITIONS,
+    FIXED_NEST,
+    TOOL,
+    certified_length,
+    limits_of,
     read_devices,
-    read_fixed_nests,
-    read_lengths,
-    read_limits,
     read_people,
-    read_seen,
     read_simulated,
-    read_tracker_position,
+    read_tracker,
     refuse_unlisted,
 )
 from truepose.exchange.document import Node, toml_document
 from truepose.exchange.errors import MissingEntryError, UnknownRobotError
 from truepose.exchange.input_file import read_bytes
+from truepose.exchange.keys import TEXT, Form, Key, each, read_keys
 from truepose.exchange.robots.document import PLACEMENT, read_nest
 from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool, read_robot_file
 
@@ -104,31 +105,35 @@ def _robot_of_scenario(scenario: str) -> str:
     )
 
 
+_CELL: Final = (
+    Key("name", "name", TEXT, absent=""),
+    Key("robot", "robot_key", TEXT),
+    Key("robot_serial_number", "robot_serial_number", TEXT, absent=""),
+    Key("base_in_world", "base_nominal", PLACEMENT, absent=FramePlacement()),
+    Key("tool", "tool", TOOL, absent=None),
+    Key("fixed_nest", "fixed_nests", each(FIXED_NEST), absent=()),
+    Key("world", "world", ARTEFACT, absent=None),
+    Key("conditions", "conditions", CONDITIONS, absent=Conditions()),
+    Key("device", "devices", Form(read_devices), absent=()),
+    Key("ballbar", "ballbar", BALLBAR, absent=None),
+    Key("people", "people", Form(read_people), absent=()),
+)
+
+
 def _read(root: Node, folder: Path) -> Cell:
     refuse_unlisted(root, _KEYS)
     shipped = _read_robot(root.key("robot"), folder)
-    tool, tracker = root.optional("tool"), root.optional("tracker")
-    fixed_nests = read_fixed_nests(root.optional("fixed_nest"))
-    robot = _with_tool_mass(shipped.robot, tool)
+    robot = _with_tool_mass(shipped.robot, root.optional("tool"))
+    said = read_keys(root, [*_CELL, Key("limits", "limits", limits_of(robot), absent=CellLimits())])
+    n_fixed_nests = len(said["fixed_nests"])
+    lengths = each(certified_length(n_fixed_nests))
     cell = Cell(
-        name=optional_text(root, "name") or robot.name,
-        robot_key=root.key("robot").text(),
+        **{**said, "name": said["name"] or robot.name},
+        **read_keys(root, [Key("certified_length", "certified_lengths", lengths, absent=())]),
+        **read_tracker(root.optional("tracker"), n_fixed_nests),
         robot=robot,
-        robot_serial_number=optional_text(root, "robot_serial_number"),
-        base_nominal=_read_base(root.optional("base_in_world")),
         nests=_read_nests(root.optional("tool_nest"), shipped),
-        tool=read_artefact(tool, extra={"mass_kg", "cog_mm"}),
-        fixed_nests=fixed_nests,
-        fixed_nests_seen_mm=read_seen(tracker, len(fixed_nests)),
-        world=read_artefact(root.optional("world")),
-        certified_lengths=read_lengths(root.optional("certified_length"), len(fixed_nests)),
-        tracker_position_mm=read_tracker_position(tracker),
-        limits=read_limits(root.optional("limits"), robot),
-        conditions=read_conditions(root.optional("conditions")),
-        devices=read_devices(root.optional("device")),
         simulated=read_simulated(root),
-        ballbar=read_ballbar(root.optional("ballbar")),
-        people=read_people(root.optional("people")),
     )
     if cell.devices and cell.simulated is not None:
         root.key("simulated").fail("a cell is either simulated or has devices of its own; remove one")
@@ -144,10 +149,6 @@ def _read_robot(node: Node, folder: Path) -> RobotWithTool:
         return load_robot_with_tool(name)
     except UnknownRobotError as error:
         node.fail(f"{str(error).removesuffix('.')}; or name a robot file that ends in .toml")
-
-
-def _read_base(node: Node | None) -> FramePlacement:
-    return FramePlacement() if node is None else PLACEMENT.read(node)
 
 
 def _read_nests(node: Node | None, shipped: RobotWithTool) -> tuple[Nest, ...]:

@@ -1,8 +1,9 @@
 """The sections of a cell file, one reader each."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import date
+from typing import Any, Final, TypeVar
 
 from truepose.domain.artefacts import Artefact, BallbarKit, Bars
 from truepose.domain.cell import (
@@ -13,15 +14,26 @@ from truepose.domain.cell import (
     DeviceEntry,
     PlantedEffect,
     SimulatedCell,
-    Vector,
 )
 from truepose.domain.people import announced_as, fault_of_name, tidy_name
 from truepose.domain.robot import FixedNest, JointRange, Robot
 from truepose.exchange.document import Node
-from truepose.exchange.robots.document import read_ranges
+from truepose.exchange.keys import NUMBER, TEXT, VECTOR, Form, Key, each, number, read_keys, whole
+from truepose.exchange.robots.document import ranges_of
 
-_DEVICE_KEYS = frozenset({"name", "driver", "serial_number", "certificate"})
-_EFFECT_KEYS = frozenset({"name", "subject", "amplitude", "from_s"})
+T = TypeVar("T")
+_DEVICE: Final = [
+    Key("name", "name", TEXT),
+    Key("driver", "driver", TEXT),
+    Key("serial_number", "serial_number", TEXT, absent=""),
+    Key("certificate", "certificate", TEXT, absent=""),
+]
+_EFFECT: Final = [
+    Key("name", "name", TEXT),
+    Key("subject", "subject", TEXT, absent=""),
+    Key("amplitude", "amplitude", NUMBER),
+    Key("from_s", "from_s", number(least=0.0), absent=0.0),
+]
 _ADDRESSES = ("host", "serial", "usb")
 _LAST_PORT = 65535
 _ROUNDING_RAD = 1e-9  # limits come from degrees
@@ -33,138 +45,122 @@ def refuse_unlisted(node: Node, known: Collection[str]) -> None:
         entry.fail(f"there is no such key; the keys here are {', '.join(sorted(known))}")
 
 
-def optional_text(node: Node, name: str) -> str:
-    """Return a text, empty where the key is absent."""
-    entry = node.optional(name)
-    return "" if entry is None else entry.text()
+def _sealed(kind: type[T], keys: Sequence[Key], extra: Collection[str] = ()) -> Form:
+    """Return the form of a section with these keys and no others; `extra` ones are read elsewhere."""
+    known = {key.name for key in keys} | set(extra)
+
+    def read(node: Node) -> T:
+        refuse_unlisted(node, known)
+        return kind(**read_keys(node, keys))
+
+    return Form(read)
 
 
-def read_artefact(node: Node | None, extra: Collection[str] = ()) -> Artefact | None:
-    """Read what an artefact is and what certifies it; `extra` keys are read elsewhere."""
-    if node is None:
-        return None
-    refuse_unlisted(node, {"name", "serial_number", "certificate", "certificate_expires", *extra})
-    return Artefact(
-        name=optional_text(node, "name"),
-        serial_number=optional_text(node, "serial_number"),
-        certificate=optional_text(node, "certificate"),
-        certificate_expires=_optional_date(node, "certificate_expires"),
-    )
+def _defaulted(default: object, forms: Mapping[str, Form]) -> list[Key]:
+    """Return keys called as their fields, which keep what `default` says where they are absent."""
+    return [Key(name, name, form, absent=getattr(default, name)) for name, form in forms.items()]
 
 
-def _optional_date(node: Node, name: str) -> str:
-    entry = node.optional(name)
-    if entry is None:
-        return ""
-    if isinstance(entry.value, date):  # TOML has dates of its own
-        return entry.value.isoformat()[: len("2027-01-31")]
+def _read_date(node: Node) -> str:
+    if isinstance(node.value, date):  # TOML has dates of its own
+        return node.value.isoformat()[: len("2027-01-31")]
     try:
-        return date.fromisoformat(entry.text()).isoformat()
+        return date.fromisoformat(node.text()).isoformat()
     except ValueError:
-        entry.fail(f"{entry.value!r} is no date; write it as 2027-01-31")
+        node.fail(f"{node.value!r} is no date; write it as 2027-01-31")
 
 
-def read_ballbar(node: Node | None) -> BallbarKit | None:
-    """Read the ballbar with its calibrator and fixtures; what is not given is as in the thesis."""
+_LENGTH: Final = number(above=0.0)
+_PAPER: Final = _defaulted(
+    Artefact(""),
+    {"name": TEXT, "serial_number": TEXT, "certificate": TEXT, "certificate_expires": Form(_read_date)},
+)
+ARTEFACT: Final = _sealed(Artefact, _PAPER)
+TOOL: Final = _sealed(Artefact, _PAPER, extra={"mass_kg", "cog_mm"})
+CONDITIONS: Final = _sealed(
+    Conditions, _defaulted(Conditions(), {"load": TEXT, "warm_up": TEXT, "notes": each(TEXT)})
+)
+_BARS: Final = _sealed(
+    Bars,
+    [
+        *(Key(name, name, _LENGTH) for name in ("nominal_mm", "calibrator_mm", "calibrator_u_mm")),
+        Key("bars_mm", "bars_mm", each(_LENGTH), absent=()),
+    ],
+)
+_KIT_LENGTHS: Final = ("range_mm", "reading_u_mm", "uncertified_u_mm", "zero_u_mm", "setup_u_mm")
+# What is not given is as in the thesis.
+BALLBAR: Final = _sealed(
+    BallbarKit,
+    _defaulted(
+        BallbarKit(),
+        {
+            **dict.fromkeys(_KIT_LENGTHS, _LENGTH),
+            "base_points": whole(least=3, greatest=4),
+            "tool_bars": _BARS,
+            "base_bars": _BARS,
+            "instrument": ARTEFACT,
+            "calibrator": ARTEFACT,
+        },
+    ),
+)
+FIXED_NEST: Final = _sealed(
+    FixedNest, [Key("centre_mm", "centre_mm", VECTOR), Key("u_mm", "standard_uncertainty_mm", _LENGTH)]
+)
+
+
+def certified_length(n_fixed_nests: int) -> Form:
+    """Return the form of a distance between two fixed nests that is certified on its own."""
+
+    def pair(node: Node) -> tuple[int, int]:
+        first, second = (entry.whole(least=1, greatest=n_fixed_nests) for entry in node.items(2))
+        if first == second:
+            node.fail("a length joins two different nests")
+        return first, second
+
+    keys = [
+        Key("fixed_nests", "fixed_nests", Form(pair)),
+        Key("length_mm", "length_mm", _LENGTH),
+        Key("u_mm", "standard_uncertainty_mm", _LENGTH),
+    ]
+    return _sealed(CertifiedLength, keys)
+
+
+def read_tracker(node: Node | None, n_fixed_nests: int) -> dict[str, Any]:
+    """Read where the tracker stands in the world, and where it saw the fixed nests, in its own frame."""
+    keys = [
+        Key("position_mm", "tracker_position_mm", VECTOR, absent=None),
+        Key("fixed_nests_seen_mm", "fixed_nests_seen_mm", each(VECTOR, n_fixed_nests), absent=None),
+    ]
     if node is None:
-        return None
-    own = ("range_mm", "reading_u_mm", "uncertified_u_mm", "zero_u_mm", "setup_u_mm")
-    refuse_unlisted(node, {*own, "base_points", "tool_bars", "base_bars", "instrument", "calibrator"})
-    default = BallbarKit()
-    numbers = {name: _positive(node, name) or getattr(default, name) for name in own}
-    points = node.optional("base_points")
-    return BallbarKit(
-        tool_bars=_read_bars(node.optional("tool_bars")) or default.tool_bars,
-        base_bars=_read_bars(node.optional("base_bars")) or default.base_bars,
-        base_points=default.base_points if points is None else points.whole(least=3, greatest=4),
-        instrument=read_artefact(node.optional("instrument")) or default.instrument,
-        calibrator=read_artefact(node.optional("calibrator")) or default.calibrator,
-        **numbers,
-    )
+        return {}
+    refuse_unlisted(node, [key.name for key in keys])
+    return read_keys(node, keys)
 
 
-def _read_bars(node: Node | None) -> Bars | None:
-    if node is None:
-        return None
-    refuse_unlisted(node, {"nominal_mm", "calibrator_mm", "calibrator_u_mm", "bars_mm"})
-    bars = node.optional("bars_mm")
-    return Bars(
-        nominal_mm=node.key("nominal_mm").number(above=0.0),
-        calibrator_mm=node.key("calibrator_mm").number(above=0.0),
-        calibrator_u_mm=node.key("calibrator_u_mm").number(above=0.0),
-        bars_mm=() if bars is None else tuple(bar.number(above=0.0) for bar in bars.items()),
-    )
-
-
-def read_fixed_nests(node: Node | None) -> tuple[FixedNest, ...]:
-    """Read nests on the table, certified in the world frame."""
-    return () if node is None else tuple(_read_fixed_nest(entry) for entry in node.items())
-
-
-def _read_fixed_nest(node: Node) -> FixedNest:
-    refuse_unlisted(node, {"centre_mm", "u_mm"})
-    return FixedNest(node.key("centre_mm").vector(), node.key("u_mm").number(above=0.0))
-
-
-def read_lengths(node: Node | None, n_fixed_nests: int) -> tuple[CertifiedLength, ...]:
-    """Read distances between fixed nests that are certified on their own."""
-    return () if node is None else tuple(_read_length(entry, n_fixed_nests) for entry in node.items())
-
-
-def _read_length(node: Node, n_fixed_nests: int) -> CertifiedLength:
-    refuse_unlisted(node, {"fixed_nests", "length_mm", "u_mm"})
-    pair = node.key("fixed_nests")
-    first, second = (entry.whole(least=1, greatest=n_fixed_nests) for entry in pair.items(2))
-    if first == second:
-        pair.fail("a length joins two different nests")
-    length, uncertainty = (node.key(name).number(above=0.0) for name in ("length_mm", "u_mm"))
-    return CertifiedLength((first, second), length, uncertainty)
-
-
-def read_tracker_position(node: Node | None) -> Vector | None:
-    """Read where the tracker nominally stands in the world."""
-    if node is None:
-        return None
-    refuse_unlisted(node, {"position_mm", "fixed_nests_seen_mm"})
-    position = node.optional("position_mm")
-    return None if position is None else position.vector()
-
-
-def read_seen(node: Node | None, n_fixed_nests: int) -> tuple[Vector, ...] | None:
-    """Read where the tracker saw the fixed nests when somebody aimed at them, in its own frame."""
-    seen = None if node is None else node.optional("fixed_nests_seen_mm")
-    return None if seen is None else tuple(entry.vector() for entry in seen.items(n_fixed_nests))
-
-
-def read_limits(node: Node | None, robot: Robot) -> CellLimits:
-    """Read the limits, which may be tighter than the robot's own; what is not given keeps its default."""
-    if node is None:
-        return CellLimits()
-    positive = ("reference_mm", "tool_speed_mm_s", "orientation_speed_deg_s")
-    refuse_unlisted(node, {"joints_deg", "calibration_deg", "floor_z_mm", *positive})
+def limits_of(robot: Robot) -> Form:
+    """Return the form of the limits, which may be tighter than the robot's own."""
     default = CellLimits()
-    floor = node.optional("floor_z_mm")
-    reference, speed, turning = (_positive(node, name) for name in positive)
-    return CellLimits(
-        joints=_read_within(node.optional("joints_deg"), robot),
-        calibration=_read_within(node.optional("calibration_deg"), robot),
-        floor_z_mm=None if floor is None else floor.number(),
-        reference_mm=reference or default.reference_mm,
-        tool_speed_mm_s=speed or default.tool_speed_mm_s,
-        orientation_speed_rad_s=math.radians(turning) if turning else default.orientation_speed_rad_s,
-    )
+    within = Form(lambda node: _read_within(node, robot))
+    turning = Form(lambda node: math.radians(node.number(above=0.0)))
+    keys = [
+        Key("joints_deg", "joints", within, absent=None),
+        Key("calibration_deg", "calibration", within, absent=None),
+        *_defaulted(default, {"floor_z_mm": NUMBER, "reference_mm": _LENGTH, "tool_speed_mm_s": _LENGTH}),
+        Key("orientation_speed_deg_s", "orientation_speed_rad_s", turning, default.orientation_speed_rad_s),
+    ]
+    return _sealed(CellLimits, keys)
 
 
-def _read_within(node: Node | None, robot: Robot) -> tuple[JointRange, ...] | None:
+def _read_within(node: Node, robot: Robot) -> tuple[JointRange, ...]:
     """Read ranges of the joints, none of them wider than what the robot's own controller accepts."""
-    ranges = read_ranges(node, robot.n_joints)
-    if node is None or ranges is None or robot.joint_limits is None:
+    ranges: tuple[JointRange, ...] = ranges_of(robot.n_joints).read(node)
+    if robot.joint_limits is None:
         return ranges
-    for number, (given, own) in enumerate(zip(ranges, robot.joint_limits, strict=True), start=1):
+    for joint, (given, own) in enumerate(zip(ranges, robot.joint_limits, strict=True), start=1):
         low, high = own.lower_rad - _ROUNDING_RAD, own.upper_rad + _ROUNDING_RAD
         if not low <= given.lower_rad <= given.upper_rad <= high:
-            node.items()[number - 1].fail(
-                f"joint {number} would go from {_degrees(given)}, where the {robot.name} itself goes from "
+            node.items()[joint - 1].fail(
+                f"joint {joint} would go from {_degrees(given)}, where the {robot.name} itself goes from "
                 f"{_degrees(own)}; keep within that"
             )
     return ranges
@@ -174,15 +170,10 @@ def _degrees(limits: JointRange) -> str:
     return f"{math.degrees(limits.lower_rad):.10g} to {math.degrees(limits.upper_rad):.10g} deg"
 
 
-def _positive(node: Node, name: str) -> float | None:
-    entry = node.optional(name)
-    return None if entry is None else entry.number(above=0.0)
-
-
-def read_people(node: Node | None) -> tuple[str, ...]:
+def read_people(node: Node) -> tuple[str, ...]:
     """Read who may confirm; names that can be read, each once."""
     people: list[str] = []
-    for entry in () if node is None else node.items():
+    for entry in node.items():
         name = tidy_name(entry.text())
         fault = fault_of_name(name)
         if fault is not None:
@@ -190,28 +181,13 @@ def read_people(node: Node | None) -> tuple[str, ...]:
         if announced_as(name, people) is not None:
             entry.fail(f"{name} is announced twice; keep one")
         people.append(name)
-    if node is not None and not people:
+    if not people:
         node.fail("nobody is announced, so nobody could confirm; name people, or leave the key out")
     return tuple(people)
 
 
-def read_conditions(node: Node | None) -> Conditions:
-    """Read what a report states in the owner's words."""
-    if node is None:
-        return Conditions()
-    refuse_unlisted(node, {"load", "warm_up", "notes"})
-    notes = node.optional("notes")
-    return Conditions(
-        load=optional_text(node, "load"),
-        warm_up=optional_text(node, "warm_up"),
-        notes=() if notes is None else tuple(note.text() for note in notes.items()),
-    )
-
-
-def read_devices(node: Node | None) -> tuple[DeviceEntry, ...]:
+def read_devices(node: Node) -> tuple[DeviceEntry, ...]:
     """Read the devices; their names differ."""
-    if node is None:
-        return ()
     devices: dict[str, DeviceEntry] = {}
     for entry in node.items():
         device = _read_device(entry)
@@ -222,20 +198,19 @@ def read_devices(node: Node | None) -> tuple[DeviceEntry, ...]:
 
 
 def _read_device(node: Node) -> DeviceEntry:
-    name, driver = node.key("name").text(), node.key("driver").text()
+    said = read_keys(node, _DEVICE)
     addresses = [key for key in _ADDRESSES if key in node.entries()]
     if len(addresses) > 1:
-        node.fail(f"device {name} has the addresses {' and '.join(addresses)}; keep one")
+        node.fail(f"device {said['name']} has the addresses {' and '.join(addresses)}; keep one")
     port = node.optional("port")
     if port is not None:
         port.whole(least=1, greatest=_LAST_PORT)
-    return DeviceEntry(
-        name=name,
-        driver=driver,
-        options={str(entry.path[-1]): _option(entry) for entry in node.unlisted(_DEVICE_KEYS)},
-        serial_number=optional_text(node, "serial_number"),
-        certificate=optional_text(node, "certificate"),
-    )
+    return DeviceEntry(**said, options=_further(node, _DEVICE, _option))
+
+
+def _further(node: Node, keys: Sequence[Key], read: Callable[[Node], T]) -> dict[str, T]:
+    """Read what else stands there, by key."""
+    return {str(entry.path[-1]): read(entry) for entry in node.unlisted([key.name for key in keys])}
 
 
 def _option(node: Node) -> str | int | float | bool:
@@ -251,14 +226,9 @@ def read_simulated(root: Node) -> SimulatedCell | None:
         if effects is not None:
             effects.fail("changes can be planted in a simulated cell only; [simulated] is missing")
         return None
-    refuse_unlisted(node, {"scenario", "seed", "pace"})
-    seed, pace = node.optional("seed"), node.optional("pace")
-    return SimulatedCell(
-        scenario=node.key("scenario").text(),
-        seed=0 if seed is None else seed.whole(least=0),
-        effects=() if effects is None else tuple(_read_effect(entry) for entry in effects.items()),
-        pace=None if pace is None else _read_pace(pace),
-    )
+    refuse_unlisted(node, [key.name for key in _SIMULATED])
+    planted = () if effects is None else tuple(_read_effect(entry) for entry in effects.items())
+    return SimulatedCell(**read_keys(node, _SIMULATED), effects=planted)
 
 
 def _read_pace(node: Node) -> int:
@@ -268,15 +238,15 @@ def _read_pace(node: Node) -> int:
     return pace
 
 
+_SIMULATED: Final = [
+    Key("scenario", "scenario", TEXT),
+    Key("seed", "seed", whole(least=0), absent=0),
+    Key("pace", "pace", Form(_read_pace), absent=None),
+]
+
+
 def _read_effect(node: Node) -> PlantedEffect:
-    start = node.optional("from_s")
-    return PlantedEffect(
-        name=node.key("name").text(),
-        subject=optional_text(node, "subject"),
-        amplitude=node.key("amplitude").number(),
-        from_s=0.0 if start is None else start.number(least=0.0),
-        details={str(entry.path[-1]): _detail(entry) for entry in node.unlisted(_EFFECT_KEYS)},
-    )
+    return PlantedEffect(**read_keys(node, _EFFECT), details=_further(node, _EFFECT, _detail))
 
 
 def _detail(node: Node) -> Detail:

@@ -95,8 +95,13 @@ def arm_keys(n_joints: int) -> list[Key]:
     ]
 
 
+def ranges_of(n_joints: int) -> Form:
+    """Return the form of pairs of degrees, lower and upper, one per joint."""
+    return each(Form(_read_range, lambda r: [degrees(r.lower_rad), degrees(r.upper_rad)]), n_joints)
+
+
 def _robot_keys(n_joints: int) -> list[Key]:
-    ranges = each(Form(_read_range, lambda r: [degrees(r.lower_rad), degrees(r.upper_rad)]), n_joints)
+    ranges = ranges_of(n_joints)
     return [
         *arm_keys(n_joints),
         Key("calibration_ranges_deg", "calibration_ranges", ranges, absent=None),
@@ -104,11 +109,6 @@ def _robot_keys(n_joints: int) -> list[Key]:
         Key("rated_payload_kg", "rated_payload_kg", number(above=0.0), absent=None),
         Key("source", "source", Form(Node.text, lambda text: text or None), absent=""),
     ]
-
-
-def read_ranges(node: Node | None, n_joints: int) -> tuple[JointRange, ...] | None:
-    """Read pairs of degrees, lower and upper, one per joint; None where the key is absent."""
-    return None if node is None else tuple(_read_range(entry) for entry in node.items(n_joints))
 
 
 def _read_range(node: Node) -> JointRange:
