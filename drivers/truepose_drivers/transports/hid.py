@@ -1,13 +1,10 @@
 """USB HID devices by their reports: through the system's HID driver (hidapi), or through USB itself.
 
-A report leads with its number. hidapi blocks, so each device has a thread of its own and waits in slices.
+A report leads with its number. hidapi blocks.
 """
 
-import asyncio
-import contextlib
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 try:
@@ -15,7 +12,8 @@ try:
 except ImportError:
     import hid as hidapi
 
-from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError
+from truepose_drivers.transports.blocking import BlockingPort
 from truepose_drivers.transports.link import Port
 from truepose_drivers.transports.usb import UsbPort
 from truepose_drivers.transports.usb_address import LocalUsb
@@ -54,83 +52,57 @@ class ReportPort(Port, Protocol):
         ...
 
 
-class HidapiPort:
+@dataclass(frozen=True, slots=True)
+class _Opened:
+    """What hidapi has opened, which has no types."""
+
+    device: Any
+    texts: tuple[str, str, str]  # manufacturer, product, serial number
+
+
+class HidapiPort(BlockingPort[_Opened]):
     """A HID device of this computer."""
 
     def __init__(self, where: LocalUsb, report_bytes: int, system: Any = hidapi) -> None:
         """Prepare for input reports of `report_bytes`, their number included; `system` is hidapi."""
+        super().__init__(str(where), slice_s=_SLICE_S)
         self._where = where
         self._report_bytes = report_bytes
         self._system = system
-        self._device: Any = None
-        self._texts = ("", "", "")
-        self._thread: ThreadPoolExecutor | None = None
-
-    @property
-    def address(self) -> str:
-        """Vendor, product and serial number."""
-        return str(self._where)
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is open; one that was unplugged is noticed by the next call."""
-        return self._device is not None
-
-    async def open(self) -> None:
-        """Open the device, dropping what was open before; raises ConnectFailedError."""
-        await self.close()
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix=f"hid {self.address}")
-        try:
-            self._device, self._texts = await self._in_thread(lambda: _open_device(self._system, self._where))
-        except BaseException:
-            await self.close()
-            raise
-
-    async def close(self) -> None:
-        """Close the device; never raises."""
-        device, thread = self._device, self._thread
-        self._device = self._thread = None
-        if device is not None and thread is not None:
-            with contextlib.suppress(OSError, ValueError):
-                await asyncio.get_running_loop().run_in_executor(thread, device.close)
-        if thread is not None:
-            thread.shutdown(wait=False)
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""
-        self._opened()
-        return self._texts
+        return self._opened().texts
 
     async def fresh_report(self, timeout_s: float) -> bytes | None:
         """Return an input report that was made after this call; None after `timeout_s` of silence.
 
         The system keeps dozens of reports and drops the newest when nobody fetches them, so all are dropped.
         """
-        device = self._opened()
+        device = self._opened().device
         await self._guarded(lambda: _drain(device, self._report_bytes))
-        give_up_s = time.monotonic() + timeout_s
-        while True:
-            left_s = give_up_s - time.monotonic()
-            report = await self._slice(max(1, round(1000.0 * min(left_s, _SLICE_S))))
-            if report:
-                return report
-            if left_s <= _SLICE_S:
-                return None
+        return await self._in_slices(timeout_s, self._report)
 
     async def feature(self, number: int, length: int) -> bytes:
         """Read a feature report; raises DeviceRefusedError."""
-        device = self._opened()
+        device = self._opened().device
         return await self._refusable(lambda: bytes(device.get_feature_report(number, length)))
 
     async def set_feature(self, report: bytes) -> None:
         """Write a feature report; raises DeviceRefusedError."""
-        device = self._opened()
+        device = self._opened().device
         if await self._refusable(lambda: device.send_feature_report(list(report))) < 0:
             raise DeviceRefusedError(f"HID device {self.address} refuses feature report {report[0]}")
 
-    async def _slice(self, timeout_ms: int) -> bytes:
-        device = self._opened()
+    async def _report(self, slice_s: float) -> bytes:
+        device, timeout_ms = self._opened().device, max(1, round(1000.0 * slice_s))
         return await self._guarded(lambda: bytes(device.read(self._report_bytes, timeout_ms)))
+
+    def _open_handle(self) -> _Opened:
+        return _open_device(self._system, self._where)
+
+    def _close_handle(self, handle: _Opened) -> None:
+        handle.device.close()
 
     async def _refusable(self, call: Callable[[], Value]) -> Value:
         """Make a call that a device may refuse, which looks as if it had gone: the next reading will tell."""
@@ -145,18 +117,7 @@ class HidapiPort:
         try:
             return await self._in_thread(call)
         except (OSError, ValueError) as error:
-            await self.close()
-            raise ConnectionLostError(
-                f"HID device {self.address} is gone ({error}): check its cable, then connect again"
-            ) from error
-
-    async def _in_thread(self, call: Callable[[], Value]) -> Value:
-        return await asyncio.get_running_loop().run_in_executor(self._thread, call)
-
-    def _opened(self) -> Any:
-        if self._device is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
-        return self._device
+            raise await self._lost(f"HID device {self.address} is gone ({error}): check its cable") from error
 
 
 class HidOverUsb:
@@ -207,7 +168,7 @@ class HidOverUsb:
         await self._port.control_out(CLASS_TO_INTERFACE, HidRequest.SET_REPORT, value, _INTERFACE, report)
 
 
-def _open_device(system: Any, where: LocalUsb) -> tuple[Any, tuple[str, str, str]]:
+def _open_device(system: Any, where: LocalUsb) -> _Opened:
     """Open the first device that fits, by its path, which is the same whatever hidapi makes of numbers."""
     found = [
         entry
@@ -230,7 +191,7 @@ def _open_device(system: Any, where: LocalUsb) -> tuple[Any, tuple[str, str, str
         ) from error
     names = ("manufacturer_string", "product_string", "serial_number")
     manufacturer, product, serial = (found[0][name] or "" for name in names)
-    return device, (manufacturer, product, serial)
+    return _Opened(device, (manufacturer, product, serial))
 
 
 def _drain(device: Any, report_bytes: int) -> None:

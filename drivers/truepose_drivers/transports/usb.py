@@ -1,22 +1,19 @@
 """A USB device, opened by pyusb: on this computer through libusb, or behind a USB/IP server.
 
-pyusb blocks, so each device has a thread of its own. Interrupt transfers wait in slices, so that a device
-that is closed meanwhile is let go soon.
+pyusb blocks; interrupt transfers wait in slices.
 """
 
-import asyncio
-import contextlib
 import errno
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 import usb.control
 import usb.core
 import usb.util
 
-from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError, NoReplyError
+from truepose_drivers.errors import ConnectFailedError, DeviceRefusedError, NoReplyError
+from truepose_drivers.transports.blocking import BlockingPort
 from truepose_drivers.transports.link import Source
 from truepose_drivers.transports.usb_address import LocalUsb, UsbAddress
 from truepose_drivers.transports.usbip_backend import UsbipBackend
@@ -46,62 +43,38 @@ class UsbPort(Source, Protocol):
         ...
 
 
-class UsbDevice:
+@dataclass(frozen=True, slots=True)
+class _Opened:
+    """What pyusb has opened, which has no types."""
+
+    device: Any
+    endpoint: Any  # of the interrupt transfers
+
+
+class UsbDevice(BlockingPort[_Opened]):
     """A USB device with one interface and its interrupt endpoint."""
 
     def __init__(self, where: UsbAddress) -> None:
+        super().__init__(str(where), slice_s=_SLICE_S)
         self._where = where
-        self._device: Any = None  # of pyusb, which has no types
-        self._endpoint: Any = None
-        self._thread: ThreadPoolExecutor | None = None
-
-    @property
-    def address(self) -> str:
-        """Where the device is, for error texts."""
-        return str(self._where)
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the device is there as far as known."""
-        return self._device is not None
-
-    async def open(self) -> None:
-        """Take the device over, dropping what was open before; raises ConnectFailedError."""
-        await self.close()
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix=f"usb {self.address}")
-        try:
-            self._device, self._endpoint = await self._in_thread(lambda: _open_device(self._where))
-        except BaseException:
-            await self.close()
-            raise
-
-    async def close(self) -> None:
-        """Give the device back; never raises."""
-        device, thread = self._device, self._thread
-        self._device = self._endpoint = self._thread = None
-        if device is not None and thread is not None:
-            with contextlib.suppress(usb.core.USBError):
-                await asyncio.get_running_loop().run_in_executor(thread, usb.util.dispose_resources, device)
-        if thread is not None:
-            thread.shutdown(wait=False)
 
     async def texts(self) -> tuple[str, str, str]:
         """Return manufacturer, product and serial number; empty where the device tells none."""
-        device = self._opened()
+        device = self._opened().device
         return await self._guarded(lambda: _texts(device))
 
     async def control_out(
         self, request_type: int, request: int, value: int = 0, index: int = 0, data: bytes = b""
     ) -> None:
         """Send a control transfer; raises DeviceRefusedError, NoReplyError, ConnectionLostError."""
-        device = self._opened()
+        device = self._opened().device
         await self._guarded(
             lambda: device.ctrl_transfer(request_type, request, value, index, data, _CONTROL_TIMEOUT_MS)
         )
 
     async def control_in(self, request_type: int, request: int, value: int, index: int, length: int) -> bytes:
         """Ask by a control transfer; raises DeviceRefusedError, NoReplyError, ConnectionLostError."""
-        device = self._opened()
+        device = self._opened().device
         return await self._guarded(
             lambda: bytes(
                 device.ctrl_transfer(request_type, request, value, index, length, _CONTROL_TIMEOUT_MS)
@@ -110,19 +83,17 @@ class UsbDevice:
 
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return the next packet, None after `timeout_s` of silence; raises ConnectionLostError."""
-        give_up_s = time.monotonic() + timeout_s
-        while True:
-            left_s = give_up_s - time.monotonic()
-            data = await self._packet(max(1, round(1000.0 * min(left_s, _SLICE_S))))
-            if data is not None:
-                return data
-            if left_s <= _SLICE_S:
-                return None
+        return await self._in_slices(timeout_s, self._packet)
 
-    async def _packet(self, timeout_ms: int) -> bytes | None:
-        self._opened()
-        endpoint = self._endpoint
-        return await self._guarded(lambda: _read_packet(endpoint, timeout_ms))
+    async def _packet(self, slice_s: float) -> bytes | None:
+        endpoint = self._opened().endpoint
+        return await self._guarded(lambda: _read_packet(endpoint, max(1, round(1000.0 * slice_s))))
+
+    def _open_handle(self) -> _Opened:
+        return _open_device(self._where)
+
+    def _close_handle(self, handle: _Opened) -> None:
+        usb.util.dispose_resources(handle.device)
 
     async def _guarded(self, call: Callable[[], Value]) -> Value:
         """Make a call in the device's thread and turn what it raises into errors of drivers."""
@@ -135,28 +106,17 @@ class UsbDevice:
         except usb.core.USBError as error:
             if error.errno == errno.EPIPE:
                 raise DeviceRefusedError(f"USB device {self.address} refuses a request") from error
-            await self.close()
-            raise ConnectionLostError(
-                f"USB device {self.address} is gone ({error}): check its cable, then connect again"
-            ) from error
-
-    async def _in_thread(self, call: Callable[[], Value]) -> Value:
-        return await asyncio.get_running_loop().run_in_executor(self._thread, call)
-
-    def _opened(self) -> Any:
-        if self._device is None:
-            raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
-        return self._device
+            raise await self._lost(f"USB device {self.address} is gone ({error}): check its cable") from error
 
 
-def _open_device(where: UsbAddress) -> tuple[Any, Any]:
+def _open_device(where: UsbAddress) -> _Opened:
     try:
         device = _find(where)
         if device is None:
             raise ConnectFailedError(
                 f"there is no USB device {where}: check its cable, and the numbers with lsusb"
             )
-        return device, _prepare(device)
+        return _Opened(device, _prepare(device))
     except usb.core.NoBackendError as error:
         raise ConnectFailedError(
             f"USB device {where} needs the system's libusb-1.0: install it (Debian: libusb-1.0-0)"
