@@ -50,6 +50,7 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
 from truepose.identification.identify import nominal_fit
 from truepose.identification.models import Fits, model_of
+from truepose.identification.verdict.judge import USUAL
 from truepose.identification.verdict.statistics import statistics
 from truepose.version import __version__
 
@@ -281,7 +282,7 @@ def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
 def _discrepancy_mm(answer: _Answer) -> float:
     """Return what the usual held-out residuals show per axis beyond the readings' noise [mm]."""
     squared = (answer.tested.judged.errors.after_mm**2).mean(axis=1)
-    usual = squared <= 25.0 * float(np.median(squared))
+    usual = squared <= USUAL * float(np.median(squared))
     noise = answer.start.problem.blocks[0].stated_sigma()
     return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))
 

@@ -1,9 +1,12 @@
 """Lengths between cups and nests as far as they are linear in what is unknown of arm, cups and tool."""
 
 from dataclasses import dataclass
+from typing import Final
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import Leg
+
+TOLD_APART: Final = 3.0  # standard uncertainties by which two lengths must differ for a swap to be seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,9 @@ from truepose.domain.diagnosis import Detail, Shape
 from truepose.effects.ports import Effect, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain
 
+FEWEST_TOGETHER = 3  # joints that share a cause; fewer are named one by one
+_SMALLEST_TURN_RAD = np.deg2rad(5.0)
+
 
 @dataclass(frozen=True, slots=True)
 class Scene:
@@ -38,6 +41,11 @@ class Scene:
     gravity_m_s2: tuple[float, float, float] = (0.0, 0.0, -9.81)  # world
     between_s: tuple[float, float] | None = None  # jumps: every gap there is tried; None: some, anywhere
     instrument_mm: FloatArray | None = None  # (3,) its place in the world; None: unknown
+
+    @property
+    def turning(self) -> tuple[int, ...]:
+        """Joints (0-based) that turned: over less, what follows an angle cannot be told from an offset."""
+        return tuple(np.flatnonzero(np.ptp(self.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist())
 
     @property
     def robot_name(self) -> str:

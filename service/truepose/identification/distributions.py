@@ -9,6 +9,8 @@ from scipy.special import chdtrc, chdtri, fdtrc, gammaincinv, gammaln, ndtr, xlo
 
 from truepose.domain.arrays import FloatArray, IntArray
 
+WITHIN_95 = 1.96  # standard deviations either way that hold 95 % of all normal variates
+
 Numbers = float | FloatArray | IntArray  # one, or arrays that go together
 
 

@@ -33,6 +33,7 @@ from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Finding, NextMeasurement
 from truepose.effects.causes import Candidate
+from truepose.effects.joints.joint_harmonics import ONE_PERIOD_FROM
 
 _PLACES = 300
 _SEED = 20140  # the same data are always answered by the same configurations
@@ -41,7 +42,6 @@ _FEW = 5
 _TOLD = 2  # dependences of what is left: those that its sentence names
 _STILL_DEG = 5.0  # a joint that turned by less did not take part
 _REPEATS = (2, 4, 8)
-_SLOW_ORDER = 6.0  # faster waves are stepped through, one period
 _SEEN = "where the instrument sees them"
 _BEYOND = " They lie beyond the ranges measured so far: make sure that nothing is in the way."
 
@@ -248,7 +248,7 @@ def _of_dependence(
 def _why(depends: Depends) -> str:
     if depends.kind == "place":
         return "these lie farthest from what was measured"
-    if depends.joint is not None and depends.order > _SLOW_ORDER:
+    if depends.joint is not None and depends.order > ONE_PERIOD_FROM:
         return f"these step joint {depends.joint + 1} through one period of the wave"
     return "these lie in its largest gaps"
 
@@ -262,7 +262,7 @@ def _telling(start: Start, depends: Depends, places: Places, rng: np.random.Gene
     if depends.kind == "torque" and places.torque_n_mm is not None and scene.torque_n_mm is not None:
         there, here = places.torque_n_mm[:, [joint]], scene.torque_n_mm[:, [joint]]
         return places.joints_deg[filling(there, here, _FEW)]
-    if depends.order > _SLOW_ORDER:
+    if depends.order > ONE_PERIOD_FROM:
         return one_period(start, joint, depends.order, _FEW)
     alone = moved_alone(start, joint, _PLACES, rng)
     measured = np.rad2deg(scene.stops.joints_rad[:, [joint]])

@@ -6,8 +6,11 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Scene
+from truepose.effects.joints.joint_harmonics import ONE_PERIOD_FROM
+from truepose.effects.shapes.times import SECONDS_PER_HOUR
 
-_SLOW_ORDER = 6.0  # faster waves are drawn over one period
+N_MM_PER_N_M = 1e3
+DRAWN = 200  # points of a line
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,7 @@ class Axis:
 def angle_axis(turn_rad: FloatArray, joint: int, order: float = 1.0) -> Axis:
     """Return the angle of a joint (0-based), within one period where waves of that order are fast."""
     angle_deg = np.rad2deg(turn_rad)
-    if order > _SLOW_ORDER:
+    if order > ONE_PERIOD_FROM:
         variable = f"angle of joint {joint + 1} within one period"
         return Axis(variable, "deg", np.mod(angle_deg, 360.0 / order))
     return Axis(f"angle of joint {joint + 1}", "deg", angle_deg)
@@ -58,4 +61,4 @@ def time_axis(scene: Scene, over: str) -> Axis | None:
         return None if stops.temperature_c is None else Axis("temperature", "degC", stops.temperature_c)
     if stops.time_s is None:
         return None
-    return Axis("time", "h", (stops.time_s - scene.origin_s) / 3600.0)
+    return Axis("time", "h", (stops.time_s - scene.origin_s) / SECONDS_PER_HOUR)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from truepose.diagnosis.curves.axes import Axis, angle_axis, level_axis, time_axis
+from truepose.diagnosis.curves.axes import DRAWN, N_MM_PER_N_M, Axis, angle_axis, level_axis, time_axis
 from truepose.diagnosis.evidence.sensitivities import (
     Seen,
     effect_of,
@@ -31,11 +31,11 @@ from truepose.effects.cells import cell_of
 from truepose.effects.joints.joint_harmonics import is_whole, order_of_wave
 from truepose.effects.ports import Rows, Term
 from truepose.effects.registry import effect_named
+from truepose.effects.shapes.times import SECONDS_PER_HOUR
+from truepose.identification.distributions import WITHIN_95
 from truepose.identification.model.evaluation import rows_of
 
-_DRAWN = 200  # points of a line
 _PER_WAVE = 12  # points of each wave in it
-_Z95 = 1.96
 _PERIODIC = frozenset({"wave", "curve"})
 
 
@@ -59,7 +59,7 @@ def _curve(
 def _line(weights: FloatArray, values: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Line and half width of its band from weights (k, m) of k parameters."""
     variance = np.einsum("km,kl,lm->m", weights, covariance, weights)
-    return values @ weights, _Z95 * np.sqrt(np.maximum(variance, 0.0))
+    return values @ weights, WITHIN_95 * np.sqrt(np.maximum(variance, 0.0))
 
 
 def joint_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
@@ -98,9 +98,13 @@ def _joint_axis(
     if over == "torque":
         if torque is None:
             return None
-        axis = Axis(f"torque of joint {joint + 1}", "N*m", torque[:, joint] / 1e3)
-        line_x = axis.drawn(_DRAWN)
-        return axis, line_x, _weights(effect, names, _there(selected, joint, torque_n_mm=1e3 * line_x))
+        axis = Axis(f"torque of joint {joint + 1}", "N*m", torque[:, joint] / N_MM_PER_N_M)
+        line_x = axis.drawn(DRAWN)
+        return (
+            axis,
+            line_x,
+            _weights(effect, names, _there(selected, joint, torque_n_mm=N_MM_PER_N_M * line_x)),
+        )
     if over == "direction":
         if direction is None:
             return None
@@ -111,7 +115,7 @@ def _joint_axis(
     source = joint if cell.where == cell.over.removeprefix("angle of ") else int(of) - 1
     orders = {order_of_wave(name) for name in names} if cell.shape in _PERIODIC else set()
     axis = angle_axis(scene.turn_rad[:, source], source, _common_order(orders))
-    line_x = axis.drawn(max(_DRAWN, round(_PER_WAVE * _most_waves(orders))))
+    line_x = axis.drawn(max(DRAWN, round(_PER_WAVE * _most_waves(orders))))
     return axis, line_x, _weights(effect, names, _there(selected, source, turn_rad=np.deg2rad(line_x)))
 
 
@@ -185,7 +189,7 @@ def shape_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) 
     told = seen(selected, unit / max(typical, 1e-300), effect_of(selected, names), axis.known)
     if told is None:
         return None
-    line_x = axis.drawn(_DRAWN)
+    line_x = axis.drawn(DRAWN)
     along = gram @ acting[:, peak] / energy[peak]
     weights = typical * along[:, None] * _weights(effect, names, _over_time(selected, axis, line_x)) / most
     quantity = "shift of the tool as this cause moves it", "mm"
@@ -200,7 +204,7 @@ def _over_time(selected: Selected, axis: Axis, line_x: FloatArray) -> Rows:
     stops = Stops(
         one,
         still,
-        time_s=rows.origin_s + 3600.0 * line_x if timed else None,
+        time_s=rows.origin_s + SECONDS_PER_HOUR * line_x if timed else None,
         temperature_c=None if timed else line_x,
     )
     return rows._replace(stops=stops, nest=one, torque_n_mm=None, turn_rad=still)
@@ -250,13 +254,13 @@ def agreement_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ..
     told = seen(selected, unit, effect, axis.known & (size > 0.0))
     if told is None:
         return None
-    line_x = axis.drawn(_DRAWN)
+    line_x = axis.drawn(DRAWN)
     return _curve(
         axis,
         ("shift along its way", "mm"),
         told,
         line_x,
-        (line_x, _Z95 * line_x * _relative(*values_of(selected, names))),
+        (line_x, WITHIN_95 * line_x * _relative(*values_of(selected, names))),
     )
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from truepose.diagnosis.curves.axes import Axis, angle_axis, level_axis, time_axis
+from truepose.diagnosis.curves.axes import DRAWN, N_MM_PER_N_M, Axis, angle_axis, level_axis, time_axis
 from truepose.diagnosis.curves.cause_curves import (
     agreement_curve,
     joint_curve,
@@ -23,14 +23,13 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Curve
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.cells import drawn_as
+from truepose.identification.distributions import WITHIN_95
 from truepose.identification.model.evaluation import rows_of
 
 _SMOOTH = 5  # cosines of a smooth curve
-_DRAWN = 200
-_Z95 = 1.96
 
 
-_DRAWN_BY = {
+DRAWN_BY = {
     "joint": joint_curve,
     "shift": shape_curve,
     "level": level_curve,
@@ -46,7 +45,7 @@ class _Way(NamedTuple):
 
 def finding_curve(selected: Selected, scene: Scene, group: tuple[Candidate, ...]) -> Curve | None:
     """Return the residuals without a finding, and the finding over them; None where no reading feels it."""
-    draw = _DRAWN_BY[drawn_as(group[0].effect)]
+    draw = DRAWN_BY[drawn_as(group[0].effect)]
     return draw(selected, scene, group) or agreement_curve(selected, scene, group)
 
 
@@ -67,7 +66,7 @@ def _axes(selected: Selected, scene: Scene, depends: Depends) -> Iterator[Axis]:
     if depends.kind in ("angle", "coupling") and joint is not None:
         yield angle_axis(scene.turn_rad[:, joint], joint, depends.order)
     elif depends.kind == "torque" and joint is not None and torque is not None:
-        yield Axis(depends.variable, "N*m", torque[:, joint] / 1e3)
+        yield Axis(depends.variable, "N*m", torque[:, joint] / N_MM_PER_N_M)
     elif depends.kind == "direction" and joint is not None and stops.direction is not None:
         yield level_axis(depends.variable, np.sign(stops.direction[:, joint]))
     elif depends.kind == "attachment" and stops.attachment is not None:
@@ -101,10 +100,10 @@ def _smooth(selected: Selected, axis: Axis, way: _Way) -> tuple[float, Curve] | 
     if told is None:
         return None
     x = axis.x[told.rows]
-    line_x = np.unique(x) if axis.stepped else np.linspace(float(x.min()), float(x.max()), _DRAWN)
+    line_x = np.unique(x) if axis.stepped else np.linspace(float(x.min()), float(x.max()), DRAWN)
     coefficients, covariance = _fitted(_design(axis, x, line_x), told)
     drawn = _design(axis, line_x, line_x)
-    band = _Z95 * np.sqrt(np.einsum("ni,ij,nj->n", drawn, covariance, drawn))
+    band = WITHIN_95 * np.sqrt(np.einsum("ni,ij,nj->n", drawn, covariance, drawn))
     curve = Curve(
         variable=axis.variable,
         variable_unit=axis.unit,

@@ -21,7 +21,6 @@ from truepose.identification.model.evaluation import State
 from truepose.identification.model.trial import trial_derivatives, tried
 
 _FELT = 0.02  # of what the typical reading feels
-_COUNTED = 0.5  # weight of a reading from which on it is shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +46,7 @@ def seen(selected: Selected, unit_mm: FloatArray, effect_mm: FloatArray, known: 
     """
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     size = np.linalg.norm(unit_mm, axis=1)
-    counted = known & (block.weights > _COUNTED) & (size > 0.0)
+    counted = known & block.counts & (size > 0.0)
     if not counted.any():
         return None
     rows = counted & (size > _FELT * float(np.median(size[counted])))

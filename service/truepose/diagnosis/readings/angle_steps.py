@@ -25,7 +25,6 @@ from truepose.kinematics.chain import theta_gradient
 _STEPS_DEG = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 _SLACK_DEG = 1e-9  # angles pass through radians
 _FEWEST = 10  # configurations: fewer may all be whole by chance
-_COUNTED = 0.5  # weight of a reading from which on it counts
 _CLEARLY = 5.0  # in log likelihood
 _MATTERS = 0.04  # of the stated variance: a fifth of the noise
 _OF_THAT_SIZE = (0.5, 2.0)  # what is there beyond the stated noise, over what the steps explain
@@ -100,14 +99,14 @@ def _whole(joints_deg: FloatArray, step_deg: float) -> bool:
 
 def _freedom(fit: RobustFit) -> float:
     """Return the share of the variance of the noise that the fitted parameters leave in the residuals."""
-    counted = int((fit.blocks[0].weights > _COUNTED).sum()) * fit.results[0].residual.shape[1]
+    counted = int(fit.blocks[0].counts.sum()) * fit.results[0].residual.shape[1]
     return float(max(1.0 - len(fit.structure.specs) / max(counted, 1), 0.05))
 
 
 def _of_each_stop(fit: RobustFit, moves: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield whitened residuals (m,) of each place of the arm, with what the steps do to them (m, J)."""
     block, result = fit.blocks[0], fit.results[0]
-    stated, counts = block.weighted(block.weights, 0.0), block.weights > _COUNTED
+    stated, counts = block.weighted(block.weights, 0.0), block.counts
     shape = result.residual.shape
     residual = stated.whitened(result).reshape(shape)
     moved = np.stack([stated.whitened(replace(result, residual=move)).reshape(shape) for move in moves])

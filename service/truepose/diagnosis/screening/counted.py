@@ -7,13 +7,11 @@ from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.stops import sites
 from truepose.identification.observations.blocks import Block, BlockResult
 
-_COUNTS = 0.5  # weight of a reading from which on it does
-
 
 def counted_rows(fit: RobustFit) -> BoolArray:
     """Return which of the stacked components are of readings that count, shape (m,)."""
     return np.concatenate([
-        np.repeat(block.weights > _COUNTS, result.residual.shape[1])
+        np.repeat(block.counts, result.residual.shape[1])
         for block, result in zip(fit.blocks, fit.results, strict=True)
     ])
 
@@ -26,7 +24,7 @@ def design_effect(block: Block, result: BlockResult) -> float:
     vectors = result.whitening.apply(result.residual)
     if result.direction is not None:
         vectors = vectors * result.direction
-    kept = block.weights > _COUNTS
+    kept = block.counts
     _, stop = np.unique(sites(block.targets.stops)[kept], return_inverse=True)
     vectors = vectors[kept]
     sizes = np.bincount(stop)

@@ -8,14 +8,13 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Fitted, Scene, Shown
+from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
 NAME = "backlash"
 _WIDTH_RAD = np.deg2rad(0.1)  # belief: three times the widest gap of the thesis (table 2.3)
 _FEWEST_EACH_WAY = 4  # stops from either side without which a gap is hardly more than a reading's error
-_FEWEST_TOGETHER = 3  # fewer joints are named one by one
 
 
 class Backlash:
@@ -52,7 +51,7 @@ class Backlash:
         joints = [] if scene.stops.direction is None else from_both_sides(scene.stops.direction)
         specs = [spec for spec in map(_spec, joints) if spec.name not in scene.present]
         found = [Candidate(NAME, joint_subject(joint_of(spec.name)), (spec,)) for spec in specs]
-        if len(specs) >= _FEWEST_TOGETHER:
+        if len(specs) >= FEWEST_TOGETHER:
             found.append(Candidate(NAME, "joints", tuple(specs)))
         return tuple(found)
 

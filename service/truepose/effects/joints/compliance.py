@@ -19,7 +19,7 @@ from truepose.kinematics.gravity import moment_regressor
 NAME = "compliance"
 _LARGEST_DEFLECTION_RAD = 0.01  # belief where the maker gives no compliance: no gearbox yields more
 _LARGEST_COMPLIANCE = 2e-6  # rad/(N mm): three times the softest gearbox of the thesis
-_VISIBLE_RAD = 1e-5  # a joint that never deflects by this much has no spring that could be seen
+VISIBLE_RAD = 1e-5  # a joint that never deflects by this much has no spring that could be seen
 _GRAVITY_M_S2 = 9.81
 _FIRST_WRIST_FRAME = 3  # 0-based; beyond it links are light
 _MOMENT_DEFLECTION_RAD = 5e-3
@@ -36,7 +36,7 @@ class Compliance:
         if setting.torque_source == "unknown":
             return tuple(_product_specs(setting.robot.n_joints))
         means, widths = compliance_prior(setting)
-        loaded = setting.largest_torque_n_mm * widths > _VISIBLE_RAD
+        loaded = setting.largest_torque_n_mm * widths > VISIBLE_RAD
         return tuple(
             ParameterSpec(joint_name("c", j), "rad/(N*mm)", float(means[j]), float(widths[j]))
             for j in np.flatnonzero(loaded).tolist()

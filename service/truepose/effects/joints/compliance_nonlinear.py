@@ -9,8 +9,8 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
-from truepose.effects.causes import Candidate, Fitted, Limits, Scene, Shown
-from truepose.effects.joints.compliance import compliance_prior, known_torque
+from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Limits, Scene, Shown
+from truepose.effects.joints.compliance import VISIBLE_RAD, compliance_prior, known_torque
 from truepose.effects.names import joint_name, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -21,8 +21,6 @@ _STIFF = 20.0  # times t0, where all teeth bear: the slope is 1e-17 of what it i
 _SHARE_WIDTH = 2.0  # belief: four times the softness, relative to the spring's own, that is often met
 _LIMITS = Limits(-1.0, np.inf, "a gear cannot be stiffer than rigid")
 _BENT = 0.5  # of t0: a joint whose torque stays below has no bend in its characteristic that could be seen
-_VISIBLE_RAD = 1e-5  # a joint that never deflects by this much shows nothing of its characteristic
-_FEWEST_TOGETHER = 3  # fewer joints are named one by one
 
 
 class ComplianceNonlinear:
@@ -57,7 +55,7 @@ class ComplianceNonlinear:
             bent = [spec for spec in _bent_specs(scene, t0) if _is_open(spec, scene)]
             found += [Candidate(NAME, joint_subject(_joint_of(spec.name)), (spec,), t0) for spec in bent]
             specs = tuple(spec for spec in _specs(scene.setting, t0) if _is_open(spec, scene))
-            if bent and len(specs) >= _FEWEST_TOGETHER:
+            if bent and len(specs) >= FEWEST_TOGETHER:
                 found.append(Candidate(NAME, "joints", specs, t0))
         return tuple(found)
 
@@ -97,7 +95,7 @@ def _specs(setting: Setting, t0_n_mm: float) -> tuple[ParameterSpec, ...]:
     if setting.torque_source == "unknown":
         return ()
     _, widths = compliance_prior(setting)
-    loaded = np.flatnonzero(setting.largest_torque_n_mm * widths > _VISIBLE_RAD).tolist()
+    loaded = np.flatnonzero(setting.largest_torque_n_mm * widths > VISIBLE_RAD).tolist()
     return tuple(
         ParameterSpec(_name(joint, t0_n_mm), "rad/(N*mm)", 0.0, _SHARE_WIDTH * float(widths[joint]))
         for joint in loaded

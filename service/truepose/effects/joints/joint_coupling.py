@@ -14,7 +14,6 @@ from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind,
 NAME = "joint_coupling"
 _WIDTH = 2e-3  # belief: four times what a wrist with a noticeable coupling shows
 WRIST_JOINTS = 3
-_SMALLEST_TURN_RAD = np.deg2rad(5.0)  # over less, a coupling is an offset
 
 
 class JointCoupling:
@@ -35,18 +34,17 @@ class JointCoupling:
 
     def unseen(self, scene: Scene) -> str | None:
         """Need joints that turn."""
-        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+        if not scene.turning:
             return "no joint turns by more than 5 deg: measure over the whole range of each joint"
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose every other joint that turns as the source of every wrist joint."""
         n = scene.setting.robot.n_joints
-        sources = np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist()
         return tuple(
             Candidate(NAME, joint_subject(moved), (spec,), float(source + 1))
             for moved in range(max(n - WRIST_JOINTS, 0), n)
-            for source in sources
+            for source in scene.turning
             if source != moved
             for spec in (_spec(moved, source),)
             if spec.name not in scene.present

@@ -8,7 +8,6 @@ from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind,
 
 NAME = "joint_gain"
 _WIDTH = 1e-3  # gear ratios are exact; scale errors of encoders stay well below this
-_SMALLEST_TURN_RAD = np.deg2rad(5.0)  # over less, a gain is an offset
 
 
 class JointGain:
@@ -28,16 +27,15 @@ class JointGain:
 
     def unseen(self, scene: Scene) -> str | None:
         """Need joints that turn."""
-        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+        if not scene.turning:
             return "no joint turns by more than 5 deg: measure over the whole range of each joint"
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each joint that turns."""
-        turning = np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist()
         return tuple(
             Candidate(NAME, joint_subject(j), (_spec(j),))
-            for j in turning
+            for j in scene.turning
             if joint_name("gain", j) not in scene.present
         )
 

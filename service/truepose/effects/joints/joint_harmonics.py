@@ -25,11 +25,11 @@ _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
 # Of a robot that does not tell its gears no fast wave can be laid at their door: up to here bearings,
 # encoders and the stages of common gears explain one.
 _HIGHEST_OF_UNKNOWN_GEAR = 12
+ONE_PERIOD_FROM = 6.0  # periods per turn; a faster wave is drawn, and measured again, over one of them
 _HIGHEST_OF_CURVE = 60.0  # per turn, of curves that no few waves describe
 _FEW_WAVES = 24  # that are told as waves; more are a curve
 _TOLD = 5  # waves of a curve that are told, the largest ones
 _ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
-_SMALLEST_TURN_RAD = np.deg2rad(5.0)
 
 
 class JointHarmonics:
@@ -57,14 +57,14 @@ class JointHarmonics:
 
     def unseen(self, scene: Scene) -> str | None:
         """Need joints that turn."""
-        if np.ptp(scene.turn_rad, axis=0).max() < _SMALLEST_TURN_RAD:
+        if not scene.turning:
             return "no joint turns by more than 5 deg: measure over the whole range of each joint"
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose of every joint that turns one wave per turn to two per turn of the motor, and a curve."""
         found = []
-        for joint in np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD).tolist():
+        for joint in scene.turning:
             for order in orders(scene, joint):
                 specs = wave_specs(joint, order)
                 if specs[0].name not in scene.present:

@@ -69,7 +69,7 @@ def shown_drift(subject: str, fitted: Fitted, scene: Scene, who: str) -> Shown:
     settling = "".join(f", settling with a time constant of {spoken(tau_s)}" for tau_s in constants)
     sentence = (
         f"{who} moves by {rate:.3f} mm/h and turns by {motion.turn_deg[0]:.4f} deg/h{settling}: "
-        f"{rate * hours:.3f} mm in the {spoken(3600.0 * hours)} of these measurements."
+        f"{rate * hours:.3f} mm in the {spoken(SECONDS_PER_HOUR * hours)} of these measurements."
     )
     details = (*motion.details("/h"), *_constant_details(constants))
     return Shown(subject, rate, "mm/h", uncertainty, sentence, details)

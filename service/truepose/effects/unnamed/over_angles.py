@@ -14,7 +14,6 @@ from truepose.effects.unnamed.kinds import STEADY, Key, Kind, Moves, Part, Place
 _WAVE_RAD = np.deg2rad(0.05)  # belief, as of waves of a joint's own angle
 _SHARE = 2e-3  # belief, as of couplings within the wrist
 _TILT_RAD, _RUNOUT_MM = 5e-4, 0.1  # belief: five times a bearing that runs visibly out of true
-_SMALLEST_TURN_RAD = np.deg2rad(5.0)  # over less, a wave is an offset
 _WAVE = (Part("sin", "rad", _WAVE_RAD), Part("cos", "rad", _WAVE_RAD))
 # What a bearing does beside the turn about its own axis, tilts first: they are the amplitude.
 _WOBBLE = tuple(
@@ -37,7 +36,7 @@ def _one_to_three(_scene: Scene) -> Variants:
 
 
 def _turning(scene: Scene) -> list[int]:
-    return (np.flatnonzero(np.ptp(scene.turn_rad, axis=0) >= _SMALLEST_TURN_RAD) + 1).tolist()
+    return [joint + 1 for joint in scene.turning]
 
 
 def _bodies(scene: Scene) -> list[Place]:

@@ -35,12 +35,12 @@ from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult, Joint, linearise_blocks, reweighed
+from truepose.identification.observations.looks import FALSE_ALARM
 
 _SOFT_ROUNDS = 40
 _SETTLED = 1e-3  # relative change of the typical residual
 _WIDEST = 10.0  # a geometry that asks for more is not this robot's
 _HARD_ROUNDS = 12
-_FALSE_ALARM = 0.01  # chance that noise alone flags any reading of a campaign
 _EXCESS_LEVEL = 1e-3  # level at which stated uncertainties are found too small
 _MOSTLY_LACKING = 0.5  # share of the variance that the model lacks
 _TAPER = 1.5  # full weight up to a third of the limit, in squared residuals
@@ -234,7 +234,7 @@ def _judged(block: Block, result: BlockResult) -> tuple[BoolArray, FloatArray]:
     squared = block.squared(result)
     scale = max(1.0, float(np.median(squared) / chi2_median(d)))
     lacking = block.discrepancy**2 / float(np.mean(spread))
-    limit = (1.0 + lacking) * scale * chi2_limit(_FALSE_ALARM / n, d)
+    limit = (1.0 + lacking) * scale * chi2_limit(FALSE_ALARM / n, d)
     gross = block.bad_among(squared > limit)
     if lacking < _MOSTLY_LACKING or not block.of_arm:
         return gross, np.where(gross, 0.0, 1.0)

@@ -18,6 +18,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.robot import Robot
 from truepose.effects.ports import Need
 from truepose.effects.registry import needs_of
+from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
 
@@ -38,7 +39,7 @@ _LENGTHS_ONLY = frozenset({"ballbar_zero", "fixture_shift"})  # effects that pos
 class Span:
     """What the readings covered that made a model and judged it."""
 
-    duration_s: float = 3600.0  # of a model that does not say so: an hour's campaign
+    duration_s: float = SECONDS_PER_HOUR  # of a model that does not say so: an hour's campaign
     lowest_c: float = 15.0  # a workshop's year
     highest_c: float = 30.0
 

@@ -17,6 +17,8 @@ from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.whitening import Whitener
 
+_HALF = 0.5  # weight from which on a reading counts as one
+
 
 @dataclass(frozen=True, slots=True)
 class BlockResult:
@@ -97,6 +99,11 @@ class Block(Table, ABC):
     def evaluated(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> State:
         """Return the model at the targets, the torques of an earlier result as the first guess."""
         return evaluate(structure, values, self.targets, previous.state if previous else None)
+
+    @property
+    def counts(self) -> BoolArray:
+        """Which readings have more than half of their weight, shape (n,)."""
+        return np.asarray(self.weights > _HALF)
 
     @property
     def place_mm(self) -> FloatArray | None:

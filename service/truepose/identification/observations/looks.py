@@ -25,7 +25,7 @@ _FEWEST = 4  # differences of each nest: of fewer, a kick is too large a part of
 # successive differences share readings.
 _BEYOND = 4.0
 _WORTH = 0.7  # degrees of freedom of a difference of three components: for the median, and what they share
-_FALSE_ALARM = 0.01  # chance that noise alone sets any reading apart
+FALSE_ALARM = 0.01  # chance that noise alone flags any reading of a campaign
 
 
 class _Scatter(NamedTuple):
@@ -96,7 +96,7 @@ class Looks:
     def _alone(self) -> BoolArray:
         """Return which readings are far from both of their nest that are next in time, shape (n,)."""
         alone = np.zeros(len(self.fixed_nest), dtype=bool)
-        limit = float(chi2_limit(_FALSE_ALARM / len(alone), 3))
+        limit = float(chi2_limit(FALSE_ALARM / len(alone), 3))
         for now, both in self._between():
             apart = ((self.measured_mm[now] - self.measured_mm[both]) ** 2).sum(axis=1)
             expected = self.variance_mm2[now] + self.variance_mm2[both]

@@ -19,6 +19,7 @@ from truepose.kinematics.chain import nominal_chain
 # A nominal robot is off by less than this share of its reach; beyond it something else is wrong.
 _PLAUSIBLE_SHARE = 0.006
 _CLEARLY_BETTER = 0.2  # a hypothesis must leave less than this share of the residual
+_MM_PER_M, _MM_PER_INCH = 1e3, 25.4
 _ZERO_STEP_RAD = np.deg2rad(15.0)
 _SUBSET = 60
 _COLLAPSED = 0.02  # readings that spread so much less than the flange are in another unit
@@ -109,8 +110,8 @@ def _exchanged_nests(robot: Robot, evidence: Evidence, known: Known) -> Iterator
 
 def _units(robot: Robot, evidence: Evidence) -> Iterator[Hypothesis]:
     degrees = replace(evidence, joints_rad=np.rad2deg(evidence.joints_rad))
-    metres = replace(evidence, position_mm=evidence.position_mm * 1e3)
-    inches = replace(evidence, position_mm=evidence.position_mm * 25.4)
+    metres = replace(evidence, position_mm=evidence.position_mm * _MM_PER_M)
+    inches = replace(evidence, position_mm=evidence.position_mm * _MM_PER_INCH)
     mirrored = replace(evidence, position_mm=evidence.position_mm * np.array([1.0, -1.0, 1.0]))
     both = replace(degrees, position_mm=metres.position_mm)
     yield Hypothesis("the joint angles are in radians, not degrees", robot, degrees)

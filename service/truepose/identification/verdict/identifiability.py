@@ -18,7 +18,7 @@ from truepose.effects.ports import Setting
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.identification.model.structure import Structure
 
-_UNDETERMINED = 0.25  # square of half a width
+UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
 
 
@@ -119,7 +119,7 @@ def _by_data(
     widths = structure.prior_widths
     scaled = covariance / np.outer(widths, widths)
     eigenvalues, vectors = np.linalg.eigh(scaled)
-    open_space = vectors[:, eigenvalues > _UNDETERMINED]
+    open_space = vectors[:, eigenvalues > UNDETERMINED**2]
     if open_space.shape[1] == 0:
         return []
     entries = []

@@ -23,7 +23,7 @@ from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
 
-_USUAL = 25.0  # typical squares; readings as far out as those found gross say nothing of the model
+USUAL = 25.0  # typical squares; readings as far out as those found gross say nothing of the model
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ class Judged:
     def discrepancy_mm(self) -> float:
         """Return what residuals show per component beyond noise, scatter and the parameters' share."""
         squared = (self.identified_mm**2).mean(axis=1)
-        usual = squared <= _USUAL * float(np.median(squared))
+        usual = squared <= USUAL * float(np.median(squared))
         beyond = squared - (self.noise_variance + self.variance)
         return float(np.sqrt(max(float(beyond[usual].mean()), 0.0)))
 

@@ -30,7 +30,7 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
     if repeat_of is None or not np.any(repeat_of >= 0):
         return None
     site = sites(block.targets.stops)
-    kept = block.weights > 0.5
+    kept = block.counts
     keys = np.stack([site, *block.ends()], axis=1)[kept]
     _, group, sizes = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     residual = residual_mm[kept]

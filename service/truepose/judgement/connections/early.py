@@ -13,12 +13,12 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import Leg, Suspicion, SuspicionKind
+from truepose.domain.linear_lengths import TOLD_APART
 from truepose.judgement.connections.accounts import Accounts
 
 _AGAIN: Final = float(np.log(0.02))  # odds above which a person is asked whether a pair is read twice
 _OTHER: Final = float(np.log(0.1))  # ... whether it is another pair, or the pose is not as asked
 _NEAR_MM: Final = 3.0  # a pair that is nominally further off the ballbar's length cannot be connected
-_TOLD_APART: Final = 3.0  # standard uncertainties by which two lengths must differ for a swap to be seen
 
 
 def judge_early(after: Accounts, length_mm: float, *, complete: bool) -> Suspicion | None:
@@ -81,7 +81,7 @@ def indistinct(
     """Return which two of n foreseen lengths are closer than their difference is foreseen."""
     variance = np.diag(covariance_mm2)
     unsure = variance[:, None] + variance - 2.0 * covariance_mm2 + 2.0 * noise_mm2
-    close = (length_mm[:, None] - length_mm) ** 2 < _TOLD_APART**2 * unsure
+    close = (length_mm[:, None] - length_mm) ** 2 < TOLD_APART**2 * unsure
     return tuple((a, b) for a, b in combinations(range(len(length_mm)), 2) if close[a, b])
 
 

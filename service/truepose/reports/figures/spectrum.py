@@ -5,16 +5,16 @@ from markupsafe import Markup
 
 from truepose.domain.diagnosis import Spectrum
 from truepose.effects.joints.joint_harmonics import spoken_order
+from truepose.identification.distributions import WITHIN_95
 from truepose.reports.figures.canvas import AFTER, INK, new_figure, page_style, to_svg
 
-_Z95 = 1.96
 _MOST_LABELS = 24  # orders whose numbers still stand side by side
 
 
 def spectrum_picture(spectrum: Spectrum, prefix: str) -> Markup:
     """Draw a bar for each order with its 95 % interval, evenly spaced: orders of gears lie far apart."""
     at, amplitude = np.arange(len(spectrum.order)), spectrum.amplitude_deg
-    reach = _Z95 * spectrum.standard_uncertainty_deg
+    reach = WITHIN_95 * spectrum.standard_uncertainty_deg
     step = -(-len(at) // _MOST_LABELS)
     with page_style():
         figure = new_figure(8.0, 2.4)

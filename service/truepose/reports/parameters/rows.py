@@ -10,6 +10,7 @@ from truepose.domain.campaign import Campaign
 from truepose.domain.results import Identification, Model, Parameter
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.identification.model.structure import base_axes
+from truepose.identification.verdict.identifiability import UNDETERMINED
 from truepose.kinematics.frames import (
     angles_xyz,
     placement_rotation,
@@ -21,7 +22,6 @@ from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
 
 Standing = Literal["determined", "combination", "prior"]
 _AXES = ("x", "y", "z")
-_UNDETERMINED = 0.5  # of the prior width; the identification draws the same line
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ def _standing(parameter: Parameter, together: bool) -> Standing:
 
 def is_held_by_prior(parameter: Parameter) -> bool:
     """Whether the data say so little that the prior holds the parameter."""
-    return parameter.standard_uncertainty > _UNDETERMINED * parameter.prior_width
+    return parameter.standard_uncertainty > UNDETERMINED * parameter.prior_width
 
 
 def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | None:

@@ -180,7 +180,7 @@ def block_of(config, weights=None):
     config = np.asarray(config)
     stops = Stops(config, np.zeros((len(config), 6)))
     weights = np.ones(len(config)) if weights is None else weights
-    return SimpleNamespace(weights=weights, targets=SimpleNamespace(stops=stops))
+    return SimpleNamespace(weights=weights, counts=weights > 0.5, targets=SimpleNamespace(stops=stops))
 
 
 def vectors(n, seed=0):

@@ -13,10 +13,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, PlannedPose
-from truepose.domain.linear_lengths import ArmKind, StopLengths
+from truepose.domain.linear_lengths import TOLD_APART, ArmKind, StopLengths
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
 
-_TOLD_APART: Final = 3.0  # standard uncertainties by which two lengths must differ
 _MOSTLY: Final = 0.5  # share of exchanges that must show in a pose that is not named
 
 
@@ -63,7 +62,7 @@ def _share_seen(foreseen: FloatArray, spread: FloatArray) -> float:
     shares = []
     for a, b in combinations(range(len(foreseen)), 2):
         unsure, differ = (sqrt(c[a, a] + c[b, b] - 2.0 * c[a, b]) for c in (foreseen, spread))
-        shares.append(erfc(_TOLD_APART * unsure / differ / sqrt(2.0)) if differ > 0.0 else 0.0)
+        shares.append(erfc(TOLD_APART * unsure / differ / sqrt(2.0)) if differ > 0.0 else 0.0)
     return float(np.mean(shares)) if shares else 1.0
 
 
