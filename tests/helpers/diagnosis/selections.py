@@ -1,6 +1,7 @@
 """Fitted starts and selections for the parts of a diagnosis; a test names what was planted and tried."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -35,9 +36,22 @@ def planted(effects, campaign=None, n=80, seed=3, noise_mm=NOISE_MM, present=PRE
     return replace(campaign, calibration=replace(points, position_mm=true_mm + noise))
 
 
-def make_start(effects, present=PRESENT, **changes):
-    """The present model fitted to what was planted."""
-    start = started(planted(effects, present=present, **changes), present, relabel=False)
+def make_start(effects, present=PRESENT, *, campaign=None, n=80, seed=3, noise_mm=NOISE_MM):
+    """The present model fitted to what was planted; many tests begin alike, and a start never changes."""
+    if campaign is not None:
+        return _start_on(planted(effects, campaign, n, seed, noise_mm, present), present)
+    parameters = tuple((effect, tuple(values.items())) for effect, values in effects.items())
+    return _usual_start(parameters, present, n, seed, noise_mm)
+
+
+@cache
+def _usual_start(parameters, present, n, seed, noise_mm):
+    effects = {effect: dict(values) for effect, values in parameters}
+    return _start_on(planted(effects, None, n, seed, noise_mm, present), present)
+
+
+def _start_on(campaign, present):
+    start = started(campaign, present, relabel=False)
     assert not isinstance(start, str)
     return start
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-import truepose.sequencing.ballbar
+import truepose.sequencing
 import truepose.web.tablet
 
 HERE = Path(truepose.web.tablet.__file__).parent
@@ -22,7 +22,7 @@ KEPT_BY_THE_TABLET = {"truepose.language", "truepose.tablet", "truepose.person",
 
 SAID_BY_THE_SERVICE = re.findall(r'^  "(.+?)":', (HERE / "static" / "reasons.js").read_text("utf-8"), re.M)
 SEQUENCING = "".join(
-    path.read_text("utf-8") for path in Path(truepose.sequencing.ballbar.__file__).parent.glob("*.py")
+    path.read_text("utf-8") for path in Path(truepose.sequencing.__file__).parent.rglob("*.py")
 )
 
 
