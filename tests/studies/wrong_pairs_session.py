@@ -67,7 +67,9 @@ class Site:
     def counting(self, kept, poses):
         """What the service would count of these readings."""
         legs = [
-            LegKept(pose.placement, config, 1, leg, _taken(reading.length_mm), _arrival(pose.joints_rad))
+            LegKept(
+                pose.placement, config, 1, leg, _taken(reading.length_mm), _arrival(pose.joints_rad), config
+            )
             for config, readings in kept.items()
             for pose in [poses[config]]
             for leg, reading in readings.items()

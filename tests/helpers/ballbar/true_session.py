@@ -82,7 +82,7 @@ def measured_session(arm, plan: BallbarPlan, configs, *, placements=(1,), seed=0
                 if range_mm is None or abs(true_mm - 300.0) <= range_mm:
                     length = taken(true_mm, 2 + pose.config)
                     at = arrival(pose.joints_rad)
-                    legs.append(LegKept(placement.number, pose.config, 1, leg, length, at))
+                    legs.append(LegKept(placement.number, pose.config, 1, leg, length, at, pose.config))
     standing = Standing(legs[-1].placement, legs[-1].arrival.commanded_rad) if legs else None
     return Counting(tuple(legs), tuple(sides), tuple(setups), standing=standing)
 

@@ -13,7 +13,6 @@ from truepose.domain.campaign import Campaign, CupSetups, FixtureLengths, LegRea
 from truepose.storage.records import SessionSetup
 
 _TOOL = 0  # placement of the tool's triangle in a campaign
-_OF_NEXT_ATTEMPT = 1000  # added to the number of a pose: another attempt is another stop of the arm
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +25,7 @@ class LegKept:
     leg: Leg
     length: LengthTaken
     arrival: ArrivalTaken
-
-    @property
-    def stop(self) -> int:
-        """Number of the stop in the campaign."""
-        return self.config + _OF_NEXT_ATTEMPT * (self.attempt - 1)
+    stop: int  # number in the campaign: another attempt at a pose is another stop of the arm
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """What counts of a ballbar session, from its plan and its ledger."""
 
 from collections.abc import Iterator, Sequence
+from itertools import count
 
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.domain.artefacts import BallbarKit
@@ -51,15 +52,35 @@ def _standing(found: Situation, entries: Sequence[LedgerEntry]) -> Standing | No
     return None
 
 
+class _StopNumbers:
+    """Numbers of stops in a campaign: of a first attempt that of its pose, of each further one a free one."""
+
+    def __init__(self, found: Situation) -> None:
+        self._free = count(1 + max((step.config or 0 for step in found.steps), default=0))
+        self._given: dict[tuple[int, int], int] = {}
+
+    def of(self, config: int, attempt: int) -> int:
+        """Return the number of an attempt at a pose; the same one whenever it is asked for."""
+        if attempt == 1:
+            return config
+        if (config, attempt) not in self._given:
+            self._given[config, attempt] = next(self._free)
+        return self._given[config, attempt]
+
+
 def _legs(found: Situation) -> Iterator[tuple[str, LegKept]]:
+    stops = _StopNumbers(found)
     for step in found.steps:
         length = found.outcomes[step.id].length
         arrival = _arrival(found, step)
         if step.kind is not StepKind.CONNECT_LEG or length is None or arrival is None:
             continue
         if step.points is not None and step.config is not None and step.placement is not None:
-            kept = LegKept(step.placement, step.config, step.attempt, step.points, length, arrival)
-            yield step.id, kept
+            stop = stops.of(step.config, step.attempt)
+            yield (
+                step.id,
+                LegKept(step.placement, step.config, step.attempt, step.points, length, arrival, stop),
+            )
 
 
 def _sides(found: Situation) -> Iterator[SideKept]:

@@ -23,8 +23,8 @@ from truepose.exchange.campaigns.zip_file import read_campaign_zip, write_campai
 
 ARRIVAL = ArrivalTaken((0.1, 0.2), (0.1001, 0.2001), (1, -1), 50.0)
 LEGS = (
-    LegKept(1, 4, 1, (2, 3), make_length(300.25), ARRIVAL),
-    LegKept(1, 4, 2, (1, 1), make_length(299.75, initialisation=2), ARRIVAL),
+    LegKept(1, 4, 1, (2, 3), make_length(300.25), ARRIVAL, 4),
+    LegKept(1, 4, 2, (1, 1), make_length(299.75, initialisation=2), ARRIVAL, 6),
 )
 COUNTING = Counting(
     LEGS,
@@ -50,7 +50,7 @@ def test_every_leg_is_a_row_with_the_commanded_joints():
 
     np.testing.assert_array_equal(legs.stops.joints_rad, [ARRIVAL.commanded_rad] * 2)
     np.testing.assert_array_equal(legs.stops.direction, [ARRIVAL.direction] * 2)
-    assert legs.stops.config.tolist() == [4, 1004]
+    assert legs.stops.config.tolist() == [4, 6]
     assert (legs.base_point.tolist(), legs.nest.tolist()) == ([2, 1], [3, 1])
     assert legs.length_mm.tolist() == [300.25, 299.75]
     assert legs.initialisation.tolist() == [1, 2]
@@ -115,7 +115,7 @@ def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_u
     foreign = make_length(
         300.1, instrument_serial="B-9", certificate="", certificate_expires="", standard_uncertainty_mm=0.0052
     )
-    legs = (*LEGS, LegKept(1, 5, 1, (3, 1), foreign, ARRIVAL))
+    legs = (*LEGS, LegKept(1, 5, 1, (3, 1), foreign, ARRIVAL, 5))
 
     campaign = assemble(kit=kit, counting=Counting(legs))
 
@@ -128,7 +128,9 @@ def test_lengths_of_a_ballbar_without_certificate_say_so_and_keep_their_larger_u
 
 
 def test_a_ballbar_of_which_no_paper_was_ever_stated_is_named_and_no_more():
-    notes = " ".join(assemble(counting=Counting((LegKept(1, 4, 1, (1, 1), make_length(), ARRIVAL),))).notes)
+    notes = " ".join(
+        assemble(counting=Counting((LegKept(1, 4, 1, (1, 1), make_length(), ARRIVAL, 4),))).notes
+    )
 
     assert "without a certificate" not in notes
     assert "serial number L20042" in notes

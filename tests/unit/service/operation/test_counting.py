@@ -77,7 +77,18 @@ def test_a_pose_whose_legs_were_exchanged_counts_only_as_measured_again():
 
     assert {kept.config for kept in confused.legs} == {2}
     assert confused.exchanged == (1,)
-    assert {(kept.config, kept.attempt, kept.stop) for kept in again.legs} == {(2, 1, 2), (1, 2, 1001)}
+    assert {(kept.config, kept.attempt, kept.stop) for kept in again.legs} == {(2, 1, 2), (1, 2, 3)}
+
+
+def test_every_further_attempt_has_a_number_that_no_pose_has():
+    found = PreCalibration(PLAN.placements[0].poses, (), 0.01, 2, exchanged=(1, 2))
+    computed = LedgerEntry("placement-1/precalibrate-1", EntryKind.COMPUTED, 95.0, precalibration=found)
+    again = (*of_pose(1, 300.5, "/again"), *of_pose(2, 300.5, "/again"))
+
+    legs = counted(*of_pose(1), *of_pose(2), computed, *again).legs
+
+    assert {(kept.config, kept.attempt) for kept in legs} == {(1, 2), (2, 2)}
+    assert {kept.stop for kept in legs} == {3, 4}
 
 
 def test_the_arm_stands_where_it_moved_last():
