@@ -20,13 +20,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from truepose.diagnosis.advice.configurations import Places
 from truepose.diagnosis.screening.candidates import Pool
 from truepose.diagnosis.screening.groups import names_of
+from truepose.diagnosis.screening.normal_equations import products_of
 from truepose.diagnosis.screening.selection import Selected
-from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause
 from truepose.effects.causes import Candidate
 from truepose.identification.fit.robust import RobustFit
@@ -83,42 +83,35 @@ def reading_variance(fit: RobustFit, repeats: int = 1) -> float:
 
 
 def _duel(selected: Selected, group: Sequence[Candidate], rival: Cause, places: Places) -> _Duel:
-    fit, structure = selected.fit, selected.fit.structure
-    own = np.isin(structure.names, names_of(group))
-    pool = selected.pool
-    index = _closest(pool, fit, own, rival)
-    best = pool.all[index]
-    columns = np.concatenate([fit.solution.final.jacobian[~own], pool.rows(index)])
-    widths = np.concatenate([structure.prior_widths[~own], [spec.prior_width for spec in best.specs]])
+    fit, pool, names = selected.fit, selected.pool, names_of(group)
+    own = np.isin(fit.structure.names, names)
     effect = fit.values[own] @ fit.solution.final.jacobian[own]
-    information = columns @ columns.T + np.diag(widths**-2.0)
-    scale = 1.0 / np.sqrt(np.diag(information))
-    factor = cholesky(information * np.outer(scale, scale), lower=True)
-    fitted = cho_solve((factor, True), scale * (columns @ effect))
+    index = _closest(pool, effect, names, rival)
+    best = pool.all[index]
+    widths = np.array([spec.prior_width for spec in best.specs])
+    past = pool.normal.beside(pool.products.rows(pool.own(index)), widths, best.names).past(names)
+    across = np.concatenate([fit.solution.final.jacobian @ effect, pool.rows(index) @ effect])
+    fitted = past.parameters(past.coordinates(across[None])[0])
 
     present = position_jacobian(places.state)
-    there = np.concatenate([present[~own], _columns_of(best, places)]) * scale[:, None, None]
-    misfit = np.tensordot(fit.values[own], present[own], 1) - np.tensordot(fitted, there, 1)
-    unit = solve_triangular(factor, there.reshape(len(scale), -1), lower=True)
-    return _Duel(misfit, np.moveaxis(unit.reshape(there.shape), 0, -1))
+    motion = np.concatenate([present, _columns_of(best, places)])
+    misfit = np.tensordot(fit.values[own], present[own], 1) - np.tensordot(fitted, motion[past.kept], 1)
+    unit = past.coordinates(motion.reshape(len(motion), -1).T)
+    return _Duel(misfit, unit.reshape(*misfit.shape, -1))
 
 
-def _closest(pool: Pool, fit: RobustFit, own: BoolArray, rival: Cause) -> int:
-    """Return the way in which the rival mimics the finding best, beside the present parameters."""
-    jacobian, values = fit.solution.final.jacobian, fit.values[own]
-    widths = fit.structure.prior_widths[~own]
-    present = jacobian[~own] @ jacobian[~own].T + np.diag(widths**-2.0)
-    scale = 1.0 / np.sqrt(np.diag(present))
-    factor = cholesky(present * np.outer(scale, scale), lower=True), True
-    absorbed = cho_solve(factor, scale * (jacobian[~own] @ jacobian[own].T @ values))
+def _closest(pool: Pool, effect: FloatArray, names: tuple[str, ...], rival: Cause) -> int:
+    """Return the way in which the rival mimics an effect (m,) best, beside the parameters but `names`."""
+    past = pool.normal.past(names)
+    of_effect = past.absorbed(products_of(pool.fit, effect[None]))[0]
     best, most = -1, -np.inf
     for index, candidate in enumerate(pool.all):
         if Cause(candidate.effect, candidate.subject) != rival or candidate.function:
             continue  # a function of any shape mimics everything, and is refuted nowhere
         products = pool.products.rows(pool.own(index))
-        beside = products.with_jacobian[:, ~own] * scale
-        towards = products.with_jacobian[:, own] @ values - beside @ absorbed
-        gram = pool.grams[index] - beside @ cho_solve(factor, beside.T)
+        absorbed = past.absorbed(products)
+        towards = products.columns @ effect - absorbed @ of_effect
+        gram = pool.grams[index] - absorbed @ absorbed.T
         gram += np.diag([spec.prior_width**-2.0 for spec in candidate.specs])
         explained = float(towards @ np.linalg.lstsq(gram, towards, rcond=None)[0])
         if explained > most:

@@ -68,12 +68,20 @@ class Projection:
 
     def absorbed(self, products: Products) -> FloatArray:
         """Coordinates of columns in what is projected out, shape (K, q)."""
-        scaled = products.with_jacobian[:, self.kept] * self.scale
+        return self.coordinates(products.with_jacobian)
+
+    def coordinates(self, with_jacobian: FloatArray) -> FloatArray:
+        """Coordinates of what has these products with the derivatives (K, P), shape (K, q)."""
+        scaled = with_jacobian[:, self.kept] * self.scale
         return np.asarray(solve_triangular(self.root, scaled.T, trans="T").T)
+
+    def parameters(self, coordinates: FloatArray) -> FloatArray:
+        """Return the parameters kept that come nearest to something of these coordinates, shape (q,)."""
+        return np.asarray(self.scale * solve_triangular(self.root, coordinates))
 
     def step(self) -> FloatArray:
         """Return what the parameters kept change by to the least sum of squares, shape (q,)."""
-        return np.asarray(self.scale * solve_triangular(self.root, self.of_residual))
+        return self.parameters(self.of_residual)
 
     def towards(self, products: Products, absorbed: FloatArray) -> FloatArray:
         """Products of columns with the residual that is left, shape (K,)."""
