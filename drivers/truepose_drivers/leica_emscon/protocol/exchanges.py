@@ -19,359 +19,261 @@ class Exchange:
     answer: Layout
 
     @classmethod
-    def of(cls, request: str = "", answer: str = "") -> Self:
+    def of(cls, request: str, answer: str) -> Self:
         """Compile both layouts."""
         return cls(Layout.of(request), Layout.of(answer))
 
 
-_TEMPERATURE_RANGE = "TrackerTemperatureRange temperature_range"
-_UNITS = (
-    "LengthUnit len_unit_type; AngleUnit ang_unit_type; TemperatureUnit temp_unit_type; PressureUnit "
-    "press_unit_type; HumidityUnit hum_unit_type"
-)
-_STATION_ORIENTATION_PARAMS = "f64 val1 val2 val3 rot1 rot2 rot3"
-_TRANSFORMATION_PARAMS = "f64 val1 val2 val3 rot1 rot2 rot3 scale"
-_BOX_REGION_PARAMS = "f64 p1_val1 p1_val2 p1_val3 p2_val1 p2_val2 p2_val3"
-_ENVIRONMENT_PARAMS = "f64 temperature pressure humidity"
-_REFRACTION_PARAMS = "f64 ifm_refraction_index adm_refraction_index"
-_COORDINATE_SYSTEM_TYPE = "CoordinateSystemType coord_sys_type"
-_CONTINUOUS_TIME_MODE_PARAMS = "i32 time_separation number_of_points; bool use_region; RegionType region_type"
-_CONTINUOUS_DISTANCE_MODE_PARAMS = (
-    "f64 spatial_distance; i32 number_of_points; bool use_region; RegionType region_type"
-)
-_CENTER_MODE_PARAMS = "f64 spatial_distance; i32 number_of_points; bool fix_radius; f64 radius"
-_GRID_MODE_PARAMS = "f64 val1 val2 val3; i32 number_of_points; bool use_region; RegionType region_type"
-_SEARCH_PARAMS = "f64 search_radius; i32 time_out"
-_ADM_PARAMS = "f64 target_stability_tolerance; i32 retry_time_frame number_of_retrys"
-_SYSTEM_SETTINGS = (
-    "WeatherMonitorStatus weather_monitor_status; bool apply_transformation_params "
-    "apply_station_orientation_params keep_last_position send_unsolicited_messages "
-    "send_reflector_position_data try_measurement_mode has_nivel has_video_camera"
-)
-_POINT_WITH_COVARIANCE = "f64 val1 val2 val3 std1 std2 std3 covar12 covar13 covar23"
-_TRANSFORMATION_INPUT_PARAMS = (
-    "TransResultType result_type; f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 "
-    "scale trans_std_val1 trans_std_val2 trans_std_val3 rot_std_val1 rot_std_val2 rot_std_val3 "
-    "scale_std"
-)
-_STATISTIC_MODE = "StatisticMode stationary_measurements; StatisticMode continuous_measurements"
-_CAMERA_PARAMS = "i32 contrast brightness saturation"
-_FIRMWARE_AND_SERIAL = "i32 firmware_major_version_number firmware_minor_version_number serial_number"
-_LASER_ON_TIMER = "i32 laser_on_time_offset_hour laser_on_time_offset_minute"
-_MEASUREMENT_CAMERA_MODE = "MeasurementCameraMode camera_mode"
-_T_CAM_TO_TRACKER_COMPENSATION = "i32 internal_t_cam_to_tracker_compensation_id"
-_PROBE_COMPENSATION = "i32 internal_probe_compensation_id"
-_EXTERN_TRIGGER_PARAMS = (
-    "ClockTransition clock_transition; TriggerMode trigger_mode; TriggerStartSignal start_signal; i32 "
-    "minimal_time_delay"
-)
-_LONG_SYSTEM_PARAMETER = "SystemParameter system_param; i32 parameter"
-_DOUBLE_SYSTEM_PARAMETER = "SystemParameter system_param; f64 parameter"
-
-_BARE = Exchange.of()
-_ASSIGNED = frozenset(Command)
-EXCHANGES: Mapping[int, Exchange] = {
-    Command.GET_SYSTEM_STATUS: Exchange.of(
-        answer=(
-            "ResultStatus last_result_status; TrackerProcessorStatus tracker_processor_status; "
-            "LaserProcessorStatus laser_status; ADMStatus adm_status; i32 major_version_number "
-            "minor_version_number build_number; WeatherMonitorStatus weather_monitor_status; i32 flags_value "
-            "tracker_serial_number"
-        )
+# By name: the request of SET_<name> and the answer of GET_<name>.
+_SET_AND_TOLD: Mapping[str, str] = {
+    "TEMPERATURE_RANGE": "TrackerTemperatureRange temperature_range",
+    "UNITS": (
+        "LengthUnit len_unit_type; AngleUnit ang_unit_type; TemperatureUnit temp_unit_type; "
+        "PressureUnit press_unit_type; HumidityUnit hum_unit_type"
     ),
-    Command.GET_TRACKER_STATUS: Exchange.of(answer="TrackerStatus tracker_status"),
-    Command.SET_TEMPERATURE_RANGE: Exchange.of(request=_TEMPERATURE_RANGE),
-    Command.GET_TEMPERATURE_RANGE: Exchange.of(answer=_TEMPERATURE_RANGE),
-    Command.SET_UNITS: Exchange.of(request=_UNITS),
-    Command.GET_UNITS: Exchange.of(answer=_UNITS),
-    Command.SWITCH_LASER: Exchange.of(request="bool is_on"),
-    Command.SET_STATION_ORIENTATION_PARAMS: Exchange.of(request=_STATION_ORIENTATION_PARAMS),
-    Command.GET_STATION_ORIENTATION_PARAMS: Exchange.of(answer=_STATION_ORIENTATION_PARAMS),
-    Command.SET_TRANSFORMATION_PARAMS: Exchange.of(request=_TRANSFORMATION_PARAMS),
-    Command.GET_TRANSFORMATION_PARAMS: Exchange.of(answer=_TRANSFORMATION_PARAMS),
-    Command.SET_BOX_REGION_PARAMS: Exchange.of(request=_BOX_REGION_PARAMS),
-    Command.GET_BOX_REGION_PARAMS: Exchange.of(answer=_BOX_REGION_PARAMS),
-    Command.SET_SPHERE_REGION_PARAMS: Exchange.of(request="f64 val1 val2 val3 radius"),
-    Command.GET_SPHERE_REGION_PARAMS: Exchange.of(answer="f64 val1 val2 val3 radius"),
-    Command.SET_ENVIRONMENT_PARAMS: Exchange.of(request=_ENVIRONMENT_PARAMS),
-    Command.GET_ENVIRONMENT_PARAMS: Exchange.of(answer=_ENVIRONMENT_PARAMS),
-    Command.SET_REFRACTION_PARAMS: Exchange.of(request=_REFRACTION_PARAMS),
-    Command.GET_REFRACTION_PARAMS: Exchange.of(answer=_REFRACTION_PARAMS),
-    Command.SET_MEASUREMENT_MODE: Exchange.of(request="MeasMode meas_mode"),
-    Command.GET_MEASUREMENT_MODE: Exchange.of(answer="MeasMode meas_mode"),
-    Command.SET_COORDINATE_SYSTEM_TYPE: Exchange.of(request=_COORDINATE_SYSTEM_TYPE),
-    Command.GET_COORDINATE_SYSTEM_TYPE: Exchange.of(answer=_COORDINATE_SYSTEM_TYPE),
-    Command.SET_STATIONARY_MODE_PARAMS: Exchange.of(request="i32 meas_time; bool use_adm"),
-    Command.GET_STATIONARY_MODE_PARAMS: Exchange.of(answer="i32 meas_time; bool use_adm"),
-    Command.SET_CONTINUOUS_TIME_MODE_PARAMS: Exchange.of(request=_CONTINUOUS_TIME_MODE_PARAMS),
-    Command.GET_CONTINUOUS_TIME_MODE_PARAMS: Exchange.of(answer=_CONTINUOUS_TIME_MODE_PARAMS),
-    Command.SET_CONTINUOUS_DISTANCE_MODE_PARAMS: Exchange.of(request=_CONTINUOUS_DISTANCE_MODE_PARAMS),
-    Command.GET_CONTINUOUS_DISTANCE_MODE_PARAMS: Exchange.of(answer=_CONTINUOUS_DISTANCE_MODE_PARAMS),
-    Command.SET_SPHERE_CENTER_MODE_PARAMS: Exchange.of(request=_CENTER_MODE_PARAMS),
-    Command.GET_SPHERE_CENTER_MODE_PARAMS: Exchange.of(answer=_CENTER_MODE_PARAMS),
-    Command.SET_CIRCLE_CENTER_MODE_PARAMS: Exchange.of(request=_CENTER_MODE_PARAMS),
-    Command.GET_CIRCLE_CENTER_MODE_PARAMS: Exchange.of(answer=_CENTER_MODE_PARAMS),
-    Command.SET_GRID_MODE_PARAMS: Exchange.of(request=_GRID_MODE_PARAMS),
-    Command.GET_GRID_MODE_PARAMS: Exchange.of(answer=_GRID_MODE_PARAMS),
-    Command.SET_REFLECTOR: Exchange.of(request="i32 internal_reflector_id"),
-    Command.GET_REFLECTOR: Exchange.of(answer="i32 internal_reflector_id"),
-    Command.GET_REFLECTORS: Exchange.of(
-        answer=(
-            "i32 total_reflectors internal_reflector_id; TargetType target_type; f64 surface_offset; text32 "
-            "reflector_name"
-        )
+    "STATION_ORIENTATION_PARAMS": "f64 val1 val2 val3 rot1 rot2 rot3",
+    "TRANSFORMATION_PARAMS": "f64 val1 val2 val3 rot1 rot2 rot3 scale",
+    "BOX_REGION_PARAMS": "f64 p1_val1 p1_val2 p1_val3 p2_val1 p2_val2 p2_val3",
+    "SPHERE_REGION_PARAMS": "f64 val1 val2 val3 radius",
+    "ENVIRONMENT_PARAMS": "f64 temperature pressure humidity",
+    "REFRACTION_PARAMS": "f64 ifm_refraction_index adm_refraction_index",
+    "MEASUREMENT_MODE": "MeasMode meas_mode",
+    "COORDINATE_SYSTEM_TYPE": "CoordinateSystemType coord_sys_type",
+    "STATIONARY_MODE_PARAMS": "i32 meas_time; bool use_adm",
+    "CONTINUOUS_TIME_MODE_PARAMS": (
+        "i32 time_separation number_of_points; bool use_region; RegionType region_type"
     ),
-    Command.SET_SEARCH_PARAMS: Exchange.of(request=_SEARCH_PARAMS),
-    Command.GET_SEARCH_PARAMS: Exchange.of(answer=_SEARCH_PARAMS),
-    Command.SET_ADM_PARAMS: Exchange.of(request=_ADM_PARAMS),
-    Command.GET_ADM_PARAMS: Exchange.of(answer=_ADM_PARAMS),
-    Command.SET_SYSTEM_SETTINGS: Exchange.of(request=_SYSTEM_SETTINGS),
-    Command.GET_SYSTEM_SETTINGS: Exchange.of(answer=_SYSTEM_SETTINGS),
-    Command.GO_POSITION: Exchange.of(request="f64 val1 val2 val3; bool use_adm"),
-    Command.GO_POSITION_HVD: Exchange.of(request="f64 hz_angle vt_angle distance; bool use_adm"),
-    Command.POSITION_RELATIVE_HV: Exchange.of(request="f64 hz_val vt_val"),
-    Command.POINT_LASER: Exchange.of(request="f64 val1 val2 val3"),
-    Command.POINT_LASER_HVD: Exchange.of(request="f64 hz_angle vt_angle distance"),
-    Command.MOVE_HV: Exchange.of(request="i32 hz_speed vt_speed"),
-    Command.GO_NIVEL_POSITION: Exchange.of(request="NivelPosition nivel_position"),
-    Command.FIND_REFLECTOR: Exchange.of(request="f64 aprox_distance"),
-    Command.LOOK_FOR_TARGET: Exchange.of(
-        request="f64 val1 val2 val3 search_radius", answer="f64 hz_angle vt_angle"
+    "CONTINUOUS_DISTANCE_MODE_PARAMS": (
+        "f64 spatial_distance; i32 number_of_points; bool use_region; RegionType region_type"
     ),
-    Command.GET_DIRECTION: Exchange.of(answer="f64 hz_angle vt_angle"),
-    Command.CALL_ORIENT_TO_GRAVITY: Exchange.of(answer="f64 omega phi"),
-    Command.ADD_TRANSFORMATION_NOMINAL_POINT: Exchange.of(request=_POINT_WITH_COVARIANCE),
-    Command.ADD_TRANSFORMATION_ACTUAL_POINT: Exchange.of(request=_POINT_WITH_COVARIANCE),
-    Command.SET_TRANSFORMATION_INPUT_PARAMS: Exchange.of(request=_TRANSFORMATION_INPUT_PARAMS),
-    Command.GET_TRANSFORMATION_INPUT_PARAMS: Exchange.of(answer=_TRANSFORMATION_INPUT_PARAMS),
-    Command.CALL_TRANSFORMATION: Exchange.of(
-        answer=(
-            "f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 scale trans_std_val1 "
-            "trans_std_val2 trans_std_val3 rot_std_val1 rot_std_val2 rot_std_val3 scale_std rms max_dev "
-            "variance_factor"
-        )
+    "SPHERE_CENTER_MODE_PARAMS": "f64 spatial_distance; i32 number_of_points; bool fix_radius; f64 radius",
+    "CIRCLE_CENTER_MODE_PARAMS": "f64 spatial_distance; i32 number_of_points; bool fix_radius; f64 radius",
+    "GRID_MODE_PARAMS": "f64 val1 val2 val3; i32 number_of_points; bool use_region; RegionType region_type",
+    "REFLECTOR": "i32 internal_reflector_id",
+    "SEARCH_PARAMS": "f64 search_radius; i32 time_out",
+    "ADM_PARAMS": "f64 target_stability_tolerance; i32 retry_time_frame number_of_retrys",
+    "SYSTEM_SETTINGS": (
+        "WeatherMonitorStatus weather_monitor_status; bool apply_transformation_params "
+        "apply_station_orientation_params keep_last_position send_unsolicited_messages "
+        "send_reflector_position_data try_measurement_mode has_nivel has_video_camera"
     ),
-    Command.GET_TRANSFORMED_POINTS: Exchange.of(
-        answer=(
-            "i32 total_points; f64 val1 val2 val3 std1 std2 std3 std_total covar12 covar13 covar23 "
-            "residual_val1 residual_val2 residual_val3"
-        )
+    "TRANSFORMATION_INPUT_PARAMS": (
+        "TransResultType result_type; f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 "
+        "scale trans_std_val1 trans_std_val2 trans_std_val3 rot_std_val1 rot_std_val2 rot_std_val3 "
+        "scale_std"
     ),
-    Command.ADD_DRIVE_POINT: Exchange.of(request="i32 internal_reflector_id; f64 val1 val2 val3"),
-    Command.CALL_INTERMEDIATE_COMPENSATION: Exchange.of(answer="f64 total_rms max_dev; i32 warning_flags"),
-    Command.SET_COMPENSATION: Exchange.of(request="i32 internal_compensation_id"),
-    Command.SET_STATISTIC_MODE: Exchange.of(request=_STATISTIC_MODE),
-    Command.GET_STATISTIC_MODE: Exchange.of(answer=_STATISTIC_MODE),
-    Command.GET_STILL_IMAGE: Exchange.of(
-        request="StillImageFileType image_file_type",
-        answer="StillImageFileType image_filetype; i32 file_size; u8 file_start",
+    "COMPENSATION": "i32 internal_compensation_id",
+    "STATISTIC_MODE": "StatisticMode stationary_measurements; StatisticMode continuous_measurements",
+    "CAMERA_PARAMS": "i32 contrast brightness saturation",
+    "LASER_ON_TIMER": "i32 laser_on_time_offset_hour laser_on_time_offset_minute",
+    "TRIGGER_SOURCE": "TriggerSource trigger_source",
+    "MEASUREMENT_CAMERA_MODE": "MeasurementCameraMode camera_mode",
+    "T_CAM_TO_TRACKER_COMPENSATION": "i32 internal_t_cam_to_tracker_compensation_id",
+    "PROBE_COMPENSATION": "i32 internal_probe_compensation_id",
+    "EXTERN_TRIGGER_PARAMS": (
+        "ClockTransition clock_transition; TriggerMode trigger_mode; TriggerStartSignal start_signal; "
+        "i32 minimal_time_delay"
     ),
-    Command.SET_CAMERA_PARAMS: Exchange.of(request=_CAMERA_PARAMS),
-    Command.GET_CAMERA_PARAMS: Exchange.of(answer=_CAMERA_PARAMS),
-    Command.GET_COMPENSATION: Exchange.of(answer="i32 internal_compensation_id"),
-    Command.GET_COMPENSATIONS: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_compensation_id; text32 tracker_compensation_name; text128 "
-            "tracker_compensation_comment; text32 adm_compensation_name; bool has_measurement_camera_mounted"
-        )
-    ),
-    Command.CHECK_BIRD_BATH: Exchange.of(
-        answer=(
-            "f64 initial_hz_angle initial_vt_angle initial_distance hz_angle_diff vt_angle_diff distance_diff"
-        )
-    ),
-    Command.GET_TRACKER_DIAGNOSTICS: Exchange.of(
-        answer=(
-            "f64 trk_photo_sensor_x_val trk_photo_sensor_y_val trk_photo_sensor_i_val ref_photo_sensor_x_val "
-            "ref_photo_sensor_y_val ref_photo_sensor_i_val ad_converter_range servo_control_point_x "
-            "servo_control_point_y laser_light_ratio; i32 laser_control_mode; f64 sensor_inside_temperature; "
-            "i32 lcp_run_time laser_tube_run_time"
-        )
-    ),
-    Command.GET_ADM_INFO: Exchange.of(answer=_FIRMWARE_AND_SERIAL),
-    Command.GET_TP_INFO: Exchange.of(
-        answer=(
-            "i32 tp_boot_major_version_number tp_boot_minor_version_number tp_firmware_major_version_number "
-            "tp_firmware_minor_version_number lcp_firmware_major_version_number "
-            "lcp_firmware_minor_version_number; TrackerProcessorType trackerprocessor_type; "
-            "TPMicroProcessorType micro_processor_type; i32 micro_processor_clock_speed; LTSensorType "
-            "laser_tracker_sensor_type"
-        )
-    ),
-    Command.GET_NIVEL_INFO: Exchange.of(answer=_FIRMWARE_AND_SERIAL),
-    Command.SET_LASER_ON_TIMER: Exchange.of(request=_LASER_ON_TIMER),
-    Command.GET_LASER_ON_TIMER: Exchange.of(answer=_LASER_ON_TIMER),
-    Command.CONVERT_DISPLAY_COORDINATES: Exchange.of(
-        request="DisplayCoordinateConversionType conversion_type; f64 val1 val2 val3",
-        answer="f64 val1 val2 val3",
-    ),
-    Command.GO_BIRD_BATH2: Exchange.of(request="bool clock_wise"),
-    Command.SET_TRIGGER_SOURCE: Exchange.of(request="TriggerSource trigger_source"),
-    Command.GET_TRIGGER_SOURCE: Exchange.of(answer="TriggerSource trigger_source"),
-    Command.GET_FACE: Exchange.of(answer="TrackerFace tracker_face"),
-    Command.GET_CAMERAS: Exchange.of(
-        answer=(
-            "i32 total_cameras internal_camera_id serial_number; MeasurementCameraType camera_type; text32 "
-            "name; text128 comment"
-        )
-    ),
-    Command.GET_CAMERA: Exchange.of(answer="i32 internal_camera_id; bool measurement_camera_is_mounted"),
-    Command.SET_MEASUREMENT_CAMERA_MODE: Exchange.of(request=_MEASUREMENT_CAMERA_MODE),
-    Command.GET_MEASUREMENT_CAMERA_MODE: Exchange.of(answer=_MEASUREMENT_CAMERA_MODE),
-    Command.GET_PROBES: Exchange.of(
-        answer=(
-            "i32 total_probes internal_probe_id serial_number; ProbeType probe_type; i32 number_of_fields; "
-            "text32 name; text128 comment"
-        )
-    ),
-    Command.GET_PROBE: Exchange.of(answer="i32 internal_probe_id"),
-    Command.GET_TIP_ADAPTERS: Exchange.of(
-        answer=(
-            "i32 total_tip_adapters internal_tip_adapter_id assembly_id serial_number_low_part "
-            "serial_number_high_part; TipType tip_type; f64 radius length; text32 name; text128 comment"
-        )
-    ),
-    Command.GET_TIP_ADAPTER: Exchange.of(answer="i32 internal_tip_adapter_id tip_adapter_interface"),
-    Command.GET_T_CAM_TO_TRACKER_COMPENSATIONS: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_t_cam_to_tracker_compensation_id "
-            "internal_tracker_compensation_id internal_camera_id; bool is_active; i32 tracker_serial_number; "
-            "text32 t_cam_to_tracker_compensation_name; text128 t_cam_to_tracker_compensation_comment"
-        )
-    ),
-    Command.GET_T_CAM_TO_TRACKER_COMPENSATION: Exchange.of(answer=_T_CAM_TO_TRACKER_COMPENSATION),
-    Command.SET_T_CAM_TO_TRACKER_COMPENSATION: Exchange.of(request=_T_CAM_TO_TRACKER_COMPENSATION),
-    Command.GET_PROBE_COMPENSATIONS: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_probe_compensation_id internal_probe_id field_number; bool "
-            "is_active marked_for_export preliminary; text32 probe_compensation_name; text128 "
-            "probe_compensation_comment"
-        )
-    ),
-    Command.GET_PROBE_COMPENSATION: Exchange.of(answer=_PROBE_COMPENSATION),
-    Command.SET_PROBE_COMPENSATION: Exchange.of(request=_PROBE_COMPENSATION),
-    Command.GET_TIP_TO_PROBE_COMPENSATIONS: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_tip_to_probe_compensation_id internal_tip_adapter_id "
-            "tip_adapter_interface internal_probe_compensation_id; bool marked_for_export; text32 "
-            "tip_to_probe_compensation_name; text128 tip_to_probe_compensation_comment"
-        )
-    ),
-    Command.GET_TIP_TO_PROBE_COMPENSATION: Exchange.of(answer="i32 internal_tip_to_probe_compensation_id"),
-    Command.SET_EXTERN_TRIGGER_PARAMS: Exchange.of(request=_EXTERN_TRIGGER_PARAMS),
-    Command.GET_EXTERN_TRIGGER_PARAMS: Exchange.of(answer=_EXTERN_TRIGGER_PARAMS),
-    Command.GET_ERROR_ELLIPSOID: Exchange.of(
-        request="f64 coord1 coord2 coord3 std_dev1 std_dev2 std_dev3 covar12 covar13 covar23",
-        answer="f64 std_dev_x std_dev_y std_dev_z rotation_angle_x rotation_angle_y rotation_angle_z",
-    ),
-    Command.GET_MEASUREMENT_CAMERA_INFO: Exchange.of(
-        answer=(
-            "i32 firmware_major_version_number firmware_minor_version_number serial_number; "
-            "MeasurementCameraType camera_type; text32 name; i32 compensation_id_number zoom_serial_number "
-            "zoom_adjustment_id_number zoom2_d_compensation_id_number zoom_proj_center_comp_id_number; f64 "
-            "max_distance min_distance; i32 nr_of_pixels_x nr_of_pixels_y; f64 pixel_size_x pixel_size_y; "
-            "i32 max_data_rate"
-        )
-    ),
-    Command.GET_MEASUREMENT_PROBE_INFO: Exchange.of(
-        answer=(
-            "i32 firmware_major_version_number firmware_minor_version_number serial_number; ProbeType "
-            "probe_type; i32 compensation_id_number active_field; ProbeConnectionType connection_type; i32 "
-            "number_of_tip_adapters; ProbeButtonType probe_button_type; i32 number_of_fields; bool "
-            "has_wide_angle_receiver; i32 number_of_tip_data_sets number_of_melodies number_of_loudnes_steps"
-        )
-    ),
-    Command.SET_LONG_SYSTEM_PARAMETER: Exchange.of(request=_LONG_SYSTEM_PARAMETER),
-    Command.GET_LONG_SYSTEM_PARAMETER: Exchange.of(
-        request="SystemParameter system_param", answer=_LONG_SYSTEM_PARAMETER
-    ),
-    Command.GET_MEASUREMENT_STATUS_INFO: Exchange.of(
-        answer="ResultStatus last_result_status; i32 measurement_status_info"
-    ),
-    Command.GET_COMPENSATIONS2: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_compensation_id; text32 tracker_compensation_name; text128 "
-            "tracker_compensation_comment; text32 adm_compensation_name; text128 adm_compensation_comment; "
-            "bool has_measurement_camera_mounted is_active"
-        )
-    ),
-    Command.GET_CURRENT_PRISM_POSITION: Exchange.of(answer="f64 val1 val2 val3"),
-    Command.SET_DOUBLE_SYSTEM_PARAMETER: Exchange.of(request=_DOUBLE_SYSTEM_PARAMETER),
-    Command.GET_DOUBLE_SYSTEM_PARAMETER: Exchange.of(
-        request="SystemParameter system_param", answer=_DOUBLE_SYSTEM_PARAMETER
-    ),
-    Command.GET_OBJECT_TEMPERATURE: Exchange.of(answer="f64 object_temperature"),
-    Command.GET_TRIGGER_BOARD_INFO: Exchange.of(
-        answer="TriggerCardType trigger_card_type; i32 fpga_version max_trigger_frequency error_code"
-    ),
-    Command.GET_OVERVIEW_CAMERA_INFO: Exchange.of(
-        answer=(
-            "OverviewCameraType camera_type; text32 camera_name; bool is_color_camera; f64 focal_length "
-            "horizontal_chip_size vertical_chip_size; bool mirror_image_hz mirror_image_vt"
-        )
-    ),
-    Command.CLEAR_COMMAND_QUEUE: Exchange.of(request="ClearCommandQueueType clear_queue_type"),
-    Command.GET_ADM_INFO2: Exchange.of(
-        answer=(
-            "ADMType adm_type; text32 adm_name; i32 serial_number firmware_major_version_number "
-            "firmware_minor_version_number; f64 max_distance min_distance; i32 max_data_rate; f64 "
-            "accuracy_adm_distance"
-        )
-    ),
-    Command.GET_TRACKER_INFO: Exchange.of(
-        answer=(
-            "LTSensorType tracker_type; text32 tracker_name; i32 serial_number compensation_id_number; bool "
-            "has_adm has_overview_camera has_nivel; f64 nivel_mount_offset max_distance min_distance; i32 "
-            "max_data_rate number_of_faces; f64 hz_angle_range vt_angle_range; TrkAccuracyModel "
-            "accuracy_model; i32 maj_lcp_firmware_version min_lcp_firmware_version"
-        )
-    ),
-    Command.GET_NIVEL_INFO2: Exchange.of(
-        answer=(
-            "NivelType nivel_type; text32 nivel_name; i32 serial_number firmware_major_version_number "
-            "firmware_minor_version_number; f64 measurement_range measurement_accuracy_offset "
-            "measurement_accuracy_factor"
-        )
-    ),
-    Command.GO_AND_MEASURE: Exchange.of(request="f64 val1 val2 val3"),
-    Command.GET_TIP_TO_PROBE_COMPENSATIONS2: Exchange.of(
-        answer=(
-            "i32 total_compensations internal_tip_to_probe_compensation_id internal_tip_adapter_id "
-            "tip_adapter_interface internal_probe_compensation_id; bool marked_for_export; "
-            "TipToProbeCompensationType compensation_type; text32 tip_to_probe_compensation_name; text128 "
-            "tip_to_probe_compensation_comment; text32 shank_compensation_name"
-        )
-    ),
-    Command.SET_TIP_ADAPTER: Exchange.of(request="i32 internal_tip_adapter_id"),
-    Command.GET_ATR_INFO: Exchange.of(
-        answer=(
-            "ATRType atr_type; text32 atr_name; i32 maj_firmware_version min_firmware_version "
-            "build_firmware_version hardware_version errorcode fpga_version; f64 max_distance min_distance "
-            "field_of_view max_tracking_speed"
-        )
-    ),
-    Command.GET_METEO_STATION_INFO: Exchange.of(
-        answer=(
-            "MeteoStationType meteo_station_type; text32 identifier; i32 firmware_major_version_number "
-            "firmware_minor_version_number"
-        )
-    ),
-    Command.GET_AT4XX_INFO: Exchange.of(
-        answer=(
-            "LTSensorType tracker_type; text32 tracker_name; i32 serial_number major_firmware_version "
-            "minor_firmware_version processor_board_fw_build_number sensor_board_fw_build_number "
-            "major_os_version minor_os_version major_server_software_version minor_server_software_version "
-            "server_software_build_number; WLANType wlan_type; TPMicroProcessorType xscale_type; i32 "
-            "min_measure_time; f64 min_distance max_distance std_dev_dist_offset_adm std_dev_angle_const "
-            "std_dev_angle_offset std_dev_angle_factor"
-        )
-    ),
-    Command.GET_SYSTEM_SOFTWARE_VERSION: Exchange.of(answer="text32 software_version"),
 }
+_REQUESTS: dict[Command, str] = {
+    Command.SWITCH_LASER: "bool is_on",
+    Command.GO_POSITION: "f64 val1 val2 val3; bool use_adm",
+    Command.GO_POSITION_HVD: "f64 hz_angle vt_angle distance; bool use_adm",
+    Command.POSITION_RELATIVE_HV: "f64 hz_val vt_val",
+    Command.POINT_LASER: "f64 val1 val2 val3",
+    Command.POINT_LASER_HVD: "f64 hz_angle vt_angle distance",
+    Command.MOVE_HV: "i32 hz_speed vt_speed",
+    Command.GO_NIVEL_POSITION: "NivelPosition nivel_position",
+    Command.FIND_REFLECTOR: "f64 aprox_distance",
+    Command.LOOK_FOR_TARGET: "f64 val1 val2 val3 search_radius",
+    Command.ADD_TRANSFORMATION_NOMINAL_POINT: "f64 val1 val2 val3 std1 std2 std3 covar12 covar13 covar23",
+    Command.ADD_TRANSFORMATION_ACTUAL_POINT: "f64 val1 val2 val3 std1 std2 std3 covar12 covar13 covar23",
+    Command.ADD_DRIVE_POINT: "i32 internal_reflector_id; f64 val1 val2 val3",
+    Command.GET_STILL_IMAGE: "StillImageFileType image_file_type",
+    Command.CONVERT_DISPLAY_COORDINATES: (
+        "DisplayCoordinateConversionType conversion_type; f64 val1 val2 val3"
+    ),
+    Command.GO_BIRD_BATH2: "bool clock_wise",
+    Command.GET_ERROR_ELLIPSOID: (
+        "f64 coord1 coord2 coord3 std_dev1 std_dev2 std_dev3 covar12 covar13 covar23"
+    ),
+    Command.SET_LONG_SYSTEM_PARAMETER: "SystemParameter system_param; i32 parameter",
+    Command.GET_LONG_SYSTEM_PARAMETER: "SystemParameter system_param",
+    Command.SET_DOUBLE_SYSTEM_PARAMETER: "SystemParameter system_param; f64 parameter",
+    Command.GET_DOUBLE_SYSTEM_PARAMETER: "SystemParameter system_param",
+    Command.CLEAR_COMMAND_QUEUE: "ClearCommandQueueType clear_queue_type",
+    Command.GO_AND_MEASURE: "f64 val1 val2 val3",
+    Command.SET_TIP_ADAPTER: "i32 internal_tip_adapter_id",
+}
+_ANSWERS: dict[Command, str] = {
+    Command.GET_SYSTEM_STATUS: (
+        "ResultStatus last_result_status; TrackerProcessorStatus tracker_processor_status; "
+        "LaserProcessorStatus laser_status; ADMStatus adm_status; i32 major_version_number "
+        "minor_version_number build_number; WeatherMonitorStatus weather_monitor_status; i32 "
+        "flags_value tracker_serial_number"
+    ),
+    Command.GET_TRACKER_STATUS: "TrackerStatus tracker_status",
+    Command.GET_REFLECTORS: (
+        "i32 total_reflectors internal_reflector_id; TargetType target_type; f64 surface_offset; "
+        "text32 reflector_name"
+    ),
+    Command.LOOK_FOR_TARGET: "f64 hz_angle vt_angle",
+    Command.GET_DIRECTION: "f64 hz_angle vt_angle",
+    Command.CALL_ORIENT_TO_GRAVITY: "f64 omega phi",
+    Command.CALL_TRANSFORMATION: (
+        "f64 trans_val1 trans_val2 trans_val3 rot_val1 rot_val2 rot_val3 scale trans_std_val1 "
+        "trans_std_val2 trans_std_val3 rot_std_val1 rot_std_val2 rot_std_val3 scale_std rms max_dev "
+        "variance_factor"
+    ),
+    Command.GET_TRANSFORMED_POINTS: (
+        "i32 total_points; f64 val1 val2 val3 std1 std2 std3 std_total covar12 covar13 covar23 "
+        "residual_val1 residual_val2 residual_val3"
+    ),
+    Command.CALL_INTERMEDIATE_COMPENSATION: "f64 total_rms max_dev; i32 warning_flags",
+    Command.GET_STILL_IMAGE: "StillImageFileType image_filetype; i32 file_size; u8 file_start",
+    Command.GET_COMPENSATIONS: (
+        "i32 total_compensations internal_compensation_id; text32 tracker_compensation_name; text128 "
+        "tracker_compensation_comment; text32 adm_compensation_name; bool "
+        "has_measurement_camera_mounted"
+    ),
+    Command.CHECK_BIRD_BATH: (
+        "f64 initial_hz_angle initial_vt_angle initial_distance hz_angle_diff vt_angle_diff distance_diff"
+    ),
+    Command.GET_TRACKER_DIAGNOSTICS: (
+        "f64 trk_photo_sensor_x_val trk_photo_sensor_y_val trk_photo_sensor_i_val "
+        "ref_photo_sensor_x_val ref_photo_sensor_y_val ref_photo_sensor_i_val ad_converter_range "
+        "servo_control_point_x servo_control_point_y laser_light_ratio; i32 laser_control_mode; f64 "
+        "sensor_inside_temperature; i32 lcp_run_time laser_tube_run_time"
+    ),
+    Command.GET_ADM_INFO: "i32 firmware_major_version_number firmware_minor_version_number serial_number",
+    Command.GET_TP_INFO: (
+        "i32 tp_boot_major_version_number tp_boot_minor_version_number "
+        "tp_firmware_major_version_number tp_firmware_minor_version_number "
+        "lcp_firmware_major_version_number lcp_firmware_minor_version_number; TrackerProcessorType "
+        "trackerprocessor_type; TPMicroProcessorType micro_processor_type; i32 "
+        "micro_processor_clock_speed; LTSensorType laser_tracker_sensor_type"
+    ),
+    Command.GET_NIVEL_INFO: "i32 firmware_major_version_number firmware_minor_version_number serial_number",
+    Command.CONVERT_DISPLAY_COORDINATES: "f64 val1 val2 val3",
+    Command.GET_FACE: "TrackerFace tracker_face",
+    Command.GET_CAMERAS: (
+        "i32 total_cameras internal_camera_id serial_number; MeasurementCameraType camera_type; "
+        "text32 name; text128 comment"
+    ),
+    Command.GET_CAMERA: "i32 internal_camera_id; bool measurement_camera_is_mounted",
+    Command.GET_PROBES: (
+        "i32 total_probes internal_probe_id serial_number; ProbeType probe_type; i32 "
+        "number_of_fields; text32 name; text128 comment"
+    ),
+    Command.GET_PROBE: "i32 internal_probe_id",
+    Command.GET_TIP_ADAPTERS: (
+        "i32 total_tip_adapters internal_tip_adapter_id assembly_id serial_number_low_part "
+        "serial_number_high_part; TipType tip_type; f64 radius length; text32 name; text128 comment"
+    ),
+    Command.GET_TIP_ADAPTER: "i32 internal_tip_adapter_id tip_adapter_interface",
+    Command.GET_T_CAM_TO_TRACKER_COMPENSATIONS: (
+        "i32 total_compensations internal_t_cam_to_tracker_compensation_id "
+        "internal_tracker_compensation_id internal_camera_id; bool is_active; i32 "
+        "tracker_serial_number; text32 t_cam_to_tracker_compensation_name; text128 "
+        "t_cam_to_tracker_compensation_comment"
+    ),
+    Command.GET_PROBE_COMPENSATIONS: (
+        "i32 total_compensations internal_probe_compensation_id internal_probe_id field_number; bool "
+        "is_active marked_for_export preliminary; text32 probe_compensation_name; text128 "
+        "probe_compensation_comment"
+    ),
+    Command.GET_TIP_TO_PROBE_COMPENSATIONS: (
+        "i32 total_compensations internal_tip_to_probe_compensation_id internal_tip_adapter_id "
+        "tip_adapter_interface internal_probe_compensation_id; bool marked_for_export; text32 "
+        "tip_to_probe_compensation_name; text128 tip_to_probe_compensation_comment"
+    ),
+    Command.GET_TIP_TO_PROBE_COMPENSATION: "i32 internal_tip_to_probe_compensation_id",
+    Command.GET_ERROR_ELLIPSOID: (
+        "f64 std_dev_x std_dev_y std_dev_z rotation_angle_x rotation_angle_y rotation_angle_z"
+    ),
+    Command.GET_MEASUREMENT_CAMERA_INFO: (
+        "i32 firmware_major_version_number firmware_minor_version_number serial_number; "
+        "MeasurementCameraType camera_type; text32 name; i32 compensation_id_number "
+        "zoom_serial_number zoom_adjustment_id_number zoom2_d_compensation_id_number "
+        "zoom_proj_center_comp_id_number; f64 max_distance min_distance; i32 nr_of_pixels_x "
+        "nr_of_pixels_y; f64 pixel_size_x pixel_size_y; i32 max_data_rate"
+    ),
+    Command.GET_MEASUREMENT_PROBE_INFO: (
+        "i32 firmware_major_version_number firmware_minor_version_number serial_number; ProbeType "
+        "probe_type; i32 compensation_id_number active_field; ProbeConnectionType connection_type; "
+        "i32 number_of_tip_adapters; ProbeButtonType probe_button_type; i32 number_of_fields; bool "
+        "has_wide_angle_receiver; i32 number_of_tip_data_sets number_of_melodies "
+        "number_of_loudnes_steps"
+    ),
+    Command.GET_LONG_SYSTEM_PARAMETER: "SystemParameter system_param; i32 parameter",
+    Command.GET_MEASUREMENT_STATUS_INFO: "ResultStatus last_result_status; i32 measurement_status_info",
+    Command.GET_COMPENSATIONS2: (
+        "i32 total_compensations internal_compensation_id; text32 tracker_compensation_name; text128 "
+        "tracker_compensation_comment; text32 adm_compensation_name; text128 "
+        "adm_compensation_comment; bool has_measurement_camera_mounted is_active"
+    ),
+    Command.GET_CURRENT_PRISM_POSITION: "f64 val1 val2 val3",
+    Command.GET_DOUBLE_SYSTEM_PARAMETER: "SystemParameter system_param; f64 parameter",
+    Command.GET_OBJECT_TEMPERATURE: "f64 object_temperature",
+    Command.GET_TRIGGER_BOARD_INFO: (
+        "TriggerCardType trigger_card_type; i32 fpga_version max_trigger_frequency error_code"
+    ),
+    Command.GET_OVERVIEW_CAMERA_INFO: (
+        "OverviewCameraType camera_type; text32 camera_name; bool is_color_camera; f64 focal_length "
+        "horizontal_chip_size vertical_chip_size; bool mirror_image_hz mirror_image_vt"
+    ),
+    Command.GET_ADM_INFO2: (
+        "ADMType adm_type; text32 adm_name; i32 serial_number firmware_major_version_number "
+        "firmware_minor_version_number; f64 max_distance min_distance; i32 max_data_rate; f64 "
+        "accuracy_adm_distance"
+    ),
+    Command.GET_TRACKER_INFO: (
+        "LTSensorType tracker_type; text32 tracker_name; i32 serial_number compensation_id_number; "
+        "bool has_adm has_overview_camera has_nivel; f64 nivel_mount_offset max_distance "
+        "min_distance; i32 max_data_rate number_of_faces; f64 hz_angle_range vt_angle_range; "
+        "TrkAccuracyModel accuracy_model; i32 maj_lcp_firmware_version min_lcp_firmware_version"
+    ),
+    Command.GET_NIVEL_INFO2: (
+        "NivelType nivel_type; text32 nivel_name; i32 serial_number firmware_major_version_number "
+        "firmware_minor_version_number; f64 measurement_range measurement_accuracy_offset "
+        "measurement_accuracy_factor"
+    ),
+    Command.GET_TIP_TO_PROBE_COMPENSATIONS2: (
+        "i32 total_compensations internal_tip_to_probe_compensation_id internal_tip_adapter_id "
+        "tip_adapter_interface internal_probe_compensation_id; bool marked_for_export; "
+        "TipToProbeCompensationType compensation_type; text32 tip_to_probe_compensation_name; text128 "
+        "tip_to_probe_compensation_comment; text32 shank_compensation_name"
+    ),
+    Command.GET_ATR_INFO: (
+        "ATRType atr_type; text32 atr_name; i32 maj_firmware_version min_firmware_version "
+        "build_firmware_version hardware_version errorcode fpga_version; f64 max_distance "
+        "min_distance field_of_view max_tracking_speed"
+    ),
+    Command.GET_METEO_STATION_INFO: (
+        "MeteoStationType meteo_station_type; text32 identifier; i32 firmware_major_version_number "
+        "firmware_minor_version_number"
+    ),
+    Command.GET_AT4XX_INFO: (
+        "LTSensorType tracker_type; text32 tracker_name; i32 serial_number major_firmware_version "
+        "minor_firmware_version processor_board_fw_build_number sensor_board_fw_build_number "
+        "major_os_version minor_os_version major_server_software_version "
+        "minor_server_software_version server_software_build_number; WLANType wlan_type; "
+        "TPMicroProcessorType xscale_type; i32 min_measure_time; f64 min_distance max_distance "
+        "std_dev_dist_offset_adm std_dev_angle_const std_dev_angle_offset std_dev_angle_factor"
+    ),
+    Command.GET_SYSTEM_SOFTWARE_VERSION: "text32 software_version",
+}
+
+
+def _exchanges() -> dict[int, Exchange]:
+    requests = _REQUESTS | {Command[f"SET_{name}"]: layout for name, layout in _SET_AND_TOLD.items()}
+    answers = _ANSWERS | {Command[f"GET_{name}"]: layout for name, layout in _SET_AND_TOLD.items()}
+    return {command: Exchange.of(requests.get(command, ""), answers.get(command, "")) for command in Command}
+
+
+EXCHANGES: Mapping[int, Exchange] = _exchanges()
 
 
 def exchange(command: int) -> Exchange | None:
     """Return the layouts of a command, None for a number that the protocol does not assign."""
-    if command not in _ASSIGNED:
-        return None
-    return EXCHANGES.get(command, _BARE)
+    return EXCHANGES.get(command)
