@@ -11,7 +11,6 @@ import math
 import time
 from dataclasses import dataclass
 
-from truepose_drivers import options as option
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
 from truepose_drivers.abb_open_abb.protocol import (
     LONGEST_MESSAGE_CHARS,
@@ -52,7 +51,7 @@ from truepose_drivers.errors import (
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
 from truepose_drivers.transports.link import Link, drain
-from truepose_drivers.transports.tcp import TcpLink
+from truepose_drivers.transports.tcp import tcp_link
 
 _JOINTS = 6
 _INFO_FIELDS = ("serial number", "RobotWare version", "robot type")
@@ -322,17 +321,11 @@ def _check_limits(limits: MotionLimits) -> None:
 
 
 def _open(options: Options, clock: Clock | None) -> OpenAbbRobot:
-    link = TcpLink(option.host(options), option.port(options, MOTION_PORT))
-    return OpenAbbRobot(link, clock or MonotonicClock())
+    return OpenAbbRobot(tcp_link(options, MOTION_PORT), clock or MonotonicClock())
 
 
-PLUGIN = DriverPlugin(
-    name="abb_open_abb",
-    kind="robot",
-    protocol="open_abb",
-    options={
-        "host": "address of the controller, often 192.168.125.1",
-        "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "host": "address of the controller, often 192.168.125.1",
+    "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+}
+PLUGIN = DriverPlugin("abb_open_abb", "robot", "open_abb", _OPTIONS, _open)

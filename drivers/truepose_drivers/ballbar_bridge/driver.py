@@ -1,6 +1,5 @@
 """A ballbar behind a bridge: a program of the shop's that passes on what the maker's software reads."""
 
-from truepose_drivers import options as option
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity, DriverPlugin, Options
 from truepose_drivers.ballbar_bridge.protocol import BridgeProtocolError, BridgeReading, Hello, decode
 from truepose_drivers.errors import ConnectFailedError, LinkError
@@ -8,7 +7,7 @@ from truepose_drivers.json_lines import LineReader
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Listener
 from truepose_drivers.transports.link import Link
-from truepose_drivers.transports.tcp import TcpLink
+from truepose_drivers.transports.tcp import tcp_link
 
 PORT = 7420  # ours, and free to choose: no registry lists it
 _VALUE_TIMEOUT_S = 2.0
@@ -114,17 +113,11 @@ class BridgedBallbar:
 
 
 def _open(options: Options, clock: Clock | None) -> BridgedBallbar:
-    link = TcpLink(option.host(options), option.port(options, PORT))
-    return BridgedBallbar(link, clock or MonotonicClock())
+    return BridgedBallbar(tcp_link(options, PORT), clock or MonotonicClock())
 
 
-PLUGIN = DriverPlugin(
-    name="ballbar_bridge",
-    kind="ballbar",
-    protocol="ballbar_bridge",
-    options={
-        "host": "address of the computer on which the bridge runs",
-        "port": f"TCP port of the bridge, {PORT} unless changed",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "host": "address of the computer on which the bridge runs",
+    "port": f"TCP port of the bridge, {PORT} unless changed",
+}
+PLUGIN = DriverPlugin("ballbar_bridge", "ballbar", "ballbar_bridge", _OPTIONS, _open)

@@ -131,14 +131,9 @@ def _open(options: Options, clock: Clock | None) -> HidBallbar:
     return HidBallbar(port, clock or MonotonicClock())
 
 
-PLUGIN = DriverPlugin(
-    name="ballbar_hid",
-    kind="ballbar",
-    protocol="hid",
-    options={
-        "usb": "vendor:product[:serial number] of a device here, or usbip://host[:port]/busid",
-        "host": "instead of usb: address of a USB/IP server whose only device it is",
-        "port": "TCP port of the USB/IP server, 3240 unless changed",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "usb": "vendor:product[:serial number] of a device here, or usbip://host[:port]/busid",
+    "host": "instead of usb: address of a USB/IP server whose only device it is",
+    "port": "TCP port of the USB/IP server, 3240 unless changed",
+}
+PLUGIN = DriverPlugin("ballbar_hid", "ballbar", "hid", _OPTIONS, _open)

@@ -30,7 +30,7 @@ from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.serial import Framing, SerialLink
-from truepose_drivers.transports.tcp import TcpLink
+from truepose_drivers.transports.tcp import tcp_link
 
 _REPLY_TIMEOUT_S = 1.0  # on top of the time on the line; a counter takes 50 ms at most
 _ON_THE_LINE_BITS = 80 * 11  # of three commands and their answers
@@ -190,7 +190,7 @@ def _with(answers: _Answers, reply: Reply) -> _Answers:
 def _open(options: Options, clock: Clock | None) -> HeidenhainCounter:
     port = option.text(options, "serial")
     if port is None:
-        tcp = TcpLink(option.host(options), option.port(options, _TERMINAL_SERVER_PORT))
+        tcp = tcp_link(options, _TERMINAL_SERVER_PORT)
         return HeidenhainCounter(tcp, clock or MonotonicClock())
     if "host" in options or "port" in options:
         raise ConfigurationError("serial and host are two ways to the same counter: give one of them")
@@ -209,15 +209,10 @@ def _baud(options: Options) -> int:
     return baud
 
 
-PLUGIN = DriverPlugin(
-    name="heidenhain_nd",
-    kind="ballbar",
-    protocol="nd28x",
-    options={
-        "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
-        "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2",
-        "host": "instead of serial: address of a terminal server in raw mode",
-        "port": f"TCP port of the terminal server's line, {_TERMINAL_SERVER_PORT} unless changed",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "serial": "name of the serial port, such as /dev/ttyUSB0 or COM3, or a URL of pyserial",
+    "baud": f"rate set at the counter, {_FACTORY.baud} unless changed; always 7E2",
+    "host": "instead of serial: address of a terminal server in raw mode",
+    "port": f"TCP port of the terminal server's line, {_TERMINAL_SERVER_PORT} unless changed",
+}
+PLUGIN = DriverPlugin("heidenhain_nd", "ballbar", "nd28x", _OPTIONS, _open)

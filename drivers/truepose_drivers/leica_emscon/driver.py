@@ -39,7 +39,7 @@ from truepose_drivers.leica_emscon.settled import (
 from truepose_drivers.leica_emscon.stationary import require_stationary_point, stated_covariance
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.link import Link
-from truepose_drivers.transports.tcp import TcpLink
+from truepose_drivers.transports.tcp import tcp_link
 
 _MANUFACTURER = "Leica Geosystems"
 _MOST_TRIES = 2  # of a measurement during which somebody changed the tracker
@@ -335,18 +335,13 @@ def _names(stored: dict[str, int]) -> str:
 
 
 def _open(options: Options, clock: Clock | None) -> LaserTracker:
-    link = TcpLink(option.host(options), option.port(options, DEFAULT_PORT))
+    link = tcp_link(options, DEFAULT_PORT)
     return LaserTracker(link, clock or MonotonicClock(), reflector=option.text(options, "reflector"))
 
 
-PLUGIN = DriverPlugin(
-    name="leica_emscon",
-    kind="tracker",
-    protocol="emscon",
-    options={
-        "host": "address of the tracker controller, often 192.168.0.1",
-        "port": f"TCP port, {DEFAULT_PORT} unless changed",
-        "reflector": "name of the reflector as stored in the tracker; the one set there if left out",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "host": "address of the tracker controller, often 192.168.0.1",
+    "port": f"TCP port, {DEFAULT_PORT} unless changed",
+    "reflector": "name of the reflector as stored in the tracker; the one set there if left out",
+}
+PLUGIN = DriverPlugin("leica_emscon", "tracker", "emscon", _OPTIONS, _open)

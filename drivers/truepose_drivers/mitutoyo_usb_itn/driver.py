@@ -200,16 +200,11 @@ def _decimals(options: Options) -> int | None:
     return decimals
 
 
-PLUGIN = DriverPlugin(
-    name="mitutoyo_usb_itn",
-    kind="ballbar",
-    protocol="usb_itn",
-    options={
-        "usb": f"vendor:product[:serial number], {_ANY_CABLE} unless given, or usbip://host[:port]/busid",
-        "host": "instead of usb: address of a USB/IP server whose only device it is",
-        "port": "TCP port of the USB/IP server, 3240 unless changed",
-        "range_mm": "either way of zero; what lies beyond is out of range; 1.0 unless given",
-        "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "usb": f"vendor:product[:serial number], {_ANY_CABLE} unless given, or usbip://host[:port]/busid",
+    "host": "instead of usb: address of a USB/IP server whose only device it is",
+    "port": "TCP port of the USB/IP server, 3240 unless changed",
+    "range_mm": "either way of zero; what lies beyond is out of range; 1.0 unless given",
+    "decimals": "digits behind the point in millimetres; learnt from the first values unless given",
+}
+PLUGIN = DriverPlugin("mitutoyo_usb_itn", "ballbar", "usb_itn", _OPTIONS, _open)

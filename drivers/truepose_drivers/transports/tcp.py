@@ -3,6 +3,8 @@
 import asyncio
 import contextlib
 
+from truepose_drivers import options as option
+from truepose_drivers.api import Options
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 
 _RECEIVE_BYTES = 65_536
@@ -99,3 +101,8 @@ async def _let_arrive() -> None:
     """Let the event loop fetch what the system has received: one turn to look, one to take it."""
     for _ in range(2):
         await asyncio.sleep(0)
+
+
+def tcp_link(options: Options, default_port: int | None = None) -> TcpLink:
+    """Return the link of the options host and port; raises ConfigurationError."""
+    return TcpLink(option.host(options), option.port(options, default_port))
