@@ -3,8 +3,10 @@
 import json
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.stream_reader import StreamReader
 
 LONGEST_LINE_BYTES = 1_024  # a message of any of these protocols is shorter than 300 bytes
 
@@ -13,20 +15,8 @@ class JsonLineError(RemoteProtocolError):
     """A line that is no message of the protocol spoken here."""
 
 
-class LineReader:
+class LineReader(StreamReader):
     """Reassembles lines from a byte stream; serves both sides of the wire."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    @property
-    def inside_message(self) -> bool:
-        """Whether the stream stands in the middle of a line."""
-        return bool(self._buffer)
-
-    def receive_data(self, data: bytes) -> None:
-        """Append what the stream delivered."""
-        self._buffer += data
 
     def next_message(self) -> bytes | None:
         """Take the oldest whole line without its end, None until more bytes arrive.
@@ -38,9 +28,19 @@ class LineReader:
             raise JsonLineError(f"a line of more than {LONGEST_LINE_BYTES} bytes: is this the right port?")
         if end < 0:
             return None
-        line = bytes(self._buffer[:end])
-        del self._buffer[: end + 1]
-        return line
+        return self._take(end, drop=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Answer of whoever cannot do what was asked: a sentence that says why."""
+
+    sentence: str
+
+
+def encode_refusal(refusal: Refusal) -> bytes:
+    """Return the line of a refusal."""
+    return encode_object({"error": refusal.sentence})
 
 
 def encode_object(document: Mapping[str, object]) -> bytes:

@@ -16,6 +16,7 @@ from enum import IntEnum
 from typing import Literal, TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.stream_reader import StreamReader
 
 MOTION_PORT = 5000
 LOGGER_PORT = 5001
@@ -251,15 +252,8 @@ def encode_log_line(line: LogLine) -> bytes:
     return " ".join(["#", str(line.kind), line.date, line.time, f"{line.elapsed_s:.2f}", *numbers]).encode()
 
 
-class LogReader:
+class LogReader(StreamReader):
     """Reassembles logger records; the last one stays inside until the next begins."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    def receive_data(self, data: bytes) -> None:
-        """Append what the stream delivered."""
-        self._buffer += data
 
     def next_line(self) -> LogLine | None:
         """Take the oldest record whose end is known; raises OpenAbbProtocolError when it is none."""

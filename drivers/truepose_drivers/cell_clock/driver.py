@@ -5,9 +5,9 @@ from collections.abc import AsyncIterator, Callable
 
 from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DriverPlugin, Options
-from truepose_drivers.cell_clock.protocol import Now, Refusal, Request, Sleep, Time, decode_answer, encode
+from truepose_drivers.cell_clock.protocol import Now, Request, Sleep, Time, decode_answer, encode
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.json_lines import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.tcp import TcpLink
@@ -70,13 +70,8 @@ def _open(options: Options, clock: Clock | None) -> CellClock:
     return CellClock(lambda: TcpLink(host, port))
 
 
-PLUGIN = DriverPlugin(
-    name="cell_clock",
-    kind="clock",
-    protocol="clock",
-    options={
-        "host": "address of the simulated cell",
-        "port": "TCP port of its clock",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "host": "address of the simulated cell",
+    "port": "TCP port of its clock",
+}
+PLUGIN = DriverPlugin("cell_clock", "clock", "clock", _OPTIONS, _open)

@@ -7,7 +7,14 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from truepose_drivers.json_lines import JsonLineError, decode_object, encode_object, finite_number
+from truepose_drivers.json_lines import (
+    JsonLineError,
+    Refusal,
+    decode_object,
+    encode_object,
+    encode_refusal,
+    finite_number,
+)
 
 
 class ClockProtocolError(JsonLineError):
@@ -33,13 +40,6 @@ class Time:
     now_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """Answer: a sentence that says why there is no time."""
-
-    sentence: str
-
-
 Request: TypeAlias = Now | Sleep
 Answer: TypeAlias = Time | Refusal
 
@@ -53,8 +53,8 @@ def encode(message: Request | Answer) -> bytes:
             document = {"op": "sleep", "s": duration_s}
         case Time(now_s):
             document = {"now_s": now_s}
-        case Refusal(sentence):
-            document = {"error": sentence}
+        case Refusal():
+            return encode_refusal(message)
     return encode_object(document)
 
 

@@ -1,13 +1,12 @@
 """The person at a simulated cell, over TCP: what demonstrations and tests have it do."""
 
-from truepose_drivers import options as option
 from truepose_drivers.api import Clock, DeviceIdentity, DriverPlugin, Options
-from truepose_drivers.cell_hands.protocol import Answer, Do, Refusal, Request, Who, decode_answer, encode
+from truepose_drivers.cell_hands.protocol import Answer, Do, Request, Who, decode_answer, encode
 from truepose_drivers.errors import DeviceRefusedError
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.json_lines import LineReader, Refusal
 from truepose_drivers.transports.conversation import Conversation
 from truepose_drivers.transports.link import Link
-from truepose_drivers.transports.tcp import TcpLink
+from truepose_drivers.transports.tcp import tcp_link
 
 _ANSWER_TIMEOUT_S = 30.0  # wall time; at real pace the hands take as long as a person's
 
@@ -61,16 +60,11 @@ class CellHands:
 
 
 def _open(options: Options, clock: Clock | None) -> CellHands:
-    return CellHands(TcpLink(option.host(options), option.port(options)))
+    return CellHands(tcp_link(options))
 
 
-PLUGIN = DriverPlugin(
-    name="cell_hands",
-    kind="hands",
-    protocol="hands",
-    options={
-        "host": "address of the simulated cell",
-        "port": "TCP port of its hands",
-    },
-    open=_open,
-)
+_OPTIONS = {
+    "host": "address of the simulated cell",
+    "port": "TCP port of its hands",
+}
+PLUGIN = DriverPlugin("cell_hands", "hands", "hands", _OPTIONS, _open)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from truepose_drivers.json_lines import JsonLineError, decode_object, encode_object
+from truepose_drivers.json_lines import JsonLineError, Refusal, decode_object, encode_object, encode_refusal
 
 Detail: TypeAlias = str | int | float | bool
 _LARGEST = 2**53  # whole numbers beyond it are not the same to every reader of JSON
@@ -40,13 +40,6 @@ class Done:
     who: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
-    """Answer: a sentence that says why it was not done."""
-
-    sentence: str
-
-
 Request: TypeAlias = Who | Do
 Answer: TypeAlias = Done | Refusal
 
@@ -62,8 +55,8 @@ def encode(message: Request | Answer) -> bytes:
             return encode_object({"op": "do", "action": action, **details})
         case Done(who):
             return encode_object({"ok": True} if who is None else {"ok": True, "who": who})
-        case Refusal(sentence):
-            return encode_object({"error": sentence})
+        case Refusal():
+            return encode_refusal(message)
 
 
 def decode_request(line: bytes) -> Request:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.stream_reader import StreamReader
 
 STX, ENQ, ACK, DC1, DC3, NAK, ESC = 0x02, 0x05, 0x06, 0x11, 0x13, 0x15, 0x1B
 _CR, _LF = 0x0D, 0x0A
@@ -202,15 +203,8 @@ def to_mm(count: int, lamps: Lamps) -> float:
     return count / COUNTS_PER_INCH * MM_PER_INCH if lamps.inch else count / COUNTS_PER_MM
 
 
-class RequestReader:
+class RequestReader(StreamReader):
     """Reassembles what a client sends: the counter's side of the wire."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    def receive_data(self, data: bytes) -> None:
-        """Append what the line delivered."""
-        self._buffer += data
 
     def next_message(self) -> Request | None:
         """Take the oldest whole request, None until more characters arrive."""
@@ -231,26 +225,13 @@ class RequestReader:
             return Control(character[0])
         return Unreadable(character)
 
-    def _take(self, length: int) -> bytes:
-        data = bytes(self._buffer[:length])
-        del self._buffer[:length]
-        return data
 
-
-class ReplyReader:
+class ReplyReader(StreamReader):
     """Reassembles what the counter sends: the client's side of the wire."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
 
     def receive_data(self, data: bytes) -> None:
         """Append what the line delivered; flow control is no reply."""
-        self._buffer += bytes(character for character in data if character not in (DC1, DC3))
-
-    @property
-    def inside_message(self) -> bool:
-        """Whether more stands here than was taken."""
-        return bool(self._buffer)
+        super().receive_data(bytes(character for character in data if character not in (DC1, DC3)))
 
     def next_message(self) -> Reply | None:
         """Take the oldest whole reply, None until more characters arrive; raises NdProtocolError."""
@@ -266,8 +247,7 @@ class ReplyReader:
             )
         if end < 0:
             return None
-        data = bytes(self._buffer[:end])
-        del self._buffer[: end + 2]
+        data = self._take(end, drop=2)
         opened = data.startswith(bytes([STX]))
         return Line(_ascii(data[opened:]), opened)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.stream_reader import StreamReader
 
 VENDOR, PRODUCT = 0x0FE7, 0x4001
 PACKET_BYTES = 8
@@ -86,20 +87,12 @@ def decode(data: bytes) -> Reply:
     raise ItnProtocolError(f"{text!r} is no reply of a USB-ITN cable")
 
 
-class ReplyReader:
+class ReplyReader(StreamReader):
     """Puts packets together until a reply ends."""
 
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    @property
-    def inside_message(self) -> bool:
-        """Whether more stands here than was taken."""
-        return bool(self._buffer)
-
-    def receive_data(self, packet: bytes) -> None:
+    def receive_data(self, data: bytes) -> None:
         """Append a packet; zeros at its end only fill it up."""
-        self._buffer += packet.rstrip(b"\0")
+        super().receive_data(data.rstrip(b"\0"))
 
     def next_message(self) -> Reply | None:
         """Take the oldest whole reply, None until more packets arrive; raises ItnProtocolError."""
@@ -108,6 +101,4 @@ class ReplyReader:
             raise ItnProtocolError(f"{bytes(self._buffer[:20])!r}... does not end: it is no USB-ITN cable")
         if end < 0:
             return None
-        data = bytes(self._buffer[:end])
-        del self._buffer[: end + 1]
-        return decode(data)
+        return decode(self._take(end, drop=len(_END)))

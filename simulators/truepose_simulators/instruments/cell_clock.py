@@ -1,31 +1,19 @@
 """The cell's clock as an endpoint: whoever sleeps here lets cell time go by."""
 
-import asyncio
-
-from truepose_drivers.cell_clock.protocol import Answer, Refusal, Sleep, Time, decode_request, encode
-from truepose_drivers.json_lines import JsonLineError, LineReader
+from truepose_drivers.cell_clock.protocol import Answer, Sleep, Time, decode_request, encode
+from truepose_drivers.json_lines import JsonLineError, Refusal
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.instruments.endpoint import Endpoint
-
-_CHUNK_BYTES = 4096
+from truepose_simulators.instruments.line_endpoint import line_endpoint
 
 
 def clock_endpoint(clock: CellClock) -> Endpoint:
     """Build the endpoint of a clock."""
 
-    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        lines = LineReader()
-        while data := await reader.read(_CHUNK_BYTES):
-            lines.receive_data(data)
-            try:
-                while (line := lines.next_message()) is not None:
-                    writer.write(encode(await answer(line, clock)))
-            except JsonLineError as error:  # no end of line in sight: nothing can be read any more
-                writer.write(encode(Refusal(str(error))))
-                return
-            await writer.drain()
+    async def reply(line: bytes) -> bytes:
+        return encode(await answer(line, clock))
 
-    return Endpoint("clock", "clock", serve)
+    return line_endpoint("clock", reply)
 
 
 async def answer(line: bytes, clock: CellClock) -> Answer:

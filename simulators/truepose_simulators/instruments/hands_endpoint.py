@@ -5,12 +5,12 @@ import inspect
 from collections.abc import Awaitable, Mapping
 from typing import Protocol
 
-from truepose_drivers.cell_hands.protocol import Answer, Detail, Done, Refusal, Who, decode_request, encode
-from truepose_drivers.json_lines import JsonLineError, LineReader
+from truepose_drivers.cell_hands.protocol import Answer, Detail, Done, Who, decode_request, encode
+from truepose_drivers.json_lines import JsonLineError, Refusal
 from truepose_simulators.errors import SimulatorError
 from truepose_simulators.instruments.endpoint import Endpoint
+from truepose_simulators.instruments.line_endpoint import line_endpoint
 
-_CHUNK_BYTES = 4096
 _WHO = "simulated hands"
 
 
@@ -26,20 +26,11 @@ def hands_endpoint(hands: Hands) -> Endpoint:
     """Build the endpoint of the hands; deeds asked for over several connections follow one another."""
     busy = asyncio.Lock()
 
-    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        lines = LineReader()
-        while data := await reader.read(_CHUNK_BYTES):
-            lines.receive_data(data)
-            try:
-                while (line := lines.next_message()) is not None:
-                    async with busy:
-                        writer.write(encode(await answer(line, hands)))
-            except JsonLineError as error:  # no end of line in sight: nothing can be read any more
-                writer.write(encode(Refusal(str(error))))
-                return
-            await writer.drain()
+    async def reply(line: bytes) -> bytes:
+        async with busy:
+            return encode(await answer(line, hands))
 
-    return Endpoint("hands", "hands", serve)
+    return line_endpoint("hands", reply)
 
 
 async def answer(line: bytes, hands: Hands) -> Answer:

@@ -6,14 +6,13 @@ from hypothesis import strategies as st
 
 from truepose_drivers.cell_clock.protocol import (
     Now,
-    Refusal,
     Sleep,
     Time,
     decode_answer,
     decode_request,
     encode,
 )
-from truepose_drivers.json_lines import JsonLineError, LineReader
+from truepose_drivers.json_lines import JsonLineError, LineReader, Refusal
 
 
 def test_requests_and_answers_have_the_published_form():

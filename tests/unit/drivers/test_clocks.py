@@ -6,9 +6,9 @@ import pytest
 
 from truepose_drivers.api import Clock
 from truepose_drivers.cell_clock.driver import CellClock
-from truepose_drivers.cell_clock.protocol import Now, Refusal, Sleep, Time, decode_request, encode
+from truepose_drivers.cell_clock.protocol import Now, Sleep, Time, decode_request, encode
 from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoReplyError, RemoteProtocolError
-from truepose_drivers.json_lines import LineReader
+from truepose_drivers.json_lines import LineReader, Refusal
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.stream_reader import StreamReader
 
 _HEADER = struct.Struct("<iI")
 SHORTEST_PACKET_BYTES = 12  # no packet of the protocol is shorter than its header and one member
@@ -51,20 +52,8 @@ def frame(packet_type: PacketType, body: bytes) -> bytes:
     return _HEADER.pack(size, packet_type) + body
 
 
-class FrameReader:
+class FrameReader(StreamReader):
     """Reassembles packets from a byte stream; serves both sides of the wire."""
-
-    def __init__(self) -> None:
-        self._buffer = bytearray()
-
-    @property
-    def inside_message(self) -> bool:
-        """Whether the stream stands in the middle of a packet."""
-        return bool(self._buffer)
-
-    def receive_data(self, data: bytes) -> None:
-        """Append what the stream delivered."""
-        self._buffer += data
 
     def next_message(self) -> Frame | None:
         """Take the oldest whole packet, or None until more bytes arrive.
@@ -81,6 +70,4 @@ class FrameReader:
             )
         if len(self._buffer) < size:
             return None
-        data = bytes(self._buffer[:size])
-        del self._buffer[:size]
-        return Frame(packet_type, data)
+        return Frame(packet_type, self._take(size))
