@@ -20,11 +20,15 @@ from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError
 
 CELL = ballbar_cell()
-AT_HAND = plan_at(CELL, [fixture_before_the_arm()], 24)
 
 
-def test_every_pose_has_a_number_of_its_own_and_six_legs():
-    (placement,) = AT_HAND.placements
+@pytest.fixture(scope="module")
+def at_hand():
+    return plan_at(CELL, [fixture_before_the_arm()], 24)
+
+
+def test_every_pose_has_a_number_of_its_own_and_six_legs(at_hand):
+    (placement,) = at_hand.placements
 
     assert [pose.config for pose in placement.poses] == list(range(1, 25))
     assert all(len(set(pose.legs)) == 6 for pose in placement.poses)
@@ -32,8 +36,8 @@ def test_every_pose_has_a_number_of_its_own_and_six_legs():
     assert len({pose.joints_rad for pose in placement.poses}) == 24
 
 
-def test_from_stop_to_stop_the_arm_keeps_room():
-    (placement,) = AT_HAND.placements
+def test_from_stop_to_stop_the_arm_keeps_room(at_hand):
+    (placement,) = at_hand.placements
     fixture = fixture_before_the_arm()
 
     for before, pose in pairwise(placement.poses):
@@ -42,8 +46,8 @@ def test_from_stop_to_stop_the_arm_keeps_room():
             assert is_clear(replace(CELL, arm_room_mm=9.0), fixture, between(a, b)).all()
 
 
-def test_the_way_off_the_last_cup_begins_with_a_lift():
-    (placement,) = AT_HAND.placements
+def test_the_way_off_the_last_cup_begins_with_a_lift(at_hand):
+    (placement,) = at_hand.placements
 
     held, above = placement.setups[-1].joints_rad, placement.away.via_rad[0]
 
@@ -51,8 +55,8 @@ def test_the_way_off_the_last_cup_begins_with_a_lift():
     assert np.linalg.norm(nests[1] - nests[0]) >= 60.0 - 1e-6
 
 
-def test_from_off_the_cups_to_the_first_pose_the_arm_keeps_room():
-    (placement,) = AT_HAND.placements
+def test_from_off_the_cups_to_the_first_pose_the_arm_keeps_room(at_hand):
+    (placement,) = at_hand.placements
     pose = placement.poses[0]
 
     points = [np.array(p) for p in (placement.away.joints_rad, *pose.via_rad, pose.joints_rad)]
@@ -61,8 +65,8 @@ def test_from_off_the_cups_to_the_first_pose_the_arm_keeps_room():
         assert is_clear(replace(CELL, arm_room_mm=9.0), fixture_before_the_arm(), between(a, b)).all()
 
 
-def test_the_first_poses_are_those_that_the_pre_calibration_needs():
-    (placement,) = AT_HAND.placements
+def test_the_first_poses_are_those_that_the_pre_calibration_needs(at_hand):
+    (placement,) = at_hand.placements
     model = arm_model(CELL)
     joints = np.array([pose.joints_rad for pose in placement.poses])
     rows = pose_rows(model, np.array(placement.cups_mm), joints, [pose.legs for pose in placement.poses])
