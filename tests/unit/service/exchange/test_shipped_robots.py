@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.helpers.reference import reference
 from truepose.exchange.errors import UnknownRobotError
 from truepose.exchange.robots.shipped import list_robots, load_robot, load_robot_with_tool
 
@@ -34,21 +35,14 @@ def modified_frames(robot, q):
     return frames
 
 
-# The maker's page on kinematics and dynamics, UR10: a [mm], d [mm], alpha, mass [kg], centre of mass [mm].
-UR10 = (
-    (0.0, 127.3, math.pi / 2, 7.1, (21.0, 0.0, 27.0)),
-    (-612.0, 0.0, 0.0, 12.7, (380.0, 0.0, 158.0)),
-    (-572.3, 0.0, 0.0, 4.27, (240.0, 0.0, 68.0)),
-    (0.0, 163.941, math.pi / 2, 2.0, (0.0, 7.0, 18.0)),
-    (0.0, 115.7, -math.pi / 2, 2.0, (0.0, 7.0, 18.0)),
-    (0.0, 92.2, 0.0, 0.365, (0.0, 0.0, -26.0)),
-)
+UR10 = reference("ur10")["joints"]
+ARMS = reference("thesis_arms")
 
 
 def standard_frames(q):
     frame, frames = np.eye(4), []
-    for (a, d, alpha, _, _), angle in zip(UR10, q, strict=True):
-        frame = frame @ rot_z(angle) @ shift(0.0, d) @ shift(a, 0.0) @ rot_x(alpha)
+    for (a, d, quarters, _, _), angle in zip(UR10, q, strict=True):
+        frame = frame @ rot_z(angle) @ shift(0.0, d) @ shift(a, 0.0) @ rot_x(quarters * math.pi / 2)
         frames.append(frame)
     return frames
 
@@ -66,21 +60,17 @@ def test_the_ur10_is_the_makers_in_another_convention():
             assert mass.mass_kg == kg
 
 
-def test_the_irb_120_is_the_thesis_table():
-    robot = load_robot("abb-irb-120")
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_of_the_thesis_is_its_table(name):
+    robot = load_robot(ARMS[name]["robot"])
 
-    assert [row.a_mm for row in robot.joints] == [0, 0, 270, 70, 0, 0]
-    assert [row.d_mm for row in robot.joints] == [290, 0, 0, 302, 0, 72]
-    assert [math.degrees(row.alpha_rad) for row in robot.joints] == [0, -90, 0, -90, 90, -90]
-    assert [math.degrees(row.theta_offset_rad) for row in robot.joints] == [0, -90, 0, 0, 0, 180]
-
-
-def test_the_lr_mate_is_the_thesis_table():
-    robot = load_robot("fanuc-lr-mate-200ic")
-
-    assert [row.a_mm for row in robot.joints] == [0, 75, 300, 75, 0, 0]
-    assert [row.d_mm for row in robot.joints] == [330, 0, 0, 320, 0, 80]
-    assert [math.degrees(row.theta_offset_rad) for row in robot.joints] == [0, -90, 0, 0, 0, 0]
+    rows = [
+        [math.degrees(row.alpha_rad), row.a_mm, math.degrees(row.theta_offset_rad), row.d_mm]
+        for row in robot.joints
+    ]
+    assert rows == ARMS[name]["joints"]
+    masses = [[mass.frame, mass.mass_kg, list(mass.centre_of_gravity_mm)] for mass in robot.masses]
+    assert masses == ARMS[name]["masses"]
 
 
 @pytest.mark.parametrize("name", list_robots())

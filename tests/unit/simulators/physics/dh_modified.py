@@ -2,30 +2,11 @@
 
 import numpy as np
 
-# alpha [deg], a [mm], theta offset [deg], d [mm]; A. Nubiola, thesis, ETS Montreal 2014, section 2.3.
-NOMINAL = {
-    "irb120": [
-        (0.0, 0.0, 0.0, 290.0),
-        (-90.0, 0.0, -90.0, 0.0),
-        (0.0, 270.0, 0.0, 0.0),
-        (-90.0, 70.0, 0.0, 302.0),
-        (90.0, 0.0, 0.0, 0.0),
-        (-90.0, 0.0, 180.0, 72.0),
-    ],
-    "lrmate200ic": [
-        (0.0, 0.0, 0.0, 330.0),
-        (-90.0, 75.0, -90.0, 0.0),
-        (0.0, 300.0, 0.0, 0.0),
-        (-90.0, 75.0, 0.0, 320.0),
-        (90.0, 0.0, 0.0, 0.0),
-        (-90.0, 0.0, 0.0, 80.0),
-    ],
-}
-# frame, mass [kg], centre of gravity in that frame [mm]; same source, tool of section 2.2.1.
-MASSES = {
-    "irb120": [(2, 4.2, (140.0, 0, 0)), (4, 5.0, (0, 0, -193.6)), (6, 2.7, (50.0, 25.0, 100.0))],
-    "lrmate200ic": [(2, 10.0, (150.0, 0, 0)), (4, 10.0, (0, 0, -160.0)), (6, 2.7, (50.0, 25.0, 100.0))],
-}
+from tests.helpers.reference import reference
+
+_ARMS = reference("thesis_arms")
+NOMINAL = {name: arm["joints"] for name, arm in _ARMS.items()}
+MASSES = {name: arm["masses"] for name, arm in _ARMS.items()}
 
 
 def rotate(axis, angle_rad):

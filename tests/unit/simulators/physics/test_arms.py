@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from tests.helpers.reference import reference
 from tests.unit.simulators.physics.dh_modified import MASSES, NOMINAL, frames, rotate, shift, torques
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.robot import nominal_flange
@@ -42,24 +43,14 @@ def test_gravity_torques_of_the_nominal_arm_follow_the_published_formula(name, j
 
 
 def test_the_thesis_scenario_is_the_robot_of_its_tables(joints_rad):
-    """Tables 2.6 and 2.7: alpha [deg], a [mm], offset [deg], d [mm] as identified; base on top."""
-    table = [
-        (0.0, 0.0, 0.0, 290.0),
-        (-90.006, 0.134, -89.909, 0.000),
-        (-0.011, 270.236, 0.054, 0.006),
-        (-90.009, 70.138, -0.027, 302.246),
-        (89.984, -0.061, 0.067, -0.067),
-        (-89.969, 0.022, 179.913, 72.050),
-    ]
-    turns = [rotate(axis, np.radians(angle)) for axis, angle in enumerate((0.003, 0.008, -0.033))]
-    base = shift(-0.075, -0.096, 0.103) @ turns[0] @ turns[1] @ turns[2]
+    published = reference("thesis_irb120")
+    turns = [rotate(axis, np.radians(angle)) for axis, angle in enumerate(published["base_deg"])]
+    base = shift(*published["base_mm"]) @ turns[0] @ turns[1] @ turns[2]
     plant = Cell(load_scenario("irb120-thesis"), 1, CellClock(0)).plant
 
     placed = place_bodies(plant.arm, plant.errors, joints_rad).last_frame
 
-    expected = np.array([frames(table, row, base)[-1] for row in joints_rad])
+    expected = np.array([frames(published["joints"], row, base)[-1] for row in joints_rad])
     # The scenario states motions with 9 decimals of a mm and rotations with 1e-13 rad, over 1 m.
     assert placed == pytest.approx(expected, abs=1e-8)
-    assert plant.compliance_rad_per_n_mm == pytest.approx(
-        [0.0, 0.032e-6, 0.130e-6, 0.605e-6, 0.419e-6, 0.647e-6], rel=1e-12
-    )
+    assert plant.compliance_rad_per_n_mm == pytest.approx(published["compliance_rad_per_n_mm"], rel=1e-12)

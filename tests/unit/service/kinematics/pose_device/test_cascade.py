@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.pose_device import CUPS, FOUR_CUPS, NESTS
+from tests.helpers.reference import reference
 from truepose.domain.errors import ConfigurationError, UnderdeterminedError
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.kinematics.pose_device import (
@@ -19,6 +20,8 @@ from truepose.kinematics.pose_device import (
 )
 from truepose.kinematics.pose_device.cascade import sides
 
+PRINTED = reference("thesis_pose_device")
+TABLE = PRINTED["table_3_1"]
 PATTERN = DESIGNS[0]
 TOOL = np.full(3, 150.0)
 LEGS = np.full(6, 300.0)
@@ -32,20 +35,19 @@ def solutions(design, twelve):
 
 
 def test_the_first_design_is_the_pattern_of_the_thesis():
-    assert PATTERN.name == "1_12 2_123 3_1"
+    assert PATTERN.name == PRINTED["pattern"]
     assert PATTERN.legs == ((1, 1), (2, 1), (3, 1), (1, 2), (2, 2), (2, 3))
 
 
 def test_there_are_36_designs_and_four_times_as_many_with_a_fourth_cup():
-    assert len(DESIGNS) == len({frozenset(design.legs) for design in DESIGNS}) == 36
+    assert len(DESIGNS) == len({frozenset(design.legs) for design in DESIGNS}) == PRINTED["designs"]
     assert len(designs(4)) == len({frozenset(design.legs) for design in designs(4)}) == 144
 
 
 def test_the_designs_named_in_the_thesis_are_among_them():
     named = {design.name for design in DESIGNS}
 
-    # 112212331, 123223132, 131231233, 132232133, nests sorted
-    assert {"1_12 2_123 3_1", "1_23 2_123 3_2", "1_13 2_123 3_3", "1_23 2_123 3_3"} <= named
+    assert set(PRINTED["named"]) <= named
 
 
 def test_fewer_than_three_cups_are_refused():
@@ -166,16 +168,24 @@ def test_the_derivatives_by_all_twelve_lengths_agree_with_complex_steps(design):
 
 
 def test_the_uncertainty_of_the_pattern_is_that_of_the_thesis_for_t1_and_t2():
-    # Table 3.1, three digits; the norm of solutions 1 and 2, then 3 and 4
     norms = _norms()
 
-    assert norms[:, 0] == pytest.approx([2.309] * 4, abs=5e-4)
-    assert norms[:, 1] == pytest.approx([2.646, 2.646, 2.480, 2.480], abs=5e-4)
+    assert norms[:, 0] == pytest.approx(TABLE["T1"], abs=TABLE["tolerance"])
+    assert norms[:, 1] == pytest.approx(TABLE["T2"], abs=TABLE["tolerance"])
+
+
+def test_along_the_axes_of_the_base_it_is_that_of_the_thesis_too():
+    axes = np.sqrt(_variances())
+
+    assert axes[:, 0] == pytest.approx(np.array(TABLE["T1_axes"]), abs=TABLE["axes_tolerance"])
+    assert axes[:, 1] == pytest.approx(np.array(TABLE["T2_axes"]), abs=TABLE["axes_tolerance"])
 
 
 def test_the_uncertainty_of_t3_is_larger_than_printed_since_its_holders_are_correlated():
-    # Table 3.1 prints 3.179, 3.054, 2.853, 3.180, which neglects what t1, t2 and b2 have in common
-    assert _norms()[:, 2] == pytest.approx([3.36, 3.05, 2.89, 3.33], abs=5e-3)
+    in_full = PRINTED["recomputed"]
+
+    assert _norms()[:, 2] == pytest.approx(in_full["T3"], abs=in_full["tolerance"])
+    assert (_norms()[[0, 3], 2] > np.array(TABLE["T3"])[[0, 3]] + 0.1).all()
 
 
 def test_the_printed_t3_comes_out_where_b2_is_exact_and_no_coordinate_correlates_with_another():
@@ -189,7 +199,7 @@ def test_the_printed_t3_comes_out_where_b2_is_exact_and_no_coordinate_correlates
         for (t1, t2, t3), one in zip(points, variance, strict=True)
     ]
 
-    assert printed == pytest.approx([3.179, 3.054, 2.853, 3.180], abs=5e-4)
+    assert printed == pytest.approx(TABLE["T3"], abs=TABLE["tolerance"])
 
 
 def _uncorrelated(point, holders):
@@ -239,6 +249,10 @@ def test_a_nest_in_the_plane_of_what_holds_it_has_no_uncertainty_and_is_refused(
 
 
 def _norms():
+    return np.sqrt(_variances().sum(axis=2))
+
+
+def _variances():
+    """Of the coordinates of each nest in each solution, for lengths of variance 1."""
     covariance = points_covariance(PATTERN, CUPS, solutions(PATTERN, TWELVE), np.eye(12))
-    variance = np.diagonal(covariance, axis1=1, axis2=2).reshape(4, 3, 3)
-    return np.sqrt(variance.sum(axis=2))
+    return np.diagonal(covariance, axis1=1, axis2=2).reshape(4, 3, 3)

@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 
+from tests.helpers.reference import reference
+
 TURN_DEG = np.random.default_rng(4).uniform(-170, 170, (12, 6))
 
 
@@ -96,8 +98,7 @@ def test_backlash_of_all_joints_is_the_published_table_at_its_largest_gap(rigid_
     from_above = rigid_bench.added_rad(at([10.0] * 6, direction=-np.ones((1, 6))), gaps)
     from_below = rigid_bench.added_rad(at([10.0] * 6), gaps)
 
-    # A. Nubiola, thesis, ETS Montreal 2014, table 2.3 [deg]
-    table = [0.004, 0.002, 0.004, 0.037, 0.017, 0.037]
+    table = reference("thesis_axes")["backlash_deg"]
     assert np.degrees(from_above - from_below)[0] == pytest.approx(
         table, abs=1e-13
     )  # rounding of angles of 10 deg
