@@ -18,7 +18,7 @@ from truepose.domain.people import readable_name
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
 from truepose.operation.ballbar.aside import require_ballbar_aside
 from truepose.operation.devices import Rack
-from truepose.operation.errors import DeviceInUseError
+from truepose.operation.one_at_a_time import UNDER_WAY, refuse_beside_another
 from truepose.operation.present_cell import PresentCell, speed_limits
 from truepose.operation.session_ledger import SessionLedger
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
@@ -40,9 +40,6 @@ from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
 
 _LOG: Final = logging.getLogger(__name__)
-_MOVABLE: Final = tuple(
-    state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
-)
 _RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
 _STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
 WhenFinished = Callable[[int], Awaitable[None]]
@@ -106,7 +103,7 @@ class SessionDesk:
                 raise NotNowError(
                     f"Session {session_id} is {words(record.state)}; only a planned one starts."
                 )
-            await self._refuse_beside_another(session_id)
+            await refuse_beside_another(self._sessions, session_id)
             self._present.require_same_robot((await self._sessions.setup(session_id)).cell)
             return await self._launch(record)
 
@@ -226,19 +223,12 @@ class SessionDesk:
             _LOG.warning("what is under way was left as it is: %s", error)
 
     async def _leave(self, reason: str) -> None:
-        for record in await self._sessions.in_state(*_MOVABLE):
+        for record in await self._sessions.in_state(*UNDER_WAY):
             if record.role == "ballbar":
                 continue  # its ledger says where it stands
             state = after_restart(record.state)
             if state is not record.state:
                 await self._enter(record.id, state, reason, control=Control.RESTARTED)
-
-    async def _refuse_beside_another(self, session_id: int) -> None:
-        for other in await self._sessions.in_state(*_MOVABLE):
-            if other.id != session_id:
-                raise DeviceInUseError(
-                    f"Session {other.id} is {words(other.state)}; one session runs at a time, end it first."
-                )
 
     async def _launch(self, record: SessionRecord) -> str:
         await self._sessions.require_intact(record.id)

@@ -23,7 +23,7 @@ from truepose.operation.ballbar.counting import counting
 from truepose.operation.ballbar.plans import BallbarWish, judged, kit_of
 from truepose.operation.ballbar.view import BallbarView, Fixed, sight_of
 from truepose.operation.devices import Rack
-from truepose.operation.errors import DeviceInUseError
+from truepose.operation.one_at_a_time import UNDER_WAY, refuse_beside_another
 from truepose.operation.present_cell import PresentCell, speed_limits
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_ledger import SessionLedger
@@ -44,9 +44,6 @@ from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey, SessionRecord, SessionSetup
 
 _LOG: Final = logging.getLogger(__name__)
-_UNDER_WAY: Final = tuple(
-    state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
-)
 NOBODY_RUNS: Final = "The program failed and does not run this session now; nothing moves."
 _END_ASKED_FOR: Final = "The end was asked for; nothing was in motion."
 _PLAN_KEPT_S: Final = 30.0  # a tablet that lost its network is back by then
@@ -125,7 +122,7 @@ class BallbarDesk:
 
     async def recover(self) -> None:
         """Take up what an earlier service left under way; it awaits a person, nothing moves."""
-        for record in await self._sessions.in_state(*_UNDER_WAY):
+        for record in await self._sessions.in_state(*UNDER_WAY):
             if record.role == "ballbar":
                 try:
                     await self._launch(record.id)
@@ -249,7 +246,7 @@ class BallbarDesk:
             raise NotNowError(
                 f"Session {record.id} is {words(record.state)}; '{act.name}' cannot be done now."
             )
-        await self._refuse_beside_another(record.id)
+        await refuse_beside_another(self._sessions, record.id)
         if planned:
             self._present.require_same_robot((await self._what_is_fixed(record.id)).setup.cell)
 
@@ -268,13 +265,6 @@ class BallbarDesk:
         number = await SessionLedger(session_id, self._ledger, None).append(entry)
         self.watching.tell()
         return ActAnswer(ENDED_AT_REST, number)
-
-    async def _refuse_beside_another(self, session_id: int) -> None:
-        for other in await self._sessions.in_state(*_UNDER_WAY):
-            if other.id != session_id:
-                raise DeviceInUseError(
-                    f"Session {other.id} is {words(other.state)}; one session runs at a time, end it first."
-                )
 
     async def _launch(self, session_id: int) -> _UnderWay:
         await self._sessions.require_intact(session_id)
