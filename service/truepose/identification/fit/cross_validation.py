@@ -53,7 +53,7 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
         if covariance is None:
             covariance = posterior_covariance(np.delete(final.jacobian, held, axis=1), precision)
         step = covariance @ (whole_slope - parts[fold] @ final.residual[held])
-        motion = first.jacobian[:, out].reshape(len(step), -1)
+        motion = first.jacobian[:, out].reshape(len(step), first.residual[out].size)  # also of no parameter
         residual[out] -= (step @ motion).reshape(len(out), -1)
         spread = np.einsum("pm,pm->m", covariance @ motion, motion)
         variance[out] = spread.reshape(len(out), -1).mean(axis=1)

@@ -87,3 +87,14 @@ def test_a_fold_without_which_rounding_leaves_nothing_is_worked_out_from_the_der
 
     assert covariance_of(jacobian @ jacobian.T + np.diag(precision)) is None
     assert np.isfinite(posterior_covariance(jacobian, precision)).all()
+
+
+def test_a_model_without_parameters_foretells_all_by_itself():
+    found = fitted(20)
+    bare = found.structure.without(found.structure.effects)
+    nominal = robust_fit(bare, found.blocks, np.zeros(0))
+
+    residual, variance = held_out_residuals(nominal)
+
+    assert np.array_equal(residual, nominal.results[0].residual)
+    assert np.array_equal(variance, np.zeros(20))
