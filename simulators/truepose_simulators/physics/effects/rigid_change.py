@@ -14,31 +14,37 @@ _LARGEST_ROTATION_RAD = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class JumpDetails:
-    """Of a change at once."""
+class _Way:
+    """Which way a change goes; drawn where it is not stated."""
 
-    rotation_rad: float = 0.0
     direction: Vector | None = None  # of the translation, any length
     axis: Vector | None = None  # of the rotation, any length
 
     def __post_init__(self) -> None:
-        _check_turn("rotation_rad", self.rotation_rad)
         _check_vector("direction", self.direction)
         _check_vector("axis", self.axis)
 
 
 @dataclass(frozen=True, slots=True)
-class DriftDetails:
+class JumpDetails(_Way):
+    """Of a change at once."""
+
+    rotation_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_turn("rotation_rad", self.rotation_rad)
+        _Way.__post_init__(self)
+
+
+@dataclass(frozen=True, slots=True)
+class DriftDetails(_Way):
     """Of a change that goes on."""
 
     rotation_rad_per_h: float = 0.0
-    direction: Vector | None = None  # of the translation, any length
-    axis: Vector | None = None  # of the rotation, any length
 
     def __post_init__(self) -> None:
         _check_turn("rotation_rad_per_h", self.rotation_rad_per_h)
-        _check_vector("direction", self.direction)
-        _check_vector("axis", self.axis)
+        _Way.__post_init__(self)
 
 
 def drift_per_s(change: PlantedChange, site: Site) -> FloatArray:

@@ -15,6 +15,7 @@ from truepose_drivers.leica_emscon.protocol import (
     ResultStatus,
     StatusChange,
     SystemStatusChange,
+    Value,
 )
 from truepose_drivers.leica_emscon.protocol.settings import MeasMode
 from truepose_simulators.cell.true_cell import Cell
@@ -174,24 +175,14 @@ class Dialogue:
         yield Answer(request.command, status)
 
     def _get_long_parameter(self, request: Request) -> Steps:
-        number = request.values.integer("system_param")
-        value = self.settings.long_parameters.get(number)
-        if value is None:
-            yield Answer(request.command, wrong_parameter(1))
-        else:
-            yield Answer(request.command, values=Record(system_param=number, parameter=value))
+        yield _told(request, self.settings.long_parameters)
 
     def _set_double_parameter(self, request: Request) -> Steps:
         number, value = request.values.integer("system_param"), request.values.number("parameter")
         yield Answer(request.command, self.settings.set_double_parameter(number, value))
 
     def _get_double_parameter(self, request: Request) -> Steps:
-        number = request.values.integer("system_param")
-        value = self.settings.double_parameters.get(number)
-        if value is None:
-            yield Answer(request.command, wrong_parameter(1))
-        else:
-            yield Answer(request.command, values=Record(system_param=number, parameter=value))
+        yield _told(request, self.settings.double_parameters)
 
     def _restore_start(self, request: Request) -> Steps:
         self.settings.restore_start()
@@ -209,3 +200,12 @@ class Dialogue:
     def _exit(self, request: Request) -> Steps:
         yield Answer(request.command)
         yield HangUp()
+
+
+def _told(request: Request, parameters: Mapping[int, Value]) -> Answer:
+    """Return the answer that tells one of the system parameters."""
+    number = request.values.integer("system_param")
+    value = parameters.get(number)
+    if value is None:
+        return Answer(request.command, wrong_parameter(1))
+    return Answer(request.command, values=Record(system_param=number, parameter=value))
