@@ -87,7 +87,7 @@ def _chance(selected: Selected, bad: BoolArray) -> float:
     """Chance, over all readings, that noise alone gives one as far out as the nearest of the bad ones."""
     block, result = selected.fit.blocks[0], selected.fit.results[0]
     nearest = float(block.squared(result)[bad].min())
-    return min(1.0, len(bad) * float(chi2_exceeded(nearest, result.residual.shape[1])))
+    return min(1.0, len(bad) * chi2_exceeded(nearest, result.residual.shape[1]))
 
 
 def _bad_gain(start: Start, selected: Selected, judged: Improvement) -> Gain | None:

@@ -1,60 +1,29 @@
-"""What chance alone gives: chi-square, F and normal variates, from the special functions.
+"""What chance alone gives: chi-square and F variates, one at a time; of arrays: `diagnosis.distributions`."""
 
-The distributions of scipy.stats give the same digits, but to import them takes a third of a second in each
-worker and each command.
-"""
+from functools import lru_cache
 
-import numpy as np
-from scipy.special import chdtrc, chdtri, fdtrc, gammaincinv, gammaln, ndtr, xlogy
-
-from truepose.domain.arrays import FloatArray, IntArray
+from truepose.identification.special_functions import beta_below, gamma_above, gamma_limit
 
 WITHIN_95 = 1.96  # standard deviations either way that hold 95 % of all normal variates
 
-Numbers = float | FloatArray | IntArray  # one, or arrays that go together
 
-
-def chi2_exceeded(squared: Numbers, degrees: Numbers) -> FloatArray:
+def chi2_exceeded(squared: float, degrees: float) -> float:
     """Return the chance that a chi-square variate is larger."""
-    return np.asarray(chdtrc(degrees, squared))
+    return gamma_above(0.5 * degrees, 0.5 * squared)
 
 
-def chi2_limit(chance: Numbers, degrees: Numbers) -> FloatArray:
+@lru_cache
+def chi2_limit(chance: float, degrees: float) -> float:
     """Return what a chi-square variate exceeds with that chance."""
-    return np.asarray(chdtri(degrees, chance))
+    return 2.0 * gamma_limit(0.5 * degrees, chance)
 
 
-def chi2_median(degrees: Numbers) -> FloatArray:
+def chi2_median(degrees: float) -> float:
     """Return what half of all chi-square variates exceed."""
-    return np.asarray(2.0 * gammaincinv(np.divide(degrees, 2.0), 0.5))
+    return chi2_limit(0.5, degrees)
 
 
-def chi2_log_density(squared: Numbers, degrees: Numbers) -> FloatArray:
-    """Return the logarithm of the density of chi-square variates."""
-    half = np.divide(degrees, 2.0)
-    return np.asarray(
-        xlogy(half - 1.0, squared) - np.divide(squared, 2.0) - gammaln(half) - half * np.log(2.0)
-    )
-
-
-def f_exceeded(ratio: Numbers, above: Numbers, below: Numbers) -> FloatArray:
+def f_exceeded(ratio: float, above: float, below: float) -> float:
     """Return the chance that the ratio of two mean squares, of so many degrees of freedom, is larger."""
-    return np.asarray(fdtrc(above, below, ratio))
-
-
-def normal_exceeded(deviate: Numbers) -> FloatArray:
-    """Return the chance that a standard normal variate is larger."""
-    return np.asarray(ndtr(np.negative(deviate)))
-
-
-def so_many_drawn(reached: int, drawn: int, marked: int, total: int) -> float:
-    """Return the chance that at least `reached` of `drawn` out of `total` are `marked`: hypergeometric."""
-    count = np.arange(reached, min(drawn, marked) + 1)
-    log_chance = _log_ways(marked, count) + _log_ways(total - marked, drawn - count) - _log_ways(total, drawn)
-    return float(np.exp(log_chance).sum())
-
-
-def _log_ways(total: Numbers, chosen: Numbers) -> FloatArray:
-    """Return the logarithm of the ways to choose; minus infinity where there is none."""
-    left_over = np.subtract(total, chosen)
-    return np.asarray(gammaln(np.add(total, 1.0)) - gammaln(np.add(chosen, 1.0)) - gammaln(left_over + 1.0))
+    both = below + above * ratio
+    return beta_below(0.5 * below, 0.5 * above, below / both, above * ratio / both)

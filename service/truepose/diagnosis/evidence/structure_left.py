@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from truepose.diagnosis.distributions import chi2_log_density
 from truepose.diagnosis.evidence.remaining import Prepared, structured
 from truepose.diagnosis.evidence.witnesses import LEVEL as LEVEL_OF_NESTS
 from truepose.diagnosis.evidence.witnesses import chance_of_nests
@@ -21,7 +22,7 @@ from truepose.effects.causes import Candidate
 from truepose.effects.joints.joint_harmonics import NAME as HARMONICS
 from truepose.effects.names import joint_of_subject
 from truepose.effects.registry import CAUSES
-from truepose.identification.distributions import chi2_log_density, chi2_median
+from truepose.identification.distributions import chi2_median
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.verdict.pure_error import pure_error
 
@@ -170,7 +171,7 @@ def _noise(selected: Selected, parameters: int) -> tuple[float, bool]:
     white = block.weighted(block.weights, 0.0).whitened(result).reshape(readings, components)
     squared = (white**2).sum(axis=1)
     freedom = max(1.0 - parameters / max(selected.pool.normal.observations, 1.0), 0.05)
-    expected = float(chi2_median(components))
+    expected = chi2_median(components)
     ratio = float(np.median(squared)) / (expected * freedom)
     spread = 0.5 / (float(np.exp(chi2_log_density(expected, components))) * expected * np.sqrt(readings))
     return float(np.sqrt(ratio)), bool(ratio > 1.0 + _NOISE_BEYOND * spread)

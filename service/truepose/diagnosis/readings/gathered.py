@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from truepose.diagnosis.distributions import so_many_drawn
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.effects.causes import Scene, varied
 from truepose.effects.names import joint_subject
 from truepose.effects.shapes.times import spoken
-from truepose.identification.distributions import so_many_drawn
 
 _LEVEL = 0.01  # chance that bad readings which fell anywhere gather, over everything that they may share
 _PARTS = 4  # of the campaign, or of a joint's range, with as many readings in each

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import gammaln
 
+from truepose.diagnosis.distributions import chi2_log_density
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import PointReadings
-from truepose.identification.distributions import chi2_log_density
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
 

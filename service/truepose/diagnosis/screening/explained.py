@@ -22,11 +22,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from truepose.diagnosis.distributions import f_exceeded
 from truepose.diagnosis.screening.candidates import View
 from truepose.diagnosis.screening.normal_equations import Products, Projection
 from truepose.diagnosis.screening.random_functions import chance, most_likely
 from truepose.domain.arrays import FloatArray
-from truepose.identification.distributions import f_exceeded
 
 _MOSTLY_BELIEF = 0.1  # what the data see, over what is believed before: below, nothing is seen
 _VISIBLE = 1e-7  # share of a derivative's square that the present parameters do not absorb

@@ -13,8 +13,8 @@ R. Lugannani, S. Rice, Advances in Applied Probability 12(2), 1980, 475-490.
 import numpy as np
 from scipy.optimize import brentq
 
+from truepose.diagnosis.distributions import normal_exceeded
 from truepose.domain.arrays import FloatArray
-from truepose.identification.distributions import normal_exceeded
 
 
 def tail_probability(statistic: float, weights: FloatArray, degrees: float) -> float:

@@ -26,11 +26,11 @@ P. J. Rousseeuw, A. M. Leroy, Robust Regression and Outlier Detection, 1987.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.effects.links.geometry import GEOMETRY_EFFECTS
 from truepose.identification.distributions import chi2_limit, chi2_median
+from truepose.identification.fit.crossing import crossing
 from truepose.identification.fit.solver import Solution, solve
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.structure import Structure
@@ -266,7 +266,7 @@ def _discrepancy(structure: Structure, block: Block, result: BlockResult, soluti
     largest = 10.0 * float(np.sqrt(np.mean(result.residual**2))) + 1e-9
     if excess(smallest) <= 0.0 or excess(largest) >= 0.0:
         return smallest
-    mean = float(brentq(excess, smallest, largest, rtol=1e-4))
+    mean = crossing(excess, smallest, largest)
     return min(mean, _by_median(block, result, dof, (smallest, largest)))
 
 
@@ -280,7 +280,9 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
     _, stop = np.unique(block.targets.stops.config[kept], return_inverse=True)
     if stop.size == 0:
         return bounds[0]
-    usual = chi2_median(d * np.bincount(stop)) * dof / (float(block.weights.sum()) * d)
+    sizes, which = np.unique(np.bincount(stop), return_inverse=True)
+    medians = np.array([chi2_median(d * size) for size in sizes.tolist()])
+    usual = medians[which] * dof / (float(block.weights.sum()) * d)
 
     def excess(extra: float) -> float:
         white = block.weighted(block.weights, extra).whitened(result).reshape(n, d)[kept]
@@ -288,7 +290,7 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
 
     if excess(bounds[0]) <= 0.0:
         return bounds[0]
-    return bounds[1] if excess(bounds[1]) >= 0.0 else float(brentq(excess, *bounds, rtol=1e-4))
+    return bounds[1] if excess(bounds[1]) >= 0.0 else crossing(excess, *bounds)
 
 
 def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:

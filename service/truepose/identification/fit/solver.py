@@ -20,7 +20,6 @@ from functools import cached_property
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve, cholesky, qr
 
 from truepose.domain.arrays import FloatArray
 
@@ -170,12 +169,13 @@ class _Factor(NamedTuple):
 
     def solved(self, gradient: FloatArray) -> FloatArray:
         """Return the solution of the normal equations, shape (P,)."""
-        return np.asarray(self.scale * cho_solve((self.root, False), self.scale * gradient))
+        half = np.linalg.solve(self.root.T, self.scale * gradient)
+        return np.asarray(self.scale * np.linalg.solve(self.root, half))
 
     def inverse(self) -> FloatArray:
         """Return the inverse of the undamped matrix, shape (P, P)."""
-        inverse = cho_solve((self.root, False), np.eye(len(self.scale)))
-        return np.asarray(0.5 * (inverse + inverse.T) * np.outer(self.scale, self.scale))
+        half = self.scale[:, None] * np.linalg.inv(self.root)
+        return np.asarray(half @ half.T)
 
 
 def _factored(normal: FloatArray, damping: float) -> _Factor | None:
@@ -184,8 +184,8 @@ def _factored(normal: FloatArray, damping: float) -> _Factor | None:
     unit = normal * np.outer(scale, scale)
     unit.flat[:: len(unit) + 1] += damping
     try:
-        root = cholesky(unit)
-    except LinAlgError:
+        root = np.asarray(np.linalg.cholesky(unit).T)
+    except np.linalg.LinAlgError:
         return None
     return _Factor(root, scale) if np.diag(root).min(initial=1.0) > _SMALLEST_PIVOT else None
 
@@ -198,5 +198,5 @@ def _factored_by_qr(jacobian: FloatArray, precision: FloatArray, damping: float)
     """
     scale = 1.0 / np.sqrt((jacobian**2).sum(axis=1) + precision)
     own = np.diag(np.sqrt(precision * scale**2 + damping))
-    (factor,) = qr(np.vstack([jacobian.T * scale, own]), mode="r")
-    return _Factor(np.asarray(factor[: len(scale)]), scale)
+    _, root = np.linalg.qr(np.vstack([jacobian.T * scale, own]))
+    return _Factor(np.asarray(root), scale)

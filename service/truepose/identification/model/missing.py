@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import hadamard
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
@@ -206,5 +205,7 @@ def _usual_move_rad(robot: Robot) -> FloatArray:
 
 def _signs(joints: int) -> IntArray:
     """Directions of approach in which every two joints agree as often as not, shape (m, J)."""
-    size = 1 << joints.bit_length()
-    return np.asarray(hadamard(size)[:, 1 : joints + 1], dtype=np.int64)
+    signs = np.ones((1, 1), dtype=np.int64)
+    while len(signs) <= joints:  # Sylvester's construction of Hadamard matrices
+        signs = np.block([[signs, signs], [signs, -signs]])
+    return signs[:, 1 : joints + 1]

@@ -66,9 +66,9 @@ class Looks:
         """
         scatter = self._scatter()
         if scatter is None or degrees == 0.0:
-            return float(chi2_exceeded(squared, max(degrees, 1.0)))
+            return chi2_exceeded(squared, max(degrees, 1.0))
         more = max(scatter.variance_mm2 / float(np.mean(self.variance_mm2)), 1.0)
-        return float(f_exceeded(squared / more / degrees, degrees, _WORTH * scatter.differences))
+        return f_exceeded(squared / more / degrees, degrees, _WORTH * scatter.differences)
 
     def _scatter(self) -> _Scatter | None:
         nests = self._of_nests()
@@ -96,7 +96,7 @@ class Looks:
     def _alone(self) -> BoolArray:
         """Return which readings are far from both of their nest that are next in time, shape (n,)."""
         alone = np.zeros(len(self.fixed_nest), dtype=bool)
-        limit = float(chi2_limit(FALSE_ALARM / len(alone), 3))
+        limit = chi2_limit(FALSE_ALARM / len(alone), 3)
         for now, both in self._between():
             apart = ((self.measured_mm[now] - self.measured_mm[both]) ** 2).sum(axis=1)
             expected = self.variance_mm2[now] + self.variance_mm2[both]

@@ -10,7 +10,6 @@ well to the anchor's image in the plane of the nests, and no refinement leads fr
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.kinematics.chain import Chain
@@ -134,6 +133,8 @@ class _Search:
         return float(np.median(np.abs(self.residual(unknowns))))
 
     def refined(self, start: FloatArray) -> FloatArray:
+        from scipy.optimize import least_squares  # its import takes longer than a campaign of points needs
+
         end = least_squares(
             self.residual, start, loss="soft_l1", f_scale=_SCALE_MM, max_nfev=100, x_scale=10.0
         )

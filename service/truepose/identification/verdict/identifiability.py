@@ -7,7 +7,6 @@ which parameters are seen only together.
 """
 
 import numpy as np
-from scipy.linalg import qr
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.results import NotIdentifiable
@@ -133,10 +132,18 @@ def _by_data(
 
 def _sparse_basis(space: FloatArray) -> FloatArray:
     """Directions in rows, shape (k, P), each alone in moving its pivot parameter."""
-    k = space.shape[1]
-    _, _, order = qr(space.T, pivoting=True, mode="economic")
-    pivots = order[:k]
-    return np.asarray((space @ np.linalg.inv(space[pivots])).T)
+    return np.asarray((space @ np.linalg.inv(space[_pivots(space)])).T)
+
+
+def _pivots(space: FloatArray) -> list[int]:
+    """Return one row for each column: every time the longest of what the rows before leave (pivoted QR)."""
+    left, pivots = space, list[int]()
+    for _ in range(space.shape[1]):
+        lengths = np.linalg.norm(left, axis=1)
+        pivots.append(int(lengths.argmax()))
+        direction = left[pivots[-1]] / lengths.max()
+        left = left - np.outer(left @ direction, direction)
+    return pivots
 
 
 def _members(direction: FloatArray, jacobian: FloatArray, structure: Structure) -> tuple[str, ...]:

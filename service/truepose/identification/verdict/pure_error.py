@@ -47,5 +47,5 @@ def pure_error(block: Block, residual_mm: FloatArray, n_parameters: int) -> Pure
         degrees_of_freedom=pure_dof,
         repeatability_mm=float(np.sqrt(within / pure_dof)),
         lack_of_fit_ratio=ratio,
-        p_value=float(f_exceeded(ratio, lack_dof, pure_dof)),
+        p_value=f_exceeded(ratio, lack_dof, pure_dof),
     )

@@ -1,11 +1,11 @@
 """Statistics of errors: norms over observations, and the mean norm that noise alone would give."""
 
 import numpy as np
-from scipy.special import elliprg
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Statistics
 from truepose.identification.observations.blocks import Block
+from truepose.identification.special_functions import carlson_rg
 
 
 def statistics(residual_mm: FloatArray, noise_mm: float) -> Statistics:
@@ -43,4 +43,4 @@ def mean_norm(covariance: FloatArray) -> float:
     if covariance.shape[-1] == 1:
         return float(np.sqrt(2.0 / np.pi) * np.sqrt(covariance[:, 0, 0]).mean())
     eigenvalues = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
-    return float(np.sqrt(8.0 / np.pi) * elliprg(*eigenvalues.T).mean())
+    return float(np.sqrt(8.0 / np.pi) * carlson_rg(eigenvalues).mean())

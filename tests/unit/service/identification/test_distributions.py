@@ -1,37 +1,32 @@
-"""Chances from special functions against those of a library of distributions, far into the tails."""
+"""Chances of single variates against those of a library of distributions, far into the tails."""
 
-import numpy as np
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from truepose.identification.distributions import (
-    chi2_exceeded,
-    chi2_limit,
-    chi2_log_density,
-    chi2_median,
-    f_exceeded,
-    normal_exceeded,
-    so_many_drawn,
-)
+from truepose.identification.distributions import chi2_exceeded, chi2_limit, chi2_median, f_exceeded
 
 DEGREES = st.floats(0.5, 3000.0)
 SQUARES = st.floats(0.0, 1e4)
+LIBRARY = 1e-11  # the library's own digits end there, far in the tails
 
 
 @given(SQUARES, DEGREES)
 def test_chi_square_is_that_of_the_library(squared, degrees):
-    assert chi2_exceeded(squared, degrees) == pytest.approx(stats.chi2.sf(squared, degrees), rel=1e-12)
-    assert chi2_log_density(squared, degrees) == pytest.approx(stats.chi2.logpdf(squared, degrees), rel=1e-9)
+    of_library = stats.chi2.sf(squared, degrees)
+
+    assert chi2_exceeded(squared, degrees) == pytest.approx(of_library, rel=LIBRARY, abs=1e-300)
 
 
 @given(st.floats(1e-12, 0.999), DEGREES)
 def test_a_limit_is_exceeded_with_its_chance(chance, degrees):
     limit = chi2_limit(chance, degrees)
 
-    assert limit == pytest.approx(stats.chi2.isf(chance, degrees), rel=1e-12)
-    assert chi2_exceeded(limit, degrees) == pytest.approx(chance, rel=1e-6)
+    assert limit == pytest.approx(stats.chi2.isf(chance, degrees), rel=LIBRARY)
+    assert chi2_exceeded(limit, degrees) == pytest.approx(chance, rel=1e-9)
 
 
 @given(DEGREES)
@@ -41,33 +36,18 @@ def test_half_of_all_lie_beyond_the_median(degrees):
 
 @given(st.floats(0.0, 1e4), DEGREES, DEGREES)
 def test_a_ratio_of_mean_squares_is_that_of_the_library(ratio, above, below):
-    assert f_exceeded(ratio, above, below) == pytest.approx(stats.f.sf(ratio, above, below), rel=1e-12)
+    of_library = stats.f.sf(ratio, above, below)
+
+    assert f_exceeded(ratio, above, below) == pytest.approx(of_library, rel=LIBRARY, abs=1e-300)
 
 
-@given(st.floats(-40.0, 40.0))
-def test_a_normal_deviate_is_that_of_the_library(deviate):
-    assert normal_exceeded(deviate) == pytest.approx(stats.norm.sf(deviate), rel=1e-12)
+def test_nothing_exceeds_what_has_no_limit():
+    assert chi2_exceeded(math.inf, 3.0) == f_exceeded(math.inf, 3.0, 5.0) == 0.0
 
 
-@given(st.data())
-def test_so_many_drawn_are_those_of_the_library(data):
-    total = data.draw(st.integers(1, 3000))
-    drawn, marked = (data.draw(st.integers(0, total)) for _ in range(2))
-    reached = data.draw(st.integers(0, min(drawn, marked)))
-
-    of_library = stats.hypergeom.sf(reached - 1, total, marked, drawn)
-
-    assert so_many_drawn(reached, drawn, marked, total) == pytest.approx(of_library, rel=1e-8, abs=1e-300)
+def test_everything_exceeds_nothing():
+    assert chi2_exceeded(0.0, 3.0) == f_exceeded(0.0, 3.0, 5.0) == 1.0
 
 
-def test_more_than_are_marked_are_never_drawn():
-    assert so_many_drawn(3, 5, 2, 10) == 0.0
-
-
-def test_arrays_go_together():
-    degrees = np.array([1, 3, 6])
-
-    np.testing.assert_allclose(chi2_median(degrees), stats.chi2.median(degrees), rtol=1e-12)
-    np.testing.assert_allclose(
-        f_exceeded([1.0, 2.0, 3.0], degrees, 9), stats.f.sf([1.0, 2.0, 3.0], degrees, 9)
-    )
+def test_what_is_no_number_has_no_chance():
+    assert math.isnan(chi2_exceeded(math.nan, 3.0))
