@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 TRUEPOSE_DATA ?=
 export TRUEPOSE_DATA
 
-.PHONY: setup demo test unit check accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
+.PHONY: setup demo test unit check bench accuracy diagnosis-report ballbar-report hardening-report interruptions live-latency nightly clean
 
 setup: $(VENV)/.installed
 
@@ -43,6 +43,10 @@ docs: $(VENV)/.docs
 $(VENV)/.docs: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@
+
+# Speed, peers beside it in environments of their own; on one core, like the figures of docs/speed.md.
+bench: setup
+	OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m tests.studies.bench --out out/bench
 
 accuracy: setup
 	$(BIN)/python -m tests.studies.accuracy --out out/accuracy

@@ -1,0 +1,103 @@
+"""What truepose does, in process and as a whole process."""
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from tests.studies.bench.timing import Timing, timed
+from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.robot import FramePlacement
+from truepose.exchange.campaigns.folder import write_campaign
+from truepose.exchange.robots.shipped import load_robot_with_tool
+from truepose.identification import identify
+from truepose.identification.fit.robust import fit
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.problem.build import automatic_effects, build
+from truepose.kinematics.chain import nominal_chain
+from truepose.planning.exchange import choose_by_exchange
+
+_NOISE_MM: Final = 0.015
+_LOOP: Final = "s = 0\nfor i in range(10**7):\n    s += i * i"
+CHOSEN: Final = 38
+STARTS: Final = 20
+
+
+def campaign(n: int) -> Campaign:
+    """Return an IRB 120 whose parameters are off by a fifth of their prior widths, measured with noise."""
+    shipped = load_robot_with_tool("abb-irb-120")
+    rng = np.random.default_rng(n)
+    ranges = shipped.robot.calibration_ranges or ()
+    joints = rng.uniform([r.lower_rad for r in ranges], [r.upper_rad for r in ranges], (n, len(ranges)))
+    targets = Targets(Stops(np.arange(n), joints), 1 + np.arange(n) % len(shipped.nests))
+    centres = np.array([nest.centre_mm for nest in shipped.nests])
+    places = nominal_chain(shipped.robot, joints).points(centres[targets.nest - 1])
+    nominal = _read(shipped, targets, places)
+    structure = build(nominal, automatic_effects(nominal)).structure
+    widths = np.minimum(structure.prior_widths, 1.0)
+    true = structure.prior_means + 0.2 * widths * rng.standard_normal(len(widths))
+    seen = evaluate(structure, true, targets).position_mm + _NOISE_MM * rng.standard_normal((n, 3))
+    return _read(shipped, targets, seen)
+
+
+def _read(shipped, targets: Targets, places_mm: np.ndarray) -> Campaign:
+    readings = PointReadings(targets.stops, targets.nest, places_mm, np.full(len(targets), _NOISE_MM))
+    return Campaign(shipped.robot, FramePlacement(), shipped.nests, calibration=readings)
+
+
+def identifications(n: int) -> Iterator[tuple[str, Timing]]:
+    """Time an identification of n readings as a whole, and the weighted solution with covariance in it."""
+    read = campaign(n)
+    problem = build(read, automatic_effects(read))
+    yield "identify, whole answer", timed(lambda: identify(read))
+    yield (
+        "bare solution with covariance",
+        timed(lambda: fit(problem.structure, problem.blocks, problem.structure.prior_means)),
+    )
+
+
+def forward_kinematics(n: int) -> Iterator[tuple[str, Timing]]:
+    """Time the frames of n configurations, of the nominal arm and of an identified one with its torques."""
+    read = campaign(n)
+    problem = build(read, automatic_effects(read))
+    structure, targets = problem.structure, problem.blocks[0].targets
+    values = fit(structure, problem.blocks, structure.prior_means).values
+    joints = targets.stops.joints_rad
+    yield "forward kinematics, nominal", timed(lambda: nominal_chain(read.robot, joints))
+    yield "forward kinematics, identified with torques", timed(lambda: evaluate(structure, values, targets))
+
+
+def choice(rows: np.ndarray) -> tuple[Timing, float]:
+    """Time the choice of candidates, and return its index over the best of many starts."""
+
+    def index(seed: int) -> float:
+        return choose_by_exchange(rows, CHOSEN, np.random.default_rng(seed)).o1
+
+    best = max(index(seed) for seed in range(1, STARTS + 1))
+    return timed(lambda: index(0)), index(0) / best
+
+
+def processes(*, with_demo: bool) -> Iterator[tuple[str, Timing]]:
+    """Time whole processes and what they are compared with."""
+    with tempfile.TemporaryDirectory() as folder:
+        write_campaign(campaign(100), Path(folder) / "campaign")
+        command = _process("-m", "truepose")
+        yield "truepose --help", timed(lambda: command("--help"), runs=5)
+        yield (
+            "truepose identify, 100 rows",
+            timed(lambda: command("identify", f"{folder}/campaign", "--json"), runs=5),
+        )
+        yield "plain loop of 10^7 squares", timed(lambda: _process("-c", _LOOP)(), runs=3)
+        if with_demo:
+            yield "truepose demo", timed(lambda: command("demo", "--out", f"{folder}/demo"), runs=1)
+
+
+def _process(*start: str):
+    def run(*arguments: str) -> None:
+        subprocess.run([sys.executable, *start, *arguments], check=True, capture_output=True)
+
+    return run
