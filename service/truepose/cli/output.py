@@ -5,11 +5,10 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich.console import Console, RenderableType
-from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 
 def print_json(document: Any) -> None:
@@ -17,8 +16,10 @@ def print_json(document: Any) -> None:
     _write(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def print_tables(tables: RenderableType) -> None:
+def print_tables(tables: "RenderableType") -> None:
     """Print tables on standard output, coloured on a terminal only."""
+    from rich.console import Console
+
     console = Console(file=sys.stdout, highlight=False)
     with console.capture() as printed:
         console.print(tables)
@@ -33,6 +34,10 @@ def print_lines(lines: Iterable[str]) -> None:
 @contextlib.contextmanager
 def shown_progress() -> Iterator[Callable[[float, str], None]]:
     """Yield what is to be told how far the work is (0 to 1, and what is done); a bar on a terminal only."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
     console = Console(stderr=True, highlight=False)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:

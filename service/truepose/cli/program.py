@@ -6,33 +6,29 @@ service failed, 130 interrupted.
 
 import functools
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
 from typing import Annotated
 
 import typer
 
-from truepose.cli.campaigns import identify_command, predict_command, validate_command
-from truepose.cli.cells import demo_command, nightly_command, serve_command, simulate_command
-from truepose.cli.diagnoses import diagnose_command
-from truepose.cli.inspection import inspect_command
-from truepose.cli.records import verify_command
 from truepose.domain.errors import TrueposeError
 from truepose.version import __version__
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
 
-_COMMANDS: dict[str, Callable[..., int]] = {
-    "demo": demo_command,
-    "serve": serve_command,
-    "simulate": simulate_command,
-    "identify": identify_command,
-    "diagnose": diagnose_command,
-    "predict": predict_command,
-    "validate": validate_command,
-    "nightly": nightly_command,
-    "inspect": inspect_command,
-    "verify": verify_command,
+_COMMANDS = {
+    "demo": "cells",
+    "serve": "cells",
+    "simulate": "cells",
+    "identify": "campaigns",
+    "diagnose": "diagnoses",
+    "predict": "campaigns",
+    "validate": "campaigns",
+    "nightly": "cells",
+    "inspect": "inspection",
+    "verify": "records",
 }
 
 
@@ -45,13 +41,24 @@ def main() -> int:
         pretty_exceptions_enable=False,
         callback=_asked_of_the_program,
     )
-    for name, command in _COMMANDS.items():
-        app.command(name)(_exiting(command))
+    for name in _asked_for(sys.argv[1:]):
+        app.command(name)(_exiting(_command(name)))
     try:
         app(prog_name="truepose")
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 0
     return 0
+
+
+def _asked_for(arguments: Sequence[str]) -> Iterable[str]:
+    """Return the command that will run, all where none is named: what is not asked for is not imported."""
+    return arguments[:1] if arguments and arguments[0] in _COMMANDS else _COMMANDS
+
+
+def _command(name: str) -> Callable[..., int]:
+    module = import_module(f"truepose.cli.{_COMMANDS[name]}")
+    command: Callable[..., int] = getattr(module, f"{name}_command")
+    return command
 
 
 def _say_version(asked: bool) -> None:

@@ -1,12 +1,20 @@
-"""Reports: self-contained HTML pages and short text tables from results."""
+"""Reports: self-contained HTML pages and short text tables from results.
 
-from truepose.reports.causes import VerdictWords, verdict_words
-from truepose.reports.conditions import Instrument, Period, ReportConditions
-from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
-from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
-from truepose.reports.pages import page_styles, verdict_shape
-from truepose.reports.table_report import Row, Section, Verdict, write_table_report
-from truepose.reports.truth import TrueParameter, Truth
+Names are loaded when they are first used: a text table needs no figures, whose library takes longer to import
+than an identification takes.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from truepose.reports.causes import VerdictWords, verdict_words
+    from truepose.reports.conditions import Instrument, Period, ReportConditions
+    from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
+    from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report
+    from truepose.reports.pages import page_styles, verdict_shape
+    from truepose.reports.table_report import Row, Section, Verdict, write_table_report
+    from truepose.reports.truth import TrueParameter, Truth
 
 __all__ = [
     "DiagnosisInput",
@@ -29,3 +37,32 @@ __all__ = [
     "write_identification_report",
     "write_table_report",
 ]
+
+_HOMES = {
+    "DiagnosisInput": "diagnosis_report",
+    "DiagnosisLink": "identification_report",
+    "Instrument": "conditions",
+    "Period": "conditions",
+    "ReportConditions": "conditions",
+    "ReportInput": "identification_report",
+    "Row": "table_report",
+    "Section": "table_report",
+    "TrueParameter": "truth",
+    "Truth": "truth",
+    "Verdict": "table_report",
+    "VerdictWords": "causes",
+    "diagnosis_content": "diagnosis_report",
+    "page_styles": "pages",
+    "verdict_shape": "pages",
+    "verdict_words": "causes",
+    "write_diagnosis_report": "diagnosis_report",
+    "write_identification_report": "identification_report",
+    "write_table_report": "table_report",
+}
+
+if not TYPE_CHECKING:  # to a type checker every misspelt name would be one of ours
+
+    def __getattr__(name: str) -> object:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'truepose.reports' has no attribute {name!r}")
+        return getattr(import_module(f"truepose.reports.{_HOMES[name]}"), name)

@@ -7,19 +7,20 @@ from pathlib import Path
 import numpy as np
 
 from truepose.domain.campaign import Campaign, Stops
-from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.domain.results import Identification
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.conditions import ReportConditions, condition_rows
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import joint_residuals
 from truepose.reports.figures.work_space import work_space
+from truepose.reports.figures_rows import figures_rows
 from truepose.reports.headline import headline
 from truepose.reports.pages import write_page
 from truepose.reports.parameters.rows import parameter_rows
 from truepose.reports.truth import Truth, truth_row
 from truepose.reports.uncertainty.budget import Budget, budget
-from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm, without_far_out
+from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm
 from truepose.reports.uncertainty.shifts import DRAWS
 
 
@@ -40,15 +41,6 @@ class ReportInput:
     conditions: ReportConditions = field(default_factory=ReportConditions)
     truth: Truth | None = None
     diagnosis: DiagnosisLink | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class FiguresRow:
-    """One block of the table of figures."""
-
-    label: str
-    remark: str
-    pair: NominalAndIdentified
 
 
 def write_identification_report(path: Path, report: ReportInput) -> None:
@@ -116,44 +108,6 @@ def _budget(
     shown: Judged | None, identification: Identification, campaign: Campaign, conditions: ReportConditions
 ) -> Budget | None:
     return None if shown is None else budget(shown, identification, campaign, conditions)
-
-
-def _positions_rows(identification: Identification) -> Iterator[FiguresRow]:
-    """Yield how a model of lengths does on held-out positions."""
-    positions = identification.positions
-    if positions is None:
-        return
-    if positions.tied is not None:
-        remark = "held out positions, the frame tied by the measured base cups"
-        yield FiguresRow("Positions", remark, positions.tied)
-    remark = "held out positions, after the best rigid alignment"
-    yield FiguresRow("Positions, aligned", remark, positions.aligned)
-
-
-def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
-    """Yield the statistics that a reader compares, with and without what lies far out."""
-    if identification.validation is not None:
-        yield FiguresRow(
-            "Validation", "held out: the model never saw these readings", identification.validation
-        )
-        further = None if shown is None else without_far_out(shown)
-        if further is not None:
-            pair, dropped = further
-            remark = (
-                f"the same without {dropped} beyond {FAR_OUT:g} times the median error, for comparison only"
-            )
-            yield FiguresRow("Validation, without far readings", remark, pair)
-    elif identification.cross_validation is not None:
-        remark = "by configuration: each predicted by a model that never saw it"
-        yield FiguresRow("Cross-validation", remark, identification.cross_validation)
-    yield from _positions_rows(identification)
-    if identification.calibration is not None:
-        yield FiguresRow(
-            "Calibration", "all readings that the model was made from", identification.calibration
-        )
-    if identification.calibration_without_outliers is not None:
-        remark = f"without the {identification.counts.outliers} given no weight"
-        yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
 
 
 def _evidence(shown: Judged | None, identification: Identification) -> dict[str, object]:

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from truepose.domain.results import Identification, NominalAndIdentified, Validation
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.reports.identification_report import figures_rows
+from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
