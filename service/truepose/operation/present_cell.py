@@ -14,7 +14,7 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.robot import JointRange
 from truepose.operation.errors import CellChangedError
 from truepose.sequencing.engine.identities import same_number
-from truepose.sequencing.engine.limits import common_ranges, slowest
+from truepose.sequencing.engine.motion.limits import common_ranges, slowest
 from truepose.sequencing.engine.prompts import require_announced
 from truepose.sequencing.errors import PlanRefusedError
 from truepose_drivers.api import MotionLimits

@@ -26,7 +26,7 @@ from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
 from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
 from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
 from truepose.sequencing.engine.ledger import Ledger
-from truepose.sequencing.engine.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import after_restart, has_ended, words
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.sequencing.tracker.cell import SessionCell

@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.studies.wires.hostile_link import HostileLink
 from truepose.domain.robot import JointRange
-from truepose.sequencing.engine.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.abb_open_abb.protocol import (
     Code,

@@ -35,7 +35,7 @@ from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose.sequencing.ballbar.situation import Situation, situation
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.engine.halts import ENDED_AT_REST
-from truepose.sequencing.engine.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import has_ended, words
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.errors import NotFoundError

@@ -7,7 +7,7 @@ import numpy as np
 
 from truepose.domain.ballbar import ArrivalTaken, BallbarPlan
 from truepose.sequencing.ballbar.cell import BallbarCell
-from truepose.sequencing.engine.limits import binding_speed
+from truepose.sequencing.engine.motion.limits import binding_speed
 from truepose_drivers.api import DeviceIdentity, JointReading
 
 _RECENT_S: Final = 2.0  # an older statement says nothing of now

@@ -18,13 +18,13 @@ from truepose.sequencing.ballbar.plan.agenda import steps
 from truepose.sequencing.ballbar.plan.dry_run import check_motion
 from truepose.sequencing.ballbar.plan.way import rest_of_way
 from truepose.sequencing.ballbar.situation import Situation
-from truepose.sequencing.engine.arm import Arm, Permission
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.identities import sentence
 from truepose.sequencing.engine.identity_check import IdentityCheck
-from truepose.sequencing.engine.limits import binding_speed
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.motion_segments import Joints, MotionSegments
+from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.limits import binding_speed
+from truepose.sequencing.engine.motion.segments import Joints, MotionSegments
 from truepose.sequencing.errors import ForeignRobotError, MotionForbiddenError
 
 _CONFIRMATION_AGE_S: Final = 5.0  # whoever looked at the cell longer ago looks again

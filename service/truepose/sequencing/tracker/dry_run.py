@@ -11,8 +11,8 @@ from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, R
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
 from truepose.planning.work_volume.work_space import widened
-from truepose.sequencing.engine.interlocks import joint_outside
-from truepose.sequencing.engine.nominal_arm import nest_centre, nominal_chain
+from truepose.sequencing.engine.motion.interlocks import joint_outside
+from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.tracker.plans import visit
 from truepose.sequencing.tracker.situation import steps

@@ -7,9 +7,9 @@ import numpy as np
 from truepose.domain.identities import IdentityOf
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionPlan
-from truepose.sequencing.engine.arm import Arm
-from truepose.sequencing.engine.limits import binding_speed, speed_sentence
 from truepose.sequencing.engine.logbook import Logbook
+from truepose.sequencing.engine.motion.arm import Arm
+from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck

@@ -17,12 +17,12 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
-from truepose.sequencing.engine.arm import Arm, Permission
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.ledger import Ledger
-from truepose.sequencing.engine.limits import binding_speed
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.motion_segments import MotionSegments
+from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.limits import binding_speed
+from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.engine.prompts import CELL_CLEAR, require_person
 from truepose.sequencing.engine.runner import SessionRunner

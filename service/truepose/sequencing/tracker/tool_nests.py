@@ -8,7 +8,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, PointTaken, SessionPlan, stop_id
 from truepose.sequencing.engine.logbook import Logbook
-from truepose.sequencing.engine.nominal_arm import nest_in_world
+from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.errors import ReadingRejectedError
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.situation import TrackerSituation

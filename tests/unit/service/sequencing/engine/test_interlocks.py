@@ -7,7 +7,7 @@ import pytest
 
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.engine.interlocks import MotionConditions, what_forbids_motion
+from truepose.sequencing.engine.motion.interlocks import MotionConditions, what_forbids_motion
 from truepose_drivers.api import JointReading
 
 AT = (0.1, -0.2)

@@ -11,9 +11,9 @@ from tests.unit.service.sequencing.tracker.operators import PatientOperator, unt
 from truepose.domain.robot import FramePlacement, JointRange
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan.way import rest_of_way
-from truepose.sequencing.engine.arm import Arm, Permission
-from truepose.sequencing.engine.motion_segments import MotionSegments
-from truepose.sequencing.engine.nominal_arm import nominal_chain
+from truepose.sequencing.engine.motion.arm import Arm, Permission
+from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
+from truepose.sequencing.engine.motion.segments import MotionSegments
 from truepose.sequencing.engine.notices import motion_notice
 from truepose.sequencing.errors import MotionForbiddenError
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -9,7 +9,7 @@ from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.engine.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose_drivers.api import JointReading
 from truepose_drivers.errors import ImplausibleReadingError
 

@@ -23,7 +23,7 @@ from truepose.domain.session import (
     config_of,
 )
 from truepose.kinematics.frames import rotation_xyz
-from truepose.sequencing.engine.nominal_arm import nest_in_world
+from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose_drivers.api import (
     DeviceIdentity,

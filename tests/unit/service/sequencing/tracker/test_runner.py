@@ -11,7 +11,7 @@ from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeCell,
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
-from truepose.sequencing.engine.nominal_arm import nest_in_world
+from truepose.sequencing.engine.motion.nominal_arm import nest_in_world
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.errors import NotNowError, PersonMissingError
 from truepose.sequencing.tracker.runner import TrackerRunner

@@ -9,8 +9,12 @@ from typing import Final, TypeAlias
 
 from truepose.domain.robot import JointRange
 from truepose.domain.session import SessionState
-from truepose.sequencing.engine.interlocks import MAX_STATE_AGE_S, MotionConditions, what_forbids_motion
-from truepose.sequencing.engine.motion_segments import Joints, MotionSegments, WallPace
+from truepose.sequencing.engine.motion.interlocks import (
+    MAX_STATE_AGE_S,
+    MotionConditions,
+    what_forbids_motion,
+)
+from truepose.sequencing.engine.motion.segments import Joints, MotionSegments, WallPace
 from truepose.sequencing.errors import MotionForbiddenError
 from truepose_drivers.api import Clock, JointReading, RobotController, motion_guard
 from truepose_drivers.errors import TargetRefusedError

@@ -14,7 +14,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, Robot
 from truepose.kinematics.frames import vector_from_rotation
-from truepose.sequencing.engine.nominal_arm import nominal_chain
+from truepose.sequencing.engine.motion.nominal_arm import nominal_chain
 from truepose_drivers.api import MotionLimits
 
 _LOOKS: Final = 24  # along a way; between two of them the speeds hardly change
