@@ -1,5 +1,6 @@
 """Fixtures that several folders use."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -11,6 +12,11 @@ from tests.helpers.machine import MEASURED_DATA, what_was_untested
 # How long an example takes says how busy the machine is, not whether the code is right.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("any machine")
+
+
+def pytest_collection_finish():
+    """Leave what collection made, which stays to the end, out of every later search for garbage."""
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
