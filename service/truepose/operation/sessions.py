@@ -205,6 +205,11 @@ class SessionDesk:
         runner = self._running(session_id)
         return None if runner is None else runner.question
 
+    def state(self, session_id: int) -> SessionState | None:
+        """Return the state that its question belongs to; None of a session that is not under way."""
+        runner = self._running(session_id)
+        return None if runner is None else runner.state
+
     def trouble(self, session_id: int) -> str | None:
         """Return why the session waits for the disk; None where it does not."""
         runner = self._running(session_id)

@@ -1,6 +1,7 @@
 """Sessions: plan, start, confirm, pause, resume, abort, watch."""
 
 import asyncio
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import APIRouter, Body, Response, status
@@ -201,6 +202,8 @@ async def _shown(here: Context, number: int) -> SessionReply:
 
 def _reply(here: Context, record: SessionRecord) -> SessionReply:
     desk = here.session_desk
+    # A line is on disk a moment before the runner goes by it: state and question are the runner's, both.
+    record = replace(record, state=desk.state(record.id) or record.state)
     return session_reply(record, desk.question(record.id), desk.trouble(record.id), here.rack.motion_notice)
 
 
