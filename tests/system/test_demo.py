@@ -104,9 +104,10 @@ def test_the_campaign_left_behind_gives_the_same_identification(demo):
 
     again = identification_document(identify(campaign), campaign.robot.name)
 
-    values = [[p["value"] for p in d["parameters"]] for d in (again, demo.result["identification"])]
-    # Written, read and written again: the same digits, hence the same numbers up to the order of sums.
-    np.testing.assert_allclose(*values, rtol=1e-9)
+    # A folder carries 1e-5 mm of readings that scatter by 0.02 mm: a two-thousandth of their noise.
+    measured = demo.result["identification"]["parameters"]
+    for one, other in zip(again["parameters"], measured, strict=True):
+        assert abs(one["value"] - other["value"]) < 1e-3 * other["standard_uncertainty"], other["name"]
 
 
 def test_the_report_states_who_measured_what_under_which_load(demo):

@@ -94,7 +94,7 @@ def _joint_axis(
     """Variable of the readings, and of a line with its weights."""
     torque, direction = rows_of(state_of(selected)).torque_n_mm, scene.stops.direction
     effect, cell = candidate.effect, cell_of(candidate)
-    over, _, of = cell.over.partition(" of joint ")
+    over, _, of = cell.over.partition(" of ")
     if over == "torque":
         if torque is None:
             return None
@@ -112,7 +112,7 @@ def _joint_axis(
         line_x = axis.levels()
         return axis, line_x, _weights(effect, names, _there(selected, joint, direction=line_x))
     # A joint that another one moves: its own number is not that of the angle.
-    source = joint if cell.where == cell.over.removeprefix("angle of ") else int(of) - 1
+    source = joint if of == cell.where else int(of.removeprefix("joint ")) - 1
     orders = {order_of_wave(name) for name in names} if cell.shape in _PERIODIC else set()
     axis = angle_axis(scene.turn_rad[:, source], source, _common_order(orders))
     line_x = axis.drawn(max(DRAWN, round(_PER_WAVE * _most_waves(orders))))

@@ -43,7 +43,7 @@ export class Hands {
   #buttons = [];
   #on;
 
-  // `on`: { present(): session or null, other(chosen), failed(sentence or "") }
+  // `on`: { present(): session or null, pairs(): [base, tool] each, other(chosen), failed(sentence or "") }
   constructor(place, on) {
     this.#place = place;
     this.#on = on;
@@ -63,6 +63,7 @@ export class Hands {
     BUTTONS.forEach(([, key], i) => (this.#buttons[i].textContent = texts.say(key)));
     const step = this.#on.present()?.step;
     this.#buttons[0].disabled = !step || !asked(step);
+    this.#buttons[1].disabled = !this.#on.pairs().length; // the picture says which there are
   }
 
   #tap(name) {

@@ -92,6 +92,7 @@ class SessionPage {
     this.actions = new Actions(at.actions, { tapped: (act, more) => this.act(act, more), settled: () => this.draw() });
     this.hands = new Hands(at.hands, {
       present: () => this.model.session,
+      pairs: () => this.#pairs(),
       other: (chosen) => this.dialogues.pairs(this.#pairs(), chosen),
       failed: (sentence) => this.say(sentence || this.texts.say("hands.unreached")),
     });
