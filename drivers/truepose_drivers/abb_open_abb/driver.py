@@ -261,11 +261,13 @@ class OpenAbbRobot:
         deadline_s = time.monotonic() + timeout_s
         data = b""
         while (extent := reply_extent(data, code, words)) != "whole":
+            if extent == "maybe whole" and words:
+                return data + await self._rest(deadline_s)
             left_s = deadline_s - time.monotonic()
             patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
             more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
             if more is None and extent == "maybe whole":
-                return data if words == 0 else data + await self._rest(deadline_s)
+                return data
             if more is None and beats and left_s > BEAT_S:
                 await self._link.send(BEAT)
                 continue
