@@ -209,6 +209,8 @@ async def test_sessions_named_in_json_make_a_campaign(client, until):
     [
         ('{"session_ids": []}', "session_ids"),
         ('{"session_ids": [1], "rest": 2}', "rest"),
+        ("null", "body"),
+        ("[]", "body"),
         ('{"session_ids": [1', "not JSON"),
         (b"\xff", "not JSON"),
         ("[" * 100_000, "not JSON"),

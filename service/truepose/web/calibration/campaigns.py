@@ -155,7 +155,8 @@ async def _of_sessions(here: Context, request: Request, key: str | None) -> int:
     try:
         wanted = SessionsRequest.model_validate(json.loads(body))
     except ValidationError as error:
-        raise RequestValidationError(error.errors()) from error
+        faults = [fault | {"loc": ("body", *fault["loc"])} for fault in error.errors()]
+        raise RequestValidationError(faults) from error
     except (ValueError, RecursionError) as error:  # of text that is no JSON, no text, or without a bottom
         raise RequestValidationError([_no_json(error)]) from error
     by_key = None if key is None else request_key(request, key, body)
