@@ -76,7 +76,7 @@ class TimeOuts:
     retry_s: float = 0.25
     reply_s: float = 10.0
     motion_s: float = 20.0  # in addition to the longest motion at the speed set
-    rest_of_reply_s: float = 0.02  # nothing ends a reply: how long its last segment may lag behind
+    rest_of_reply_s: float = 0.02  # how long the end of a reply without text may lag behind its status
 
 
 class OpenAbbRobot:
