@@ -3,9 +3,9 @@
 `import truepose as tp` is the face for notebooks and programs. Names are loaded when they are first used.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from truepose.lazy_names import loader
 from truepose.version import __version__
 
 if TYPE_CHECKING:
@@ -59,11 +59,7 @@ _HOMES = {
 }
 
 if not TYPE_CHECKING:  # to a type checker every misspelt name would be one of ours
-
-    def __getattr__(name: str) -> object:
-        if name not in _HOMES:
-            raise AttributeError(f"module 'truepose' has no attribute {name!r}")
-        return getattr(import_module(f"truepose.{_HOMES[name]}"), name)
+    __getattr__ = loader(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

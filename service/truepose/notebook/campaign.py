@@ -16,6 +16,7 @@ from truepose.exchange.campaigns.path import read_campaign_at
 from truepose.exchange.tables.table import Arrays
 from truepose.notebook import html
 from truepose.notebook.frames import frame_of_text
+from truepose.notebook.given import read_if_path
 from truepose.notebook.robots import RobotGiven, known_robot, robot_keys, with_limits_of
 from truepose.notebook.tables import Table, columns_of
 
@@ -216,6 +217,12 @@ def read_campaign(
         **{key: _plain(value) for key, value in (keys or {}).items()},
     }
     return Campaign(with_limits_of(campaign_from_arrays(described, roles), found))
+
+
+def campaign_given(given: Campaign | str | Path) -> Campaign:
+    """Return a campaign, read first where a path is given; raises ConfigurationError, InputFileError."""
+    advice = "give a folder, or make one first with tp.read_campaign(readings, robot=...)"
+    return read_if_path(given, Campaign, read_campaign, advice)
 
 
 def _arrays(source: Table, validation: Table | None, tables: Mapping[Role, Table]) -> dict[str, Arrays]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from truepose.domain.results import NominalAndIdentified
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.notebook import html
-from truepose.notebook.campaign import Campaign
+from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change_of, counted, finding_texts, rows_of
@@ -133,12 +134,14 @@ class Diagnosis:
         pair = None if before is None or after is None else NominalAndIdentified(before, after)
         errors = [] if pair is None else rows_of("held out", "before", "after", pair)
         head = ("", "finding", "confidence", "amplitude", "RMS before, mm", "after")
+        rest = self.answer.remaining.sentence
+        left = () if rest in self.message else (rest,)
         findings = [finding_texts(number, f) for number, f in enumerate(self.answer.all_findings, start=1)]
         return html.page(
             html.paragraphs((self.message,)),
             html.table("Findings", head, findings, numbers_from=3) if findings else html.paragraphs(()),
             html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
-            html.paragraphs((self.answer.remaining.sentence,)),
+            html.paragraphs(left),
         )
 
 
@@ -152,13 +155,14 @@ def _row(finding: domain.Finding) -> dict[str, object]:
 
 
 def diagnose(
-    campaign: Campaign, effects: Sequence[str] | None = None, progress: Progress | None = None
+    campaign: Campaign | str | Path, effects: Sequence[str] | None = None, progress: Progress | None = None
 ) -> Diagnosis:
     """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
 
     Parameters
     ----------
-    campaign : Campaign
+    campaign : Campaign or path
+        A path is read first, as by `read_campaign`.
     effects : sequence of str, optional
         The model to start from; none of these is a finding. By default base, tool as far as unknown,
         geometry, and compliance where masses or torques are known.
@@ -174,15 +178,17 @@ def diagnose(
     UnknownEffectError
         There is no effect of that name; the sentence lists those that there are.
     ConfigurationError
-        An effect is named twice, or does not go with the campaign.
+        An effect is named twice or does not go with the campaign, or what is given is no campaign.
+    InputFileError
+        The folder or zip cannot be read, with file, line and column.
 
     Examples
     --------
     >>> import truepose as tp
     >>> campaign = tp.read_campaign("docs/examples/campaign")
-    >>> tp.diagnose(campaign)
+    >>> tp.diagnose(campaign)  # or at once tp.diagnose("docs/examples/campaign")
     Diagnosis of ABB IRB 120, simulated: consistent, no finding; held-out RMS 0.0... -> 0.0... mm
     """
     names = (effects,) if isinstance(effects, str) else effects
     chosen = None if names is None else tuple(names)
-    return Diagnosis(diagnose_campaign(campaign.data, chosen, progress))
+    return Diagnosis(diagnose_campaign(campaign_given(campaign).data, chosen, progress))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from truepose.domain import campaign as measured
@@ -10,7 +11,7 @@ from truepose.exchange.json_text import Json
 from truepose.exchange.results.documents import identification_document
 from truepose.identification import identify as identify_campaign
 from truepose.notebook import html
-from truepose.notebook.campaign import Campaign
+from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change, counted, parameter_table, rows_of
@@ -97,15 +98,22 @@ class Identification:
         }
         yield from ((name, pair) for name, pair in named.items() if pair is not None)
 
+    def _configurations(self) -> str:
+        return counted(self.answer.counts.configurations, "configuration")
+
+    @property
+    def _title(self) -> str:
+        return f"Identification of {self.campaign.robot.name}"
+
     def __repr__(self) -> str:
         counts = self.answer.counts
         judged = next((f"{name} {change(pair)}; " for name, pair in self._blocks()), "")
         sizes = (
-            counted(counts.configurations, "configuration"),
+            self._configurations(),
             counted(counts.parameters, "parameter"),
             counted(counts.outliers, "outlier"),
         )
-        return f"Identification of {self.campaign.robot.name}: {self.status}; {judged}{', '.join(sizes)}"
+        return f"{self._title}: {self.status}; {judged}{', '.join(sizes)}"
 
     def _repr_html_(self) -> str:
         errors = [
@@ -116,7 +124,7 @@ class Identification:
             for group in self.answer.not_identifiable
         ]
         return html.page(
-            html.paragraphs((repr(self), self.message)),
+            html.paragraphs((f"{self._title}: {self._configurations()}", self.message)),
             html.table(f"{self.answer.quantity.capitalize()} errors, mm", STATISTICS, errors, numbers_from=2),
             parameter_table(self.answer.parameters),
             html.paragraphs(left_open),
@@ -124,13 +132,14 @@ class Identification:
 
 
 def identify(
-    campaign: Campaign, effects: Sequence[str] | None = None, progress: Progress | None = None
+    campaign: Campaign | str | Path, effects: Sequence[str] | None = None, progress: Progress | None = None
 ) -> Identification:
     """Identify the robot of a campaign: by how much it differs from its nominal model.
 
     Parameters
     ----------
-    campaign : Campaign
+    campaign : Campaign or path
+        A path is read first, as by `read_campaign`.
     effects : sequence of str, optional
         What may differ, by name: `["base", "tool", "geometry"]`. By default base, tool as far as unknown,
         geometry, and compliance where masses or torques are known.
@@ -147,19 +156,26 @@ def identify(
     UnknownEffectError
         There is no effect of that name; the sentence lists those that there are.
     ConfigurationError
-        An effect is named twice, or does not go with the campaign.
+        An effect is named twice or does not go with the campaign, or what is given is no campaign.
+    InputFileError
+        The folder or zip cannot be read, with file, line and column.
 
     Examples
     --------
     >>> import truepose as tp
     >>> campaign = tp.read_campaign("docs/examples/campaign")
-    >>> tp.identify(campaign)
+    >>> tp.identify(campaign)  # or at once tp.identify("docs/examples/campaign")
     Identification of ABB IRB 120, simulated: converged; validation RMS 0.7... -> 0.0... mm; 30 ...
     >>> tp.identify(campaign, ["base", "geometrie"])
     Traceback (most recent call last):
     ...
     truepose.domain.errors.UnknownEffectError: There is no effect 'geometrie'; known are base, ...
+    >>> tp.identify([[0.0, 10.0]])
+    Traceback (most recent call last):
+    ...
+    truepose.domain.errors.ConfigurationError: A list is no campaign: give a folder, ... tp.read_campaign...
     """
+    measured_data = campaign_given(campaign).data
     names = (effects,) if isinstance(effects, str) else effects
     chosen = None if names is None else tuple(names)
-    return Identification(identify_campaign(campaign.data, chosen, progress), campaign.data)
+    return Identification(identify_campaign(measured_data, chosen, progress), measured_data)

@@ -11,6 +11,7 @@ from truepose.exchange.models.file import read_model as read_model_file
 from truepose.exchange.models.file import write_model
 from truepose.notebook import html
 from truepose.notebook.frames import frame
+from truepose.notebook.given import path_of, read_if_path
 from truepose.notebook.wording import counted, parameter_table
 
 if TYPE_CHECKING:
@@ -77,14 +78,6 @@ def read_model(file: str | Path) -> Model:
     -------
     Model
 
-    Parameters
-    ----------
-    file : path
-
-    Returns
-    -------
-    Model
-
     Raises
     ------
     InputFileError
@@ -105,4 +98,10 @@ def read_model(file: str | Path) -> Model:
     ...
     truepose.exchange.errors.MissingFileError: no-such-robot.json: there is no such file.
     """
-    return Model(read_model_file(Path(file)))
+    return Model(read_model_file(path_of(file, "model file", "give its path")))
+
+
+def model_given(given: Model | str | Path) -> Model:
+    """Return a model, read first where a path is given; raises ConfigurationError, InputFileError."""
+    advice = "give a model file, or the .model of tp.identify(...), None where nothing could be fitted"
+    return read_if_path(given, Model, read_model, advice)

@@ -14,6 +14,7 @@ from truepose.exchange.cells.file import read_cell
 from truepose.exchange.tables.stops import NO_REPEAT, joint_names
 from truepose.notebook import html
 from truepose.notebook.frames import frame
+from truepose.notebook.given import path_of
 from truepose.notebook.wording import counted
 from truepose.planning.tracker.session_plans import plan_session
 from truepose.planning.work_volume.cell_space import space_to_measure
@@ -112,7 +113,7 @@ def plan(
     InputFileError
         The cell file cannot be used.
     ConfigurationError
-        Neither cell nor robot says in which ranges joints may be, or `n` is below 1.
+        Neither cell nor robot says in which ranges joints may be, `n` is below 1, or `cell` is no path.
     WorkSpaceError
         The cell does not offer that many configurations, or no ways between them.
 
@@ -124,7 +125,7 @@ def plan(
     """
     if n < 1:
         raise ConfigurationError(f"n is {n}: ask for one configuration at least.")
-    described = read_cell(Path(cell))
+    described = read_cell(path_of(cell, "cell file", "give the path of one (TOML), as truepose serve --cell"))
     offset_rad = None if approach_deg is None else math.radians(approach_deg)
     template = SessionPlan(role, (), approach_offset_rad=offset_rad)
     stops = plan_session(space_to_measure(described, offset_rad), template, n, seed).stops

@@ -12,7 +12,7 @@ from truepose.identification import predict as predict_positions
 from truepose.judgement.cautions import prediction_cautions
 from truepose.notebook import html
 from truepose.notebook.frames import frame
-from truepose.notebook.model import Model
+from truepose.notebook.model import Model, model_given
 from truepose.notebook.tables import TableOrFile, named_data
 from truepose.notebook.wording import counted
 from truepose.reports.rounding import millimetres
@@ -92,12 +92,13 @@ class Predictions:
         )
 
 
-def predict(model: Model, points: TableOrFile) -> Predictions:
+def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     """Predict where the nests are.
 
     Parameters
     ----------
-    model : Model
+    model : Model or path
+        The path of a model file, which is read first.
     points : table or path
         n rows of `config`, the joints and what else is known of each stop, as in `read_campaign`; a file is
         CSV. Without a `nest` every nest of the model is predicted at every row.
@@ -111,7 +112,7 @@ def predict(model: Model, points: TableOrFile) -> Predictions:
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
     ConfigurationError
-        The model needs measured joint torques that the rows do not give.
+        The model needs measured joint torques that the rows do not give, or what is given is no model.
 
     Examples
     --------
@@ -120,7 +121,7 @@ def predict(model: Model, points: TableOrFile) -> Predictions:
     >>> tp.predict(model, {"config": [1], "joints_deg": [[0.0, 10.0, 20.0, 0.0, 45.0, 0.0]]})
     3 predictions of nest positions; standard uncertainty 0.0... mm (median)
     """
-    data = model.data
+    data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
     table = points_to_predict(*named_data(points, "points"), data.robot.n_joints, nests)
     stops, nest = table.of_each_nest(nests)

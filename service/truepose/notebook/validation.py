@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from truepose.domain import results as domain
@@ -16,7 +17,7 @@ from truepose.judgement.cautions import validation_cautions
 from truepose.judgement.validation import validate as validate_model
 from truepose.notebook import html
 from truepose.notebook.frames import frame
-from truepose.notebook.model import Model
+from truepose.notebook.model import Model, model_given
 from truepose.notebook.tables import TableOrFile, named_data
 from truepose.notebook.wording import STATISTICS, change, counted, rows_of
 
@@ -88,28 +89,32 @@ class Validation:
         if self.answer.distance is not None:
             yield "distance", self.answer.distance
 
-    def __repr__(self) -> str:
+    def _outcome(self) -> str:
         said = "passed" if self.passed else "not passed"
         limit = "" if self.answer.limit_mm is None else f" (limit {self.answer.limit_mm:g} mm)"
-        figures = "; ".join(f"{name} {change(pair)}" for name, pair in self._blocks())
         judged = f"{self.model.robot.name} on {counted(len(self.readings), 'reading')}"
-        return f"Validation of {judged}: {said}{limit}; {figures}"
+        return f"Validation of {judged}: {said}{limit}"
+
+    def __repr__(self) -> str:
+        figures = "; ".join(f"{name} {change(pair)}" for name, pair in self._blocks())
+        return f"{self._outcome()}; {figures}"
 
     def _repr_html_(self) -> str:
         rows = [row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)]
         return html.page(
-            html.paragraphs((repr(self),)),
+            html.paragraphs((self._outcome(),)),
             html.table("Errors, mm", STATISTICS, rows, numbers_from=2),
             html.paragraphs(self.remarks),
         )
 
 
-def validate(model: Model, points: TableOrFile, limit_mm: float | None = None) -> Validation:
+def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | None = None) -> Validation:
     """Judge a model on readings that it was not made from.
 
     Parameters
     ----------
-    model : Model
+    model : Model or path
+        The path of a model file, which is read first.
     points : table or path
         n readings with the columns of `read_campaign`; a file is CSV.
     limit_mm : float, optional
@@ -125,7 +130,7 @@ def validate(model: Model, points: TableOrFile, limit_mm: float | None = None) -
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
     ConfigurationError
-        The readings do not fit the model, or the limit is no length.
+        The readings do not fit the model, the limit is no length, or what is given is no model.
 
     Examples
     --------
@@ -140,7 +145,7 @@ def validate(model: Model, points: TableOrFile, limit_mm: float | None = None) -
     """
     if limit_mm is not None and not 0.0 < limit_mm < math.inf:
         raise ConfigurationError(f"limit_mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
-    data = model.data
+    data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
     table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
     answer = validate_model(data, table.readings, limit_mm=limit_mm)

@@ -4,8 +4,9 @@ Names are loaded when they are first used: a text table needs no figures, whose 
 than an identification takes.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from truepose.lazy_names import loader
 
 if TYPE_CHECKING:
     from truepose.reports.causes import VerdictWords, verdict_words
@@ -61,8 +62,4 @@ _HOMES = {
 }
 
 if not TYPE_CHECKING:  # to a type checker every misspelt name would be one of ours
-
-    def __getattr__(name: str) -> object:
-        if name not in _HOMES:
-            raise AttributeError(f"module 'truepose.reports' has no attribute {name!r}")
-        return getattr(import_module(f"truepose.reports.{_HOMES[name]}"), name)
+    __getattr__ = loader(__name__, _HOMES)
