@@ -70,6 +70,8 @@ _NO_REFLECTOR = frozenset({
     ResultStatus.MEASUREMENT_STATUS_NOT_READY,
 })
 
+_COMMANDS: Mapping[int, str] = {int(member): member.name for member in Command}  # one sentence a request
+
 _CONCERNS_CONNECTION = frozenset({
     ResultStatus.MULTI_CONNECTIONS_NOT_ALLOWED,
     ResultStatus.NO_TRACKER_CONNECTED,
@@ -114,8 +116,7 @@ def _other(name: str, status: int, purpose: Purpose) -> DriverError:
 
 def command_name(command: int) -> str:
     """Return the header's name of a command, for error texts."""
-    known = {int(member): member.name for member in Command}
-    return known.get(command, f"command {command}")
+    return _COMMANDS.get(command, f"command {command}")
 
 
 def _status_name(status: int) -> str:

@@ -1,14 +1,89 @@
-"""A TCP connection as a link."""
+"""A TCP connection as a link.
+
+A driver asks after every answer, and before every question, whether more has arrived. That must cost next to
+nothing: what arrives is kept by the connection itself, so that looking takes two turns of the event loop and
+neither a timer nor a cancelled wait.
+"""
 
 import asyncio
 import contextlib
+from typing import cast
 
 from truepose_drivers import options as option
 from truepose_drivers.api import Options
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError
 
-_RECEIVE_BYTES = 65_536
+_MOST_UNREAD_BYTES = 65_536  # more is left to the system until that was taken
 _CLOSE_TIMEOUT_S = 1.0  # a peer that does not say goodbye must not hold up a shutdown
+
+
+class _Connection(asyncio.Protocol):
+    """What has arrived and was not taken yet, and how the connection stands."""
+
+    def __init__(self) -> None:
+        self._arrived = bytearray()
+        self._news = asyncio.Event()  # bytes, or the end
+        self._takes_more = asyncio.Event()
+        self._takes_more.set()
+        self._closed = asyncio.Event()
+        self.ended = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._transport = cast(asyncio.Transport, transport)
+
+    def data_received(self, data: bytes) -> None:
+        self._arrived += data
+        self._news.set()
+        if len(self._arrived) >= _MOST_UNREAD_BYTES:
+            self._transport.pause_reading()
+
+    def eof_received(self) -> None:
+        self._end()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end()
+        self._takes_more.set()
+        self._closed.set()
+
+    def pause_writing(self) -> None:
+        self._takes_more.clear()
+
+    def resume_writing(self) -> None:
+        self._takes_more.set()
+
+    def _end(self) -> None:
+        self.ended = True
+        self._news.set()
+
+    @property
+    def is_up(self) -> bool:
+        """Whether there is, or may come, something to take."""
+        return bool(self._arrived) or not self.ended
+
+    def take(self) -> bytes:
+        """Return what has arrived, nothing where that is nothing."""
+        data = bytes(self._arrived)
+        self._arrived.clear()
+        if not self.ended:
+            self._news.clear()
+            self._transport.resume_reading()
+        return data
+
+    async def happens(self) -> None:
+        """Return once something has arrived, or nothing will."""
+        await self._news.wait()
+
+    async def send(self, data: bytes) -> None:
+        """Hand `data` to the network; raises ConnectionResetError."""
+        self._transport.write(data)
+        await self._takes_more.wait()
+        if self._closed.is_set():
+            raise ConnectionResetError
+
+    async def close(self) -> None:
+        """Close, and return once that is done."""
+        self._transport.close()
+        await self._closed.wait()
 
 
 class TcpLink:
@@ -19,7 +94,7 @@ class TcpLink:
         self._port = port
         self._connect_timeout_s = connect_timeout_s
         self._send_timeout_s = send_timeout_s
-        self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+        self._connection: _Connection | None = None
 
     @property
     def address(self) -> str:
@@ -29,14 +104,15 @@ class TcpLink:
     @property
     def is_open(self) -> bool:
         """Whether the connection is up; a peer that closed it is noticed without asking."""
-        return self._streams is not None and not self._streams[0].at_eof()
+        return self._connection is not None and self._connection.is_up
 
     async def open(self) -> None:
         """Connect, dropping what was open before; raises ConnectFailedError."""
         await self.close()
         try:
             async with asyncio.timeout(self._connect_timeout_s):
-                self._streams = await asyncio.open_connection(self._host, self._port)
+                loop = asyncio.get_running_loop()
+                _, self._connection = await loop.create_connection(_Connection, self._host, self._port)
         except TimeoutError as error:
             raise ConnectFailedError(
                 f"nobody answers at {self.address} within {self._connect_timeout_s:g} s:"
@@ -50,45 +126,39 @@ class TcpLink:
 
     async def send(self, data: bytes) -> None:
         """Hand `data` to the network; raises ConnectionLostError."""
-        _, writer = self._opened()
+        connection = self._opened()
         try:
             async with asyncio.timeout(self._send_timeout_s):
-                writer.write(data)
-                await writer.drain()
+                await connection.send(data)
         except OSError as error:  # TimeoutError is one
             raise await self._lost() from error
 
     async def receive(self, timeout_s: float) -> bytes | None:
         """Return what has arrived, None after `timeout_s` of silence; raises ConnectionLostError."""
-        reader, _ = self._opened()
+        connection = self._opened()
         if timeout_s <= 0.0:
             await _let_arrive()
-        try:
-            async with asyncio.timeout(timeout_s) as deadline:
-                data = await reader.read(_RECEIVE_BYTES)
-        except OSError as error:
-            if deadline.expired():
-                return None
-            raise await self._lost() from error
-        if not data:
+        else:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(timeout_s):
+                    await connection.happens()
+        data = connection.take()
+        if not data and connection.ended:
             raise await self._lost()
-        return data
+        return data or None
 
     async def close(self) -> None:
         """Close the connection; never raises."""
-        if self._streams is None:
-            return
-        _, writer = self._streams
-        self._streams = None
-        writer.close()
-        with contextlib.suppress(OSError):
-            async with asyncio.timeout(_CLOSE_TIMEOUT_S):
-                await writer.wait_closed()
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            with contextlib.suppress(OSError):
+                async with asyncio.timeout(_CLOSE_TIMEOUT_S):
+                    await connection.close()
 
-    def _opened(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-        if self._streams is None:
+    def _opened(self) -> _Connection:
+        if self._connection is None:
             raise ConnectionLostError(f"there is no connection to {self.address}: connect first")
-        return self._streams
+        return self._connection
 
     async def _lost(self) -> ConnectionLostError:
         await self.close()

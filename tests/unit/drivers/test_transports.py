@@ -135,6 +135,58 @@ async def test_what_came_while_the_loop_was_busy_is_there_without_waiting():
         await link.close()
 
 
+async def pushed(peer: socket.socket) -> int:
+    """Send until nobody takes any more; return how many bytes that were."""
+    peer.setblocking(False)
+    total = 0
+    for _ in range(1000):
+        with contextlib.suppress(BlockingIOError):
+            total += peer.send(bytes(65_536))
+        await asyncio.sleep(0)
+    return total
+
+
+async def test_what_nobody_takes_is_left_to_the_system_and_not_lost():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = TcpLink(*server.getsockname())
+        await link.open()
+        peer, _ = server.accept()
+        with peer:
+            sent = await pushed(peer)
+            assert sent < 1000 * 65_536  # what the system holds is a few megabytes, and we hold no more
+
+            taken = 0
+            while (data := await link.receive(0.2)) is not None:
+                taken += len(data)
+        await link.close()
+
+    assert taken == sent
+
+
+async def test_a_peer_that_takes_nothing_has_lost_the_connection_by_the_time_out():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = TcpLink(*server.getsockname(), send_timeout_s=0.05)
+        await link.open()
+
+        with pytest.raises(ConnectionLostError):
+            await link.send(bytes(100_000_000))
+
+        assert not link.is_open
+
+
+async def test_what_came_before_the_end_is_taken_before_the_end_is_told():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = TcpLink(*server.getsockname())
+        await link.open()
+        peer, _ = server.accept()
+        peer.sendall(b"last words")
+        peer.close()
+
+        assert await link.receive(5.0) == b"last words"
+        with pytest.raises(ConnectionLostError):
+            await link.receive(5.0)
+
+
 async def test_a_peer_that_hung_up_is_noticed_without_asking():
     async with tcp_link() as link:
         await link.open()
