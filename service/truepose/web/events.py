@@ -98,7 +98,7 @@ async def _stream(
                 for event in found:
                     after = event.id
                     yield _text(event)
-                if not found and not await _happens(commit):
+                if len(found) < _BATCH and not await _happens(commit):
                     yield ": still here\n\n"
 
 
