@@ -5,6 +5,7 @@ service failed, 130 interrupted.
 """
 
 import functools
+import gc
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
@@ -17,6 +18,8 @@ from truepose.version import __version__
 
 UNUSABLE_INPUT = 2
 INTERRUPTED = 130
+# Importing makes a hundred thousand objects and hardly a cycle; by default they are searched at every 700.
+_OBJECTS_BETWEEN_SEARCHES = 50_000
 
 _COMMANDS = {
     "demo": "cells",
@@ -34,6 +37,14 @@ _COMMANDS = {
 
 def main() -> int:
     """Run the command and return its exit status."""
+    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
+    try:
+        return _run()
+    finally:
+        gc.freeze()  # the interpreter is about to end: a last search would go through every module
+
+
+def _run() -> int:
     app = typer.Typer(
         name="truepose",
         help="Measures, identifies and validates industrial robots, and names what their model gets wrong.",
