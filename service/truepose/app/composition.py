@@ -16,13 +16,14 @@ from truepose.app.errors import StartError
 from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
-from truepose.operation.ballbar.sessions import BallbarDesk
+from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.ballbar.work import BallbarWork
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk
+from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
@@ -112,11 +113,9 @@ async def open_context(
         stack.push_async_callback(rack.close)
         context = _context(cell, present, database, rack, simulation, perform)
         await context.session_desk.recover()
-        await context.ballbar_desk.recover()
         await context.job_desk.mark_interrupted(_RESTARTED)
         stack.push_async_callback(context.job_desk.close)
         stack.push_async_callback(context.session_desk.close)
-        stack.push_async_callback(context.ballbar_desk.close)
         stack.callback(stop_streams, context)
         guarding = asyncio.create_task(Guard(database).follow(), name="storage guard")
         stack.push_async_callback(_end, guarding)
@@ -224,14 +223,14 @@ def _context(
     perform: Perform,
 ) -> Context:
     sessions, readings = SessionRepository(database), ReadingRepository(database)
-    ledger = LedgerRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
     additions = AddedStopsRepository(database)
     job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
     work = BallbarWork(perform)
-    ballbar_desk = BallbarDesk(sessions, ledger, rack, work.precalibrator, work.choose, present=present)
-    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_desk.campaign, Uploads())
+    session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
+    ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
+    campaign_desk = CampaignDesk(campaigns, sessions, readings, ballbar_sessions.campaign, Uploads())
     again = RepeatedDiagnosis(additions, diagnoses, campaigns, sessions, campaign_desk, job_desk)
     return Context(
         version=program_version(),
@@ -246,9 +245,10 @@ def _context(
         diagnoses=diagnoses,
         events=EventRepository(database),
         rack=rack,
-        session_desk=SessionDesk(sessions, ledger, additions, rack, again.after_session, present=present),
-        ballbar_desk=ballbar_desk,
-        hands_desk=HandsDesk(rack, ballbar_desk.frame_of),
+        session_desk=session_desk,
+        tracker_sessions=TrackerSessions(session_desk, additions, again.after_session),
+        ballbar_sessions=ballbar_sessions,
+        hands_desk=HandsDesk(rack, ballbar_sessions.frame_of),
         job_desk=job_desk,
         campaign_desk=campaign_desk,
         stopping=asyncio.Event(),

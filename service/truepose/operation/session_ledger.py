@@ -1,16 +1,20 @@
 """The ledger of one session under way, as its runner asks for it."""
 
+from collections.abc import Sequence
+
 from truepose.domain.ledger import LedgerEntry
 from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.records import LedgerRecord
 
 
 class SessionLedger:
-    """Appends to the disk and keeps the number of the newest entry at hand."""
+    """Appends to the disk and keeps the number of the newest entry at hand; `kept` is of earlier runs."""
 
-    def __init__(self, session_id: int, ledger: LedgerRepository, newest: int | None) -> None:
+    def __init__(self, session_id: int, ledger: LedgerRepository, kept: Sequence[LedgerRecord]) -> None:
         self._session_id = session_id
         self._ledger = ledger
-        self.newest = newest  # number of the newest entry; None before the first
+        self.earlier = tuple(record.entry for record in kept)
+        self.newest = kept[-1].id if kept else None  # number of the newest entry; None before the first
 
     async def append(self, entry: LedgerEntry) -> int:
         """Keep an entry and return its number once it is on disk."""

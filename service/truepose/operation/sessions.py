@@ -1,379 +1,241 @@
-"""Sessions under way: one at a time, each a task of the service, found again after a restart.
+"""The one desk: runs sessions of every kind, one at a time, and passes on what persons ask of them.
 
-The runner decides what a session does; here is who runs it. What was running when the service ended is
-found awaiting confirmation: nothing moves until a named person has confirmed.
+The ledger says where a session stands and the runner what comes next; here is who runs it, finds it again
+after a restart, and sees to it that a request that is sent twice is done once. Nothing moves by any of this:
+what was under way when the service ended awaits a named person.
 """
 
 import asyncio
 import contextlib
 import logging
-from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
-from truepose.domain.cell import Cell
-from truepose.domain.errors import RecordRefusedError
+from truepose.domain.errors import RecordRefusedError, TrueposeError
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import readable_name
-from truepose.domain.session import PlannedStop, SessionPlan, SessionState
-from truepose.operation.ballbar.aside import require_ballbar_aside
+from truepose.domain.session import SessionState
 from truepose.operation.devices import Rack
 from truepose.operation.one_at_a_time import UNDER_WAY, refuse_beside_another
-from truepose.operation.present_cell import PresentCell, speed_limits
+from truepose.operation.present_cell import PresentCell
+from truepose.operation.requests_under_way import RequestsUnderWay
+from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
-from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
-from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_of
-from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
-from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
-from truepose.sequencing.engine.ledger import Ledger
-from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
-from truepose.sequencing.engine.states import after_restart, has_ended, words
-from truepose.sequencing.errors import NotNowError, PlanRefusedError
-from truepose.sequencing.tracker.cell import SessionCell
-from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
-from truepose.sequencing.tracker.plans import extended_plan
-from truepose.sequencing.tracker.runner import TrackerRunner
-from truepose.sequencing.tracker.situation import situation
-from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.operation.watching import Watching
+from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
+from truepose.sequencing.engine.halts import ENDED_AT_REST
+from truepose.sequencing.engine.runner import SessionRunner
+from truepose.sequencing.engine.states import has_ended
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
-from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
+from truepose.storage.records import ActAnswer, RequestKey, SessionRecord
 
 _LOG: Final = logging.getLogger(__name__)
-_RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
-_STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
-WhenFinished = Callable[[int], Awaitable[None]]
-MakeRunner = Callable[[SessionPlan, SessionCell, Ledger, tuple[LedgerEntry, ...]], TrackerRunner]
+_END_ASKED_FOR: Final = "The end was asked for; nothing was in motion."
+_KEPT_BEFORE: Final = "That was kept before the service was restarted."
 
 
 @dataclass(frozen=True, slots=True)
-class WantedStops:
-    """Configurations that a person wants to add to a session."""
+class UnderWay:
+    """A session, and the task that runs it."""
 
-    configurations: Sequence[WantedStop]
-    leave_out_unfit: bool = False
-    diagnosis_id: int | None = None  # which proposed them, to be run again
-
-
-@dataclass(frozen=True, slots=True)
-class _UnderWay:
     session_id: int
-    runner: TrackerRunner
+    kind: SessionKind[Any]
+    runner: SessionRunner[Any]
+    ledger: SessionLedger
     task: asyncio.Task[None]
 
 
 class SessionDesk:
-    """Starts sessions and passes on what persons ask of them."""
+    """Starts sessions, passes on acts, gives the devices back; kinds of sessions stand behind it."""
 
     def __init__(
         self,
         sessions: SessionRepository,
         ledger: LedgerRepository,
-        additions: AddedStopsRepository,
         rack: Rack,
-        when_finished: WhenFinished,
-        make_runner: MakeRunner = TrackerRunner,
         present: PresentCell | None = None,
     ) -> None:
-        self._sessions = sessions
-        self._ledger = ledger
-        self._additions = additions
-        self._rack = rack
-        self._when_finished = when_finished
-        self._make_runner = make_runner
-        self._present = present or PresentCell()
-        self._under_way: _UnderWay | None = None
+        self.sessions = sessions
+        self.ledger = ledger
+        self.rack = rack
+        self.present = present or PresentCell()
+        self.watching = Watching()
+        self.turn = asyncio.Lock()  # two acts that start at once must not start two sessions
+        self.now: UnderWay | None = None
+        self._kinds: list[SessionKind[Any]] = []
+        self._acts = RequestsUnderWay[ActAnswer]()
         self._tasks: set[asyncio.Task[None]] = set()  # of sessions, with what follows their end
-        self._turn = asyncio.Lock()  # two clients that start at once must not start two sessions
+
+    def serve(self, kind: SessionKind[Any]) -> None:
+        """Run sessions of this kind too."""
+        self._kinds.append(kind)
+
+    def under_way(self, session_id: int) -> UnderWay | None:
+        """Return a session with the task that runs it; None where nobody does."""
+        return self.now if self.now is not None and self.now.session_id == session_id else None
 
     async def recover(self) -> None:
-        """Set the state of sessions that an earlier service left running; nothing moves."""
-        await self._leave(_RESTARTED)
-
-    async def start(self, session_id: int) -> str:
-        """Start a planned session and return what a person is asked before anything moves.
-
-        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
-        CellChangedError.
-        """
-        await self._present.require_unchanged()
-        async with self._turn:
-            record = await self._get(session_id)
-            if record.state is not SessionState.PLANNED:
-                raise NotNowError(
-                    f"Session {session_id} is {words(record.state)}; only a planned one starts."
-                )
-            await refuse_beside_another(self._sessions, session_id)
-            self._present.require_same_robot((await self._sessions.setup(session_id)).cell)
-            return await self._launch(record)
-
-    async def confirm(self, session_id: int, person: str, accepted_serial: str = "") -> str:
-        """Confirm what the session asks; takes up a session that a restart interrupted.
-
-        `accepted_serial` is that of a tracker that the session questions. Raises NotFoundError, NotNowError,
-        PersonMissingError, PersonUnknownError, PlanRefusedError, CellChangedError.
-        """
-        name = self._present.require_person(person)
-        await self._present.require_unchanged()
-        async with self._turn:
-            record = await self._get(session_id)
-            orphaned = self._running(session_id) is None
-            if orphaned and record.state is SessionState.AWAITING_CONFIRMATION:
-                await self._launch(record)
-        runner = self._require(record)
-        await self._require_ballbar_aside(session_id)
-        return await runner.confirm(name, accepted_serial)
-
-    async def pause(self, session_id: int, person: str | None) -> str:
-        """Ask for a pause; returns when it takes effect. Raises NotFoundError, NotNowError.
-
-        Anybody may, whatever they are called.
-        """
-        return await self._require(await self._get(session_id)).request_pause(readable_name(person))
-
-    async def resume(self, session_id: int, person: str) -> str:
-        """Continue a paused session.
-
-        Raises NotFoundError, NotNowError, PersonMissingError, PersonUnknownError, CellChangedError.
-        """
-        name = self._present.require_person(person)
-        await self._present.require_unchanged()
-        runner = self._require(await self._get(session_id))
-        await self._require_ballbar_aside(session_id)
-        return await runner.resume(name)
-
-    async def abort(self, session_id: int, person: str | None) -> str:
-        """Ask for the end; returns when it takes effect. Raises NotFoundError, NotNowError.
-
-        Anybody may, whatever they are called.
-        """
-        name = readable_name(person)
-        async with self._turn:
-            record = await self._get(session_id)
-            runner = self._running(session_id)
-            if runner is None and not has_ended(record.state):
-                # Planned, or left by an earlier service: nobody runs it, so nothing is in motion.
-                reason = "The end was asked for."
-                await self._enter(session_id, SessionState.ABORTED, reason, name)
-                return "The session has ended; nothing was in motion."
-        return await self._require(record).request_abort(name)
-
-    async def add_stops(
-        self, session_id: int, wanted: WantedStops, person: str, key: RequestKey | None = None
-    ) -> Addition:
-        """Add configurations to the plan of a session that has not ended; return them as its stops.
-
-        Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
-        named is run again once the session has finished. Raises NotFoundError, NotNowError,
-        PersonMissingError, PersonUnknownError, WorkSpaceError, PlanRefusedError, CellChangedError,
-        KeyReusedError.
-        """
-        name = self._present.require_person(person)
-        async with self._turn:  # two additions at once must not take the same numbers
-            await self._get(session_id)
-            earlier = None if key is None else await self._additions.answered(key)
-            if earlier is not None:
-                return Addition(earlier.stops, ())
-            await self._present.require_unchanged()
-            plan = await self._sessions.plan(session_id)
-            cell = self._present.bound((await self._sessions.setup(session_id)).cell)
-            found = addition(cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
-            notice = await asyncio.to_thread(_judged_ways, bodies_of(cell), plan, found.stops)
-            added = AddedStops(session_id, name, found.stops, wanted.diagnosis_id)
-            await self._take_up(added, cell, plan, key)
-            return replace(found, notice=notice)
-
-    async def _take_up(
-        self, added: AddedStops, cell: Cell, plan: SessionPlan, key: RequestKey | None
-    ) -> None:
-        async def keep() -> None:
-            await self._additions.add(added, key)
-
-        runner = self._running(added.session_id)
-        if runner is not None:
-            await runner.add_stops(added.stops, keep)
-            return
-        # Asked only now: the session may have ended since.
-        record = await self._get(added.session_id)
-        left = {stop.config for stop in await self._left(record.id, plan, cell)}
-        done = frozenset(stop.config for stop in plan.stops if stop.config not in left)
-        _refuse_unfit(record, cell, extended_plan(plan, added.stops), done)
-        await keep()
-
-    def question(self, session_id: int) -> str | None:
-        """Return what the session asks a person now."""
-        runner = self._running(session_id)
-        return None if runner is None else runner.question
-
-    def state(self, session_id: int) -> SessionState | None:
-        """Return the state that its question belongs to; None of a session that is not under way."""
-        runner = self._running(session_id)
-        return None if runner is None else runner.state
-
-    def trouble(self, session_id: int) -> str | None:
-        """Return why the session waits for the disk; None where it does not."""
-        runner = self._running(session_id)
-        return None if runner is None else runner.trouble
+        """Find what an earlier service left under way; it awaits a person, nothing moves."""
+        for kind, record in await self._left():
+            await kind.recover(record)
 
     async def close(self) -> None:
         """Stop what is under way; a motion in progress ends by itself, nothing follows it."""
-        if self._under_way is not None:
-            self._under_way.task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await self._under_way.task
-        await asyncio.gather(*self._tasks)
+        if self.now is not None:
+            await self._stop(self.now)
+        await asyncio.gather(*self._tasks, return_exceptions=True)
         try:
-            await self._leave(_STOPPED)
+            for kind, record in await self._left():
+                await kind.leave(record)
         except RecordRefusedError as error:  # the next service finds the session and says so itself
             _LOG.warning("what is under way was left as it is: %s", error)
 
-    async def _leave(self, reason: str) -> None:
-        for record in await self._sessions.in_state(*UNDER_WAY):
-            if record.role == "ballbar":
-                continue  # its ledger says where it stands
-            state = after_restart(record.state)
-            if state is not record.state:
-                await self._enter(record.id, state, reason, control=Control.RESTARTED)
+    async def _left(self) -> list[tuple[SessionKind[Any], SessionRecord]]:
+        records = await self.sessions.in_state(*UNDER_WAY)
+        return [(kind, record) for record in records for kind in self._kinds if kind.owns(record)]
 
-    async def _launch(self, record: SessionRecord) -> str:
-        await self._sessions.require_intact(record.id)
-        plan = await self._sessions.plan(record.id)
-        cell = self._cell(await self._sessions.setup(record.id))
-        entries = await self._entries(record.id)
-        left = situation(plan, len(cell.fixed_nests), entries).left
-        if cell.bodies is not None:
-            await asyncio.to_thread(_refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
-        ledger = SessionLedger(record.id, self._ledger, None)
-        # On a thread: it goes through the whole plan first.
-        runner = await asyncio.to_thread(self._make_runner, plan, cell, ledger, entries)
-        self._rack.lend(record.id)
-        task = asyncio.create_task(self._run(record.id, runner), name=f"session {record.id}")
+    async def act(
+        self, kind: SessionKind[Any], session_id: int, act: Act, key: RequestKey | None = None
+    ) -> ActAnswer:
+        """Do what a person asks, at most once for each key; the same key gets the same answer.
+
+        Raises NotFoundError, KeyReusedError, NotNowError, PersonMissingError, PersonUnknownError,
+        ReasonMissingError, WatchingTabletError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
+        CellChangedError; after an error nothing was kept and the key is free.
+        """
+        await kind.get(session_id)
+        if key is None:
+            return await self._do(kind, session_id, act)
+        name = (session_id, key.key)
+        return await self._acts.shared(name, key, lambda: self._decide(kind, session_id, act, key))
+
+    async def _decide(self, kind: SessionKind[Any], session_id: int, act: Act, key: RequestKey) -> ActAnswer:
+        known = await self.ledger.answer_to(session_id, key)
+        if known is not None:
+            return known
+        kept = await self.ledger.entry_with(session_id, key.key)
+        if kept is not None:  # the service was killed between the entry and its answer
+            answer = ActAnswer(_KEPT_BEFORE, kept.id)
+        else:
+            answer = await self._do(kind, session_id, act)
+        await self.ledger.keep_answer(session_id, key, answer)
+        return answer
+
+    async def _do(self, kind: SessionKind[Any], session_id: int, act: Act) -> ActAnswer:
+        act = await self._judged(act)
+        async with self.turn:
+            under_way = self.under_way(session_id)
+            if under_way is None:
+                record = await kind.get(session_id)
+                if act.name is ActName.ABORT and not has_ended(record.state):
+                    return await self._end_unstarted(session_id, act)
+                kind.require_startable(record, act)
+                under_way = await self.start(kind, record)
+        try:
+            await kind.prepare(session_id, act)
+            done = await under_way.runner.ask(act)
+        except TrueposeError:
+            await self._give_back_unstarted(under_way)
+            raise
+        return ActAnswer(done.sentence, done.entry)
+
+    async def _judged(self, act: Act) -> Act:
+        """Return the act under the name that is kept; raises what keeps it from being done.
+
+        Anybody may halt the arm, whatever they are called.
+        """
+        if act.name in HALTS:
+            return replace(act, person=readable_name(act.person) or "")
+        person = self.present.require_person(act.person)
+        if act.name in LETS_MOVE:
+            await self.present.require_unchanged()
+        return replace(act, person=person)
+
+    async def _end_unstarted(self, session_id: int, act: Act) -> ActAnswer:
+        """End a session that nobody runs: planned, or left by an earlier service."""
+        number = await self.enter(session_id, SessionState.ABORTED, _END_ASKED_FOR, act)
+        self.watching.tell()
+        return ActAnswer(ENDED_AT_REST, number)
+
+    async def enter(
+        self,
+        session_id: int,
+        state: SessionState,
+        reason: str,
+        act: Act | None = None,
+        control: Control | None = None,
+    ) -> int:
+        """Put on record that a session that nobody runs has entered a state; returns the line's number."""
+        kept = await self.ledger.page(session_id)
+        time_s = kept[-1].entry.time_s if kept else 0.0
+        entry = LedgerEntry("", EntryKind.CONTROL, time_s, text=reason, entered=state, control=control)
+        if act is not None:
+            entry = replace(entry, person=act.person or None, tablet=act.tablet or None, key=act.key)
+        return await self.ledger.append(session_id, entry)
+
+    async def start(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
+        """Have a session run beside which no other is under way; the caller holds `turn`.
+
+        Raises DeviceInUseError, MissingDeviceError, PlanRefusedError.
+        """
+        await refuse_beside_another(self.sessions, record.id)
+        if record.state is SessionState.PLANNED:
+            self.present.require_same_robot((await self.sessions.setup(record.id)).cell)
+        return await self.take_up(kind, record)
+
+    async def take_up(self, kind: SessionKind[Any], record: SessionRecord) -> UnderWay:
+        """Have a session run from where its ledger ends; the caller holds `turn`, or nobody acts yet."""
+        await self.sessions.require_intact(record.id)
+        ledger = SessionLedger(record.id, self.ledger, await self.ledger.page(record.id))
+        runner = await kind.runner(record, await self.sessions.setup(record.id), ledger)
+        self.rack.lend(record.id)
+        task = asyncio.create_task(self._run(kind, record.id, runner), name=f"session {record.id}")
         self._tasks.add(task)
+        # A callback as well, for a task that is cancelled may never have begun.
+        task.add_done_callback(self._release)
         task.add_done_callback(self._tasks.discard)
-        self._under_way = _UnderWay(record.id, runner, task)
-        # The question comes first, the state that it puts the session in once the journal has it.
-        while not task.done() and (runner.question is None or runner.state is SessionState.PLANNED):
-            if runner.trouble is not None:
-                await self._give_back_unstarted(task)
-                raise RecordRefusedError(f"Session {record.id} was not started. {runner.trouble}")
-            await asyncio.sleep(0.001)
-        return runner.question or ""
+        self.now = under_way = UnderWay(record.id, kind, runner, ledger, task)
+        self.watching.tell()
+        try:
+            await kind.begun(record.id, runner)
+        except RecordRefusedError:
+            await self._stop(under_way)
+            raise
+        return under_way
 
-    async def _give_back_unstarted(self, task: asyncio.Task[None]) -> None:
-        task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await task
-
-    async def _run(self, session_id: int, runner: TrackerRunner) -> None:
+    async def _run(self, kind: SessionKind[Any], session_id: int, runner: SessionRunner[Any]) -> None:
+        state = None
         try:
             state = await runner.run()
         except Exception:
             # The runner has recorded the failure where the disk let it; the log keeps the traceback.
             _LOG.exception("session %d failed", session_id)
-            return
-        finally:
-            self._rack.take_back()
-            self._under_way = None
+        self._release(asyncio.current_task())
         if state is SessionState.FINISHED:
-            await self._follow(session_id)
+            await self._follow(kind, session_id)
 
-    async def _require_ballbar_aside(self, session_id: int) -> None:
-        setup = await self._sessions.setup(session_id)
-        await require_ballbar_aside(self._rack, setup.cell.ballbar)
-
-    async def _follow(self, session_id: int) -> None:
+    async def _follow(self, kind: SessionKind[Any], session_id: int) -> None:
         try:
-            await self._when_finished(session_id)
+            await kind.follow(session_id)
         except Exception:
             # The session has finished well; what should have followed is in the log.
             _LOG.exception("what should have followed session %d failed", session_id)
 
-    def _cell(self, setup: SessionSetup) -> SessionCell:
-        cell = self._present.bound(setup.cell)
-        return SessionCell(
-            tracker=self._rack.tracker,
-            robot_controller=WatchfulRobot(self._rack.robot, cell.robot.joint_limits),
-            clock=self._rack.clock,
-            robot=cell.robot,
-            base=cell.base_nominal,
-            nests=cell.nests,
-            fixed_nests=cell.fixed_nests,
-            tracker_position_mm=cell.tracker_position_mm,
-            fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
-            joint_limits=cell.limits.joints or cell.robot.joint_limits,
-            speed_limits=speed_limits(cell.limits),
-            certified_lengths=cell.certified_lengths,
-            attachment=setup.attachment,
-            expected=self._rack.expected(),
-            bodies=bodies_of(cell),
-        )
+    def _release(self, task: asyncio.Task[None] | None) -> None:
+        """Let others have the devices."""
+        if self.now is not None and self.now.task is task:
+            self.rack.take_back()
+            self.now = None
+            self.watching.tell()
 
-    async def _entries(self, session_id: int) -> tuple[LedgerEntry, ...]:
-        return tuple(record.entry for record in await self._ledger.page(session_id))
+    async def _give_back_unstarted(self, under_way: UnderWay) -> None:
+        """Let others have the devices where a session was not started after all."""
+        if under_way.runner.state is SessionState.PLANNED and not under_way.task.done():
+            await self._stop(under_way)
 
-    async def _left(self, session_id: int, plan: SessionPlan, cell: Cell) -> tuple[PlannedStop, ...]:
-        return situation(plan, len(cell.fixed_nests), await self._entries(session_id)).left
-
-    async def _enter(
-        self,
-        session_id: int,
-        state: SessionState,
-        reason: str,
-        person: str | None = None,
-        control: Control | None = None,
-    ) -> None:
-        """Put on record that a session that nobody runs has entered a state."""
-        entries = await self._entries(session_id)
-        time_s = entries[-1].time_s if entries else 0.0
-        entry = LedgerEntry(
-            "", EntryKind.CONTROL, time_s, person, text=reason, entered=state, control=control
-        )
-        await self._ledger.append(session_id, entry)
-
-    async def _get(self, session_id: int) -> SessionRecord:
-        record = await self._sessions.get(session_id)
-        if record.role == "ballbar":
-            raise NotNowError(
-                f"Session {session_id} is one with the ballbar; ask it at ballbar-sessions/{session_id}/acts."
-            )
-        return record
-
-    def _running(self, session_id: int) -> TrackerRunner | None:
-        under_way = self._under_way
-        return under_way.runner if under_way is not None and under_way.session_id == session_id else None
-
-    def _require(self, record: SessionRecord) -> TrackerRunner:
-        runner = self._running(record.id)
-        if runner is None:
-            raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
-        return runner
-
-
-def _refuse_below_floor(
-    bodies: CellBodies, stops: Sequence[PlannedStop], approach_offset_rad: float | None
-) -> None:
-    """Raise PlanRefusedError for the first stop, else the first way to one, that leads through the floor."""
-    ways = ways_between(stops, approach_offset_rad)
-    blocked = what_is_in_the_way(bodies, stops, approach_offset_rad, floor_only=True)
-    blocked = blocked or what_blocks_a_way(bodies, ways, floor_only=True)
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
-
-
-def _judged_ways(bodies: CellBodies, plan: SessionPlan, added: Sequence[PlannedStop]) -> str:
-    """Return what to watch on the ways to added stops; raises PlanRefusedError where one cannot be."""
-    ways = ways_between((*plan.stops[-1:], *added), plan.approach_offset_rad)
-    blocked = what_blocks_a_way(bodies, ways)
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
-    return what_to_watch(bodies, ways)
-
-
-def _refuse_unfit(record: SessionRecord, cell: Cell, plan: SessionPlan, done: frozenset[int]) -> None:
-    """Raise NotNowError for a session that has ended, PlanRefusedError for stops outside the limits."""
-    if has_ended(record.state):
-        raise NotNowError(
-            f"Session {record.id} is {words(record.state)}; plan a new one for what is missing."
-        )
-    limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
-    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits, done)
+    async def _stop(self, under_way: UnderWay) -> None:
+        under_way.task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await under_way.task
+        self._release(under_way.task)

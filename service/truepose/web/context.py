@@ -10,10 +10,11 @@ from fastapi import Depends, Request
 from truepose.analysis.campaigns import CampaignDesk
 from truepose.analysis.jobs import JobDesk
 from truepose.domain.cell import Cell
-from truepose.operation.ballbar.sessions import BallbarDesk
+from truepose.operation.ballbar.sessions import BallbarSessions
 from truepose.operation.devices import Rack
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk
+from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.storage.calibration.campaigns import CampaignRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
@@ -51,7 +52,8 @@ class Context:
     events: EventRepository
     rack: Rack
     session_desk: SessionDesk
-    ballbar_desk: BallbarDesk
+    tracker_sessions: TrackerSessions
+    ballbar_sessions: BallbarSessions
     hands_desk: HandsDesk
     job_desk: JobDesk
     campaign_desk: CampaignDesk

@@ -118,6 +118,7 @@ class FakeDesk:
             "simulated": True,
             "robot": "FANUC LR Mate 200iC",
             "question": None,
+            "prompt_id": None,
             "motion_notice": motion_notice(MotionGuard(longest_piece_s=1.0)),
             "people": [],
             "reason": "",

@@ -64,3 +64,16 @@ def test_a_motion_is_confirmed_without_a_number(desk, tablet):
     tablet.wait_for_timeout(300)
 
     assert ["accept_serial_number" in act for act in desk.acts] == [False]
+
+
+def test_a_confirmation_names_the_question_that_was_read(desk, tablet):
+    desk.show(state="awaiting_confirmation", acts=["confirm"], prompt_id=57)
+    tablet.get_by_role("button", name="I have looked").click()
+    tablet.wait_for_timeout(300)
+    desk.show(step=move(), state="running", acts=["confirm"], prompt_id=None, ballbar_attached=False)
+    tablet.get_by_role("button", name="Hold").hover()
+
+    hold_long_enough(tablet)
+    tablet.wait_for_timeout(300)
+
+    assert [act.get("prompt_id") for act in desk.acts] == [57, None]

@@ -14,9 +14,10 @@ from truepose.domain.cell import DeviceEntry
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.operation.ballbar.plans import BallbarWish
-from truepose.operation.ballbar.sessions import NOBODY_RUNS, BallbarDesk
+from truepose.operation.ballbar.sessions import NOBODY_RUNS, BallbarSessions
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.errors import DeviceInUseError
+from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.ballbar.situation import situation
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
@@ -31,7 +32,8 @@ class FakeRunner:
 
     def __init__(self, plan, kit, cell, ledger, foresight, entries=(), judges=None):
         self.situation = situation(plan, kit, entries)
-        self.question, self.robot_moving, self.version = None, False, 0
+        self.question, self.prompt_id, self.trouble = None, None, None
+        self.robot_moving, self.version = False, 0
         self.entries, self.judges = entries, judges
         self.acts = 0
         self.gate = asyncio.Event()
@@ -47,7 +49,11 @@ class FakeRunner:
     async def changed(self, after):
         await asyncio.Event().wait()
 
-    async def act(self, act):
+    @property
+    def state(self):
+        return self.situation.state
+
+    async def ask(self, act):
         if self.refusal is not None:
             raise self.refusal
         await self.gate.wait()
@@ -70,9 +76,12 @@ class Scene:
         self.ledger = LedgerRepository(database)
         self.runners = []
         self.refusal = None
-        self.desk = BallbarDesk(
-            self.sessions, self.ledger, self.rack, lambda setup: None, None, self.make_runner
-        )
+        self.desk, self.ballbar = self.open()
+
+    def open(self, rack=None, choose=None):
+        """Return a desk, and the ballbar sessions behind it."""
+        desk = SessionDesk(self.sessions, self.ledger, rack or self.rack)
+        return desk, BallbarSessions(desk, lambda setup: None, choose, self.make_runner)
 
     def make_runner(self, *pieces, **entries):
         self.runners.append(FakeRunner(*pieces, **entries))
@@ -81,11 +90,11 @@ class Scene:
 
     async def planned(self):
         setup = SessionSetup(domain_cell(ballbar=BallbarKit()))
-        return await self.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+        return await self.ballbar.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
 
     async def act(self, session_id, name=ActName.START, key="k"):
         act = Act(name, "Ada", "tablet-1", key)
-        return await self.desk.act(session_id, act, RequestKey(key, f"fingerprint of {name}"))
+        return await self.ballbar.act(session_id, act, RequestKey(key, f"fingerprint of {name}"))
 
 
 @pytest.fixture
@@ -162,7 +171,7 @@ async def test_a_runner_that_fails_gives_the_devices_back(scene):
     await scene.act(first)
 
     scene.runners[0].failure.set()
-    while scene.desk.runner(first) is not None:
+    while scene.ballbar.running(first) is not None:
         await asyncio.sleep(0.001)
 
     assert (await scene.act(second, key="k2")).entry is not None
@@ -176,15 +185,15 @@ async def test_a_session_that_nobody_runs_never_says_that_it_runs(scene, state):
     await scene.ledger.append(session_id, entry)
 
     scene.runners[0].failure.set()
-    while scene.desk.runner(session_id) is not None:
+    while scene.ballbar.running(session_id) is not None:
         await asyncio.sleep(0.001)
 
-    found = (await scene.desk.view(session_id)).situation
+    found = (await scene.ballbar.view(session_id)).situation
     assert found.state is SessionState.AWAITING_CONFIRMATION
     assert found.reason == NOBODY_RUNS
     assert ActName.CONFIRM in found.acts
     await scene.act(session_id, ActName.CONFIRM, key="k2")  # somebody runs it again
-    assert scene.desk.runner(session_id) is scene.runners[1]
+    assert scene.ballbar.running(session_id) is scene.runners[1]
 
 
 async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
@@ -193,11 +202,11 @@ async def test_what_an_earlier_service_left_is_taken_up_with_its_ledger(scene):
     await scene.ledger.append(session_id, entered(SessionState.RUNNING, "started"))
     await scene.desk.close()
 
-    again = BallbarDesk(scene.sessions, scene.ledger, scene.rack, lambda setup: None, None, scene.make_runner)
+    again, ballbar = scene.open()
     await again.recover()
 
     assert [entry.kind for entry in scene.runners[-1].entries] == [EntryKind.MEASURED, EntryKind.CONTROL]
-    assert again.runner(session_id) is scene.runners[-1]
+    assert ballbar.running(session_id) is scene.runners[-1]
     await again.close()
 
 
@@ -206,12 +215,12 @@ async def test_a_session_whose_cell_lost_its_ballbar_does_not_keep_the_service_f
     await scene.ledger.append(session_id, entered(SessionState.RUNNING, "started"))
     bare = Rack([], Bench().clock)
 
-    desk = BallbarDesk(scene.sessions, scene.ledger, bare, lambda setup: None, None, scene.make_runner)
+    desk, ballbar = scene.open(bare)
     await desk.recover()
 
     (note,) = await scene.sessions.notes(session_id)
     assert "not taken up" in note
-    assert (await desk.view(session_id)).id == session_id
+    assert (await ballbar.view(session_id)).id == session_id
 
 
 async def test_while_one_session_holds_the_devices_no_other_starts(scene):
@@ -226,7 +235,7 @@ async def test_the_number_of_cups_is_that_of_the_kit(scene):
     setup = SessionSetup(domain_cell(ballbar=replace(BallbarKit(), base_points=4)))
 
     with pytest.raises(PlanRefusedError, match="4"):
-        await scene.desk.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
+        await scene.ballbar.plan("six legs", setup, BallbarWish(given=make_ballbar_plan()))
 
 
 async def test_a_plan_that_was_stored_while_another_request_looked_for_it_is_not_made_again(
@@ -244,14 +253,12 @@ async def test_a_plan_that_was_stored_while_another_request_looked_for_it_is_not
         await stored.wait()
         return found
 
-    desk = BallbarDesk(
-        scene.sessions, scene.ledger, scene.rack, lambda setup: None, choose, scene.make_runner
-    )
+    _, ballbar = scene.open(choose=choose)
     monkeypatch.setattr(scene.sessions, "answered", look_and_be_slow)
-    second = asyncio.create_task(desk.plan("six legs", setup, BallbarWish(), key))
+    second = asyncio.create_task(ballbar.plan("six legs", setup, BallbarWish(), key))
     await asyncio.sleep(0.05)
     monkeypatch.setattr(scene.sessions, "answered", look)
-    first = await desk.plan("six legs", setup, BallbarWish(), key)
+    first = await ballbar.plan("six legs", setup, BallbarWish(), key)
     stored.set()
 
     assert await second == first
@@ -267,17 +274,15 @@ async def test_a_plan_that_is_asked_for_again_while_it_is_made_is_made_once(scen
         await gate.wait()
         return make_ballbar_plan()
 
-    desk = BallbarDesk(
-        scene.sessions, scene.ledger, scene.rack, lambda setup: None, choose, scene.make_runner
-    )
-    requests = [asyncio.create_task(desk.plan("six legs", setup, BallbarWish(), key)) for _ in range(2)]
+    _, ballbar = scene.open(choose=choose)
+    requests = [asyncio.create_task(ballbar.plan("six legs", setup, BallbarWish(), key)) for _ in range(2)]
     while not asked:
         await asyncio.sleep(0.001)
     requests[0].cancel()  # its tablet gave up waiting
     gate.set()
 
     number = await requests[1]
-    assert await desk.plan("six legs", setup, BallbarWish(), key) == number
+    assert await ballbar.plan("six legs", setup, BallbarWish(), key) == number
     assert len(asked) == 1
     with pytest.raises(KeyReusedError):
-        await desk.plan("other", setup, BallbarWish(), replace(key, fingerprint="other"))
+        await ballbar.plan("other", setup, BallbarWish(), replace(key, fingerprint="other"))

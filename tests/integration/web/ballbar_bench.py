@@ -33,6 +33,13 @@ WANTED = {"name": "six legs", "placements": [PLACEMENT]}
 PLACE = {"x_mm": 360.0, "y_mm": -463.0, "z_mm": 362.0, "rx_deg": -49.4, "ry_deg": -29.8, "rz_deg": 80.3}
 
 
+def with_ballbar(settings):
+    """Return the settings of a service whose cell has a ballbar too."""
+    with settings.cell_file.open("a") as cell_file:
+        cell_file.write(BALLBAR)
+    return settings
+
+
 class Tablet:
     """Presses buttons, each with a key of its own unless one is given."""
 

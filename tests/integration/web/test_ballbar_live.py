@@ -8,7 +8,7 @@ import time
 import httpx
 import pytest
 
-from tests.integration.web.ballbar_bench import BALLBAR, SESSIONS, WANTED, Tablet
+from tests.integration.web.ballbar_bench import SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, FakeBallbar
 from tests.integration.web.listening import listening
 from truepose.app import create_app
@@ -17,9 +17,7 @@ from truepose.web.measurement import ballbar_live
 
 @pytest.fixture
 def settings(settings):
-    with settings.cell_file.open("a") as cell_file:
-        cell_file.write(BALLBAR)
-    return settings
+    return with_ballbar(settings)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import asyncio
 import httpx
 import pytest
 
-from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT, SESSIONS, WANTED, Tablet
+from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
 from truepose.app import create_app
@@ -13,9 +13,7 @@ from truepose.app import create_app
 
 @pytest.fixture
 def settings(settings):
-    with settings.cell_file.open("a") as cell_file:
-        cell_file.write(BALLBAR)
-    return settings
+    return with_ballbar(settings)
 
 
 @pytest.fixture
@@ -172,6 +170,17 @@ async def test_one_session_runs_at_a_time_whichever_its_instrument(client, table
         assert "Session 1" in refused.json()["detail"]
 
 
+async def test_of_two_sessions_of_both_kinds_that_start_at_once_one_starts(client, tablet):
+    await client.post("/api/v1/sessions", json=session_request())
+
+    answers = await asyncio.gather(client.post("/api/v1/sessions/2/start"), tablet.press("start"))
+    states = [session["state"] for session in (await client.get("/api/v1/sessions")).json()]
+
+    assert sorted(answer.is_success for answer in answers) == [False, True]
+    assert sorted(answer.status_code for answer in answers)[1] == 409
+    assert states.count("planned") == 1
+
+
 async def test_the_acts_of_a_tracker_session_are_not_for_a_ballbar_session(client, tablet):
     for what in ("start", "confirm", "pause", "resume", "abort"):
         refused = await client.post(f"/api/v1/sessions/1/{what}", json={"person": "Ada"})
@@ -310,7 +319,7 @@ async def test_the_plan_of_a_ballbar_session_is_its_list_of_steps(client, tablet
 
 async def test_a_plan_ends_with_the_connection_of_whoever_asked_for_it(app, client):
     planning = Waiting()
-    app.state.context.ballbar_desk._choose = planning
+    app.state.context.ballbar_sessions._choose = planning
     leaving = LeavingClient(app, SESSIONS, b'{"name": "six legs", "poses": 6}', "application/json")
     async with asyncio.timeout(10):
         await planning.begun.wait()

@@ -8,7 +8,7 @@ import pytest
 
 from tests.integration.web.bench import Bench, session_request, stops
 from truepose.app import create_app
-from truepose.web.measurement import sessions as sessions_web
+from truepose.operation.tracker import plans
 
 SESSIONS = "/api/v1/sessions"
 
@@ -227,9 +227,7 @@ async def test_a_plan_of_more_stops_than_anybody_measures_is_refused(client):
 
 async def test_a_plan_is_judged_off_the_loop_that_answers_everybody(client, monkeypatch):
     judged_on = []
-    monkeypatch.setattr(
-        sessions_web, "check_plan", lambda *_: judged_on.append(threading.current_thread().name)
-    )
+    monkeypatch.setattr(plans, "check_plan", lambda *_: judged_on.append(threading.current_thread().name))
 
     planned = await client.post("/api/v1/sessions", json=session_request())
 

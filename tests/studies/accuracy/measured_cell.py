@@ -12,6 +12,7 @@ from typing import cast
 
 import numpy as np
 
+from tests.helpers.domain import asking
 from truepose.analysis.assembly import point_readings
 from truepose.app.simulation import running_simulation
 from truepose.demo.cell.truth import CellEndpoint, cell_endpoint
@@ -145,7 +146,7 @@ async def _session(cell: SessionCell, plan: SessionPlan) -> tuple[PointReadings,
     while not running.done():
         await asyncio.sleep(_LOOK_S)
         if runner.state is SessionState.AWAITING_CONFIRMATION and runner.question:
-            await runner.confirm(_PERSON)
+            await asking.confirm(runner, _PERSON)
     if running.result() is not SessionState.FINISHED or ledger.registration is None:
         raise ServiceFailedError(f"A session of the accuracy report ended as {running.result().value}.")
     return point_readings(ledger.points), ledger.registration

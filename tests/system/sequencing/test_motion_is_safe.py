@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, ListLedger, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator
 from truepose.domain.session import SessionState
@@ -75,11 +76,11 @@ class Guard:
     async def pause(self):
         if self.runner.state is SessionState.RUNNING:
             self.stop_asked = True
-        await self.runner.request_pause("Eva")
+        await asking.pause(self.runner, "Eva")
 
     async def abort(self):
         self.stop_asked = True
-        await self.runner.request_abort("Eva")
+        await asking.end(self.runner, "Eva")
 
     async def resume(self):
         await self._allow(self.runner.resume)
@@ -211,7 +212,7 @@ async def test_an_abort_during_a_confirmation_wins():
     while runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)
 
-    await asyncio.gather(runner.confirm("Eva"), runner.request_abort("Adam"))
+    await asyncio.gather(asking.confirm(runner, "Eva"), asking.end(runner, "Adam"))
 
     assert await running is SessionState.ABORTED
     assert cell.robot.moves == []
@@ -225,7 +226,9 @@ async def test_of_two_confirmations_one_is_refused():
     while runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)
 
-    answers = await asyncio.gather(runner.confirm("Eva"), runner.confirm("Adam"), return_exceptions=True)
+    answers = await asyncio.gather(
+        asking.confirm(runner, "Eva"), asking.confirm(runner, "Adam"), return_exceptions=True
+    )
 
     assert sorted(isinstance(answer, NotNowError) for answer in answers) == [False, True]
     assert await PatientOperator().attend(runner, running) is SessionState.FINISHED

@@ -22,11 +22,12 @@ class BallbarView:
     setup: SessionSetup
     plan: BallbarPlan
     situation: Situation
-    question: str | None
     newest_entry: int | None
-    robot_moving: bool
     sight: "Sight"
     watching: int  # tablets that follow it
+    question: str | None = None
+    prompt_id: int | None = None  # of the question
+    robot_moving: bool = False
     trouble: str | None = None  # why the session waits for the disk
     motion_notice: str | None = None  # what whoever lets the arm move has to know of its controller
     people: tuple[str, ...] = ()  # who may have the arm move; empty: whoever gives a name

@@ -33,6 +33,7 @@ from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.identities import KnownDevice, sentence
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 from truepose.sequencing.engine.record import ActingTablet
+from truepose.sequencing.engine.states import ASKS
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,7 @@ class Situation:
     @property
     def question(self) -> str | None:
         """What a person is asked to look at before the robot may move, or the session go on."""
-        if self.state in {SessionState.AWAITING_CONFIRMATION, SessionState.PAUSED}:
+        if self.state in ASKS:
             return f"{self._about_the_ballbar}{self.reason} {CELL_CLEAR}"
         asked = self.step is not None and self.step.kind is StepKind.MOVE and not self.confirmed
         return CELL_CLEAR if asked and self.state is SessionState.RUNNING else None

@@ -36,7 +36,8 @@ class Act:
     reason: str = ""  # of a skip, or why the session pauses, stops or ends
     answer: str = ""  # to a suspicion
     seen_time_s: float | None = None  # cell clock of the newest sample that the person saw
-    accepted_serial: str = ""  # of a confirmation: the ballbar in question that the person accepts
+    accepted_serial: str = ""  # of a confirmation: the instrument in question that the person accepts
+    prompt_id: int | None = None  # what the person saw asked; None: whatever is asked now
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ class ActOutcome:
     """What came of an act."""
 
     sentence: str
-    entry: int  # its number in the ledger
+    entry: int | None  # its number in the ledger; None: it holds, and is on record later
 
 
 LETS_MOVE: Final = frozenset({ActName.START, ActName.CONFIRM, ActName.RESUME})  # the arm may move after it

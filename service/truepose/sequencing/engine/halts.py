@@ -13,6 +13,7 @@ _ASKED = {
     ActName.STOP: ("Stop was pressed.", "The session has stopped"),
     ActName.ABORT: ("The end was asked for.", "The session ends"),
 }
+_NOT_ON_RECORD = "the database cannot be written now, so this is on record later"
 ENDED_AT_REST = "The session has ended; nothing was in motion."
 
 
@@ -36,6 +37,10 @@ class Halts:
     def end(self) -> str:
         """When the arm comes to rest that is asked to halt now, as the end of a sentence."""
         return self._end()
+
+    def not_on_record(self, act: Act) -> str:
+        """Return what is said of a halt that holds and cannot be kept yet."""
+        return f"{_ASKED[act.name][1]}; {self.end}, and {_NOT_ON_RECORD}."
 
     def forget(self) -> None:
         """Forget a pause or a stop that has taken effect: a person had the session go on."""

@@ -13,7 +13,7 @@ from truepose.domain.session import SessionState
 from truepose.sequencing.engine.acts import Act, ActOutcome
 from truepose.sequencing.engine.ledger import Ledger
 from truepose.sequencing.engine.record import Record
-from truepose.sequencing.engine.states import after_restart, require_transition
+from truepose.sequencing.engine.states import ASKS, after_restart, require_transition
 from truepose_drivers.api import Clock
 from truepose_drivers.errors import DriverError
 
@@ -53,6 +53,7 @@ class Logbook(Generic[S]):
         self.refused = asyncio.Event()  # set as long as that lasts
         self.interrupted: str | None = None  # why lines were refused since a person last had it go on
         self.version = 0
+        self.prompt_id: int | None = None  # the line of this run that asks what a person is asked now
         self.situation = describe()
 
     def _state_after_restart(self) -> SessionState | None:
@@ -102,6 +103,10 @@ class Logbook(Generic[S]):
         self._entries.append(entry)
         self.record.apply(entry)
         self.situation = self._describe()
+        if entry.entered in ASKS or entry.kind is EntryKind.SHOWN:
+            self.prompt_id = number
+        elif entry.entered is not None:
+            self.prompt_id = None
         if entry.entered is SessionState.RUNNING:
             self.interrupted = None
         self.tell()

@@ -12,7 +12,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import SessionState
-from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
+from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName, ActOutcome
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.pending_halts import PendingHalts
@@ -60,6 +60,11 @@ class SessionRunner(ABC, Generic[S]):
     def question(self) -> str | None:
         """What a person is asked to look at, or why the session waits; None where neither is."""
         return self.trouble or self.situation.question
+
+    @property
+    def prompt_id(self) -> int | None:
+        """Number of the line that asks it: no other question has it; None where nothing is asked."""
+        return None if self.question is None else self._logbook.prompt_id
 
     @property
     def trouble(self) -> str | None:
@@ -133,6 +138,7 @@ class SessionRunner(ABC, Generic[S]):
                 if earlier is not None:
                     return earlier
                 self.require(act)
+                self._require_prompt(act)
                 if act.name is ActName.CONFIRM and was_running != self._runs:
                     raise NotNowError(  # what was confirmed is not what is asked now
                         f"The session became {words(self.state)} meanwhile; look at the cell, confirm anew."
@@ -152,6 +158,15 @@ class SessionRunner(ABC, Generic[S]):
             raise
         finally:
             self._logbook.tell()
+
+    async def ask(self, act: Act) -> ActOutcome:
+        """As `act`; a halt that holds although it cannot be kept yet is answered all the same."""
+        try:
+            return await self.act(act)
+        except RecordRefusedError:
+            if self._pending.owed is not act:
+                raise
+            return ActOutcome(self._halts.not_on_record(act), None)
 
     async def run(self) -> SessionState:
         """Run to the end and return the state it ended in; first a person has to let it.
@@ -188,6 +203,14 @@ class SessionRunner(ABC, Generic[S]):
     @property
     def _runs(self) -> bool:
         return self.state is SessionState.RUNNING
+
+    def _require_prompt(self, act: Act) -> None:
+        """Raise NotNowError where a person lets the session go on who saw another question."""
+        if act.name in LETS_MOVE and act.prompt_id not in {None, self.prompt_id}:
+            raise NotNowError(
+                f"Prompt {act.prompt_id} is not what is asked now; read the question, look at the cell, "
+                "confirm anew."
+            )
 
     def _wish_at_once(self, act: Act) -> bool:
         """Forbid motion from the moment on at which a halt is asked for; returns whether that was done."""

@@ -25,6 +25,10 @@ TRANSITIONS: Final[Mapping[S, frozenset[S]]] = MappingProxyType({
 })
 
 
+# Where a person is asked; each line of the ledger that enters one of these is a prompt of its own.
+ASKS: Final = frozenset({S.AWAITING_CONFIRMATION, S.PAUSED})
+
+
 def has_ended(state: S) -> bool:
     """Whether nothing follows."""
     return not TRANSITIONS[state]

@@ -12,7 +12,6 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
@@ -44,7 +43,6 @@ _EFFECTS: Final = {
     SessionState.PAUSED: "Paused on request. Is the cell clear, so that it can be resumed?",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
-_NOT_ON_RECORD: Final = "the database cannot be written now, so this is on record later"
 _WAITS_IN: Final = {
     ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
     ActName.RESUME: SessionState.PAUSED,
@@ -100,36 +98,6 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
     def progress(self) -> Progress:
         """How far the session is."""
         return self.situation.progress
-
-    async def request_pause(self, person: str | None = None) -> str:
-        """Ask for a pause; returns the sentence that says when it takes effect. Raises NotNowError."""
-        return await self._request(Act(ActName.PAUSE, person or ""), "The session pauses")
-
-    async def request_abort(self, person: str | None = None) -> str:
-        """Ask for the end; returns the sentence that says when it takes effect.
-
-        Raises NotNowError, and RecordRefusedError where nothing is in motion: nothing was done then.
-        """
-        return await self._request(Act(ActName.ABORT, person or ""), "The session ends")
-
-    async def _request(self, act: Act, sentence: str) -> str:
-        try:
-            return (await self.act(act)).sentence
-        except RecordRefusedError:
-            if self._pending.owed is not act:
-                raise
-            return f"{sentence}; {self._halts.end}, and {_NOT_ON_RECORD}."
-
-    async def resume(self, person: str) -> str:
-        """Continue a paused session. Raises NotNowError, PersonMissingError."""
-        return (await self.act(Act(ActName.RESUME, person))).sentence
-
-    async def confirm(self, person: str, accepted_serial: str = "") -> str:
-        """Confirm what `question` asks; a tracker that it questions is accepted by its serial number only.
-
-        Raises NotNowError, PersonMissingError.
-        """
-        return (await self.act(Act(ActName.CONFIRM, person, accepted_serial=accepted_serial))).sentence
 
     async def add_stops(self, stops: tuple[PlannedStop, ...], keep: Callable[[], Awaitable[None]]) -> None:
         """Add stops to the plan; they come last, after a person has confirmed.

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import PlannedStop, Progress, Registration, SessionPlan, SessionState
 from truepose.sequencing.engine.identities import KnownDevice, same_number
+from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.tracker import plans
 from truepose.sequencing.tracker.record import TrackerRecord
 from truepose.sequencing.tracker.steps import Step, StepKind
@@ -41,8 +42,7 @@ class TrackerSituation:
     @property
     def question(self) -> str | None:
         """What a person is asked to confirm, or why the session waits."""
-        waits = {SessionState.AWAITING_CONFIRMATION, SessionState.PAUSED}
-        return self.reason if self.state in waits else None
+        return self.reason if self.state in ASKS else None
 
 
 def situation(plan: SessionPlan, n_fixed_nests: int, entries: Iterable[LedgerEntry]) -> TrackerSituation:

@@ -69,7 +69,7 @@ async def follow_ballbar_session(
 
     The stream begins with the session as it is; a comment each second shows that the service lives.
     """
-    await here.ballbar_desk.view(id)
+    await here.ballbar_sessions.view(id)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(
         _stream(here, id, tablet, stop_after_s), media_type="text/event-stream", headers=headers
@@ -106,7 +106,7 @@ class _Mailbox:
 
 async def _stream(here: Context, id: int, tablet: str, stop_after_s: float | None) -> AsyncIterator[str]:
     mailbox = _Mailbox()
-    with here.ballbar_desk.watching.by(id, tablet), contextlib.suppress(TimeoutError):
+    with here.session_desk.watching.by(id, tablet), contextlib.suppress(TimeoutError):
         feeding = [
             asyncio.create_task(_feed_situations(here, id, mailbox)),
             asyncio.create_task(_feed_samples(here, id, mailbox)),
@@ -124,7 +124,7 @@ async def _stream(here: Context, id: int, tablet: str, stop_after_s: float | Non
 
 async def _feed_situations(here: Context, id: int, mailbox: _Mailbox) -> None:
     told = None
-    async for view in here.ballbar_desk.follow(id):
+    async for view in here.ballbar_sessions.follow_views(id):
         text = ballbar_session_reply(view).model_dump_json()
         if text != told:
             mailbox.put_situation(f"event: situation\ndata: {text}\n\n")
@@ -133,8 +133,8 @@ async def _feed_situations(here: Context, id: int, mailbox: _Mailbox) -> None:
 
 async def _feed_samples(here: Context, id: int, mailbox: _Mailbox) -> None:
     while True:
-        news = here.ballbar_desk.watching.news
-        runner = here.ballbar_desk.runner(id)
+        news = here.session_desk.watching.news
+        runner = here.ballbar_sessions.running(id)
         if runner is not None:
             async for sample in runner.live():
                 mailbox.put_sample(f"event: sample\ndata: {json.dumps(_document(sample))}\n\n")

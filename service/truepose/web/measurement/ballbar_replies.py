@@ -42,6 +42,7 @@ def ballbar_session_reply(view: BallbarView) -> BallbarSessionReply:
         simulated=view.setup.simulated,
         robot=view.setup.cell.robot.name,
         question=view.question,
+        prompt_id=view.prompt_id,
         trouble=view.trouble,
         motion_notice=view.motion_notice,
         people=list(view.people),

@@ -45,39 +45,39 @@ async def plan_ballbar_session(
     if wanted.base_points is not None:
         kit = replace(kit, base_points=wanted.base_points)
     setup = SessionSetup(replace(here.cell, ballbar=kit))
-    planning = here.ballbar_desk.plan(wanted.name, setup, wanted_plan(wanted), key)
+    planning = here.ballbar_sessions.plan(wanted.name, setup, wanted_plan(wanted), key)
     number = await while_present(request, planning)
     response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
-    return ballbar_session_reply(await here.ballbar_desk.view(number))
+    return ballbar_session_reply(await here.ballbar_sessions.view(number))
 
 
 @router.get("/{id}", responses=_READ)
 async def get_ballbar_session(here: Here, id: Id) -> BallbarSessionReply:
     """Show where a session stands; follow `live` instead of asking again and again."""
-    return ballbar_session_reply(await here.ballbar_desk.view(id))
+    return ballbar_session_reply(await here.ballbar_sessions.view(id))
 
 
 @router.get("/{id}/steps", responses=_READ)
 async def list_steps(here: Here, id: Id) -> StepsReply:
     """List everything that the session does, in order, with what became of it; also before the start."""
-    return steps_reply(await here.ballbar_desk.view(id))
+    return steps_reply(await here.ballbar_sessions.view(id))
 
 
 @router.get("/{id}/scene", responses=_READ)
 async def get_scene(here: Here, id: Id) -> SceneReply:
     """Show the geometry of the present step: cups, nests, arm, and where the person stands."""
-    return SceneReply.of(scene_of(await here.ballbar_desk.view(id)))
+    return SceneReply.of(scene_of(await here.ballbar_sessions.view(id)))
 
 
 @router.get("/{id}/ledger", responses=_READ)
 async def read_ledger(here: Here, id: Id, page: PageQuery) -> LedgerReply:
     """Read what happened, oldest first; `after` is the number of the last entry that is known."""
-    return LedgerReply(entries=[entry_reply(kept) for kept in await here.ballbar_desk.entries(id, page)])
+    return LedgerReply(entries=[entry_reply(kept) for kept in await here.ballbar_sessions.entries(id, page)])
 
 
 @router.post("/{id}/acts", responses=_ACT)
 async def act(here: Here, id: Id, wanted: ActRequest, key: RequiredKey) -> ActReply:
     """Press a button. The answer comes when what it did is on disk; a repeated key gets the same answer."""
-    answer = await here.ballbar_desk.act(id, act_of(wanted, key.key), key)
-    session = ballbar_session_reply(await here.ballbar_desk.view(id))
+    answer = await here.ballbar_sessions.act(id, act_of(wanted, key.key), key)
+    session = ballbar_session_reply(await here.ballbar_sessions.view(id))
     return ActReply(sentence=answer.sentence, entry=answer.entry, session=session)

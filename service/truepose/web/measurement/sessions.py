@@ -7,12 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Response, status
 
 from truepose.analysis.workers.tasks import PlanTask
-from truepose.domain.session import Registration, SessionPlan
-from truepose.planning.work_volume.cell_bodies import bodies_of
-from truepose.planning.work_volume.room_at_stops import what_is_in_the_way
-from truepose.planning.work_volume.room_on_ways import ways_between, what_blocks_a_way, what_to_watch
-from truepose.sequencing.errors import PlanRefusedError
-from truepose.sequencing.tracker.dry_run import check_plan, motion_limits
+from truepose.domain.session import Registration
+from truepose.operation.tracker.plans import judged
+from truepose.sequencing.engine.acts import Act, ActName
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
@@ -23,9 +20,9 @@ from truepose.web.schemas.identities import identity_reply
 from truepose.web.schemas.jobs import JobReply, job_reply
 from truepose.web.schemas.sessions import (
     ActionReply,
+    AnswerRequest,
     ConfirmRequest,
     GivenStops,
-    PersonRequest,
     PlanReply,
     ProgressReply,
     RegistrationReply,
@@ -36,7 +33,6 @@ from truepose.web.schemas.sessions import (
     given_plan,
     plan_reply,
     plan_template,
-    session_reply,
 )
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -70,7 +66,7 @@ async def plan_session(
     template = plan_template(wanted, here.cell)
     if isinstance(wanted.plan, GivenStops):
         plan = given_plan(template, wanted.plan)
-        notice = await asyncio.to_thread(_judged, here, plan)
+        notice = await asyncio.to_thread(judged, here.cell, plan)
         number = await here.sessions.add(wanted.name, setup, plan, key)
         if notice and notice not in await here.sessions.notes(number):  # a repeated request finds it there
             await here.sessions.note(number, notice)
@@ -134,7 +130,7 @@ async def add_configurations(
     cell is clear for them.
     """
     await _check_proposed(here, id, wanted.diagnosis_id)
-    found = await here.session_desk.add_stops(id, wanted_stops(wanted), wanted.person, key)
+    found = await here.tracker_sessions.add_stops(id, wanted_stops(wanted), wanted.person, key)
     response.headers["Location"] = f"/api/v1/sessions/{id}/plan"
     return addition_reply(found, await _shown(here, id))
 
@@ -142,7 +138,7 @@ async def add_configurations(
 @router.post("/{id}/start", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def start_session(here: Here, id: Id) -> ActionReply:
     """Start a planned session; it asks a person to confirm before anything moves."""
-    question = await here.session_desk.start(id)
+    question = await here.tracker_sessions.start(id)
     return await _decided(here, id, f"{question} {here.rack.motion_notice or ''}".strip())
 
 
@@ -153,26 +149,27 @@ async def confirm_session(here: Here, id: Id, by: ConfirmRequest) -> ActionReply
     Another tracker than the expected one is accepted only by its serial number; confirmed without it, the
     session asks the tracker again who it is.
     """
-    sentence = await here.session_desk.confirm(id, by.person, by.accept_serial_number or "")
-    return await _decided(here, id, sentence)
+    serial = by.accept_serial_number or ""
+    act = Act(ActName.CONFIRM, by.person, accepted_serial=serial, prompt_id=by.prompt_id)
+    return await _act(here, id, act)
 
 
 @router.post("/{id}/pause", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def pause_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
     """Ask for a pause; the sentence says when it takes effect, since a motion may have to end first."""
-    return await _decided(here, id, await here.session_desk.pause(id, by.person if by else None))
+    return await _act(here, id, _halt(ActName.PAUSE, by))
 
 
 @router.post("/{id}/resume", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
-async def resume_session(here: Here, id: Id, by: PersonRequest) -> ActionReply:
+async def resume_session(here: Here, id: Id, by: AnswerRequest) -> ActionReply:
     """Continue a paused session, as a named person who looked at the cell."""
-    return await _decided(here, id, await here.session_desk.resume(id, by.person))
+    return await _act(here, id, Act(ActName.RESUME, by.person, prompt_id=by.prompt_id))
 
 
 @router.post("/{id}/abort", status_code=status.HTTP_202_ACCEPTED, responses=_ACT)
 async def abort_session(here: Here, id: Id, by: Anybody = None) -> ActionReply:
     """Ask for the end; the readings taken so far stay. The sentence says when it takes effect."""
-    return await _decided(here, id, await here.session_desk.abort(id, by.person if by else None))
+    return await _act(here, id, _halt(ActName.ABORT, by))
 
 
 async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | None) -> None:
@@ -183,28 +180,30 @@ async def _check_proposed(here: Context, session_id: int, diagnosis_id: int | No
         )
 
 
-def _judged(here: Context, plan: SessionPlan) -> str:
-    """Return what to watch on the ways of a plan; raises PlanRefusedError where this cell cannot do it."""
-    cell = here.cell
-    limits = motion_limits(cell.robot, cell.limits.joints or cell.robot.joint_limits, plan)
-    check_plan(plan, cell.robot, cell.nests, cell.fixed_nests, limits)
-    bodies, ways = bodies_of(cell), ways_between(plan.stops, plan.approach_offset_rad)
-    blocked = what_is_in_the_way(bodies, plan.stops, plan.approach_offset_rad)
-    blocked = blocked or what_blocks_a_way(bodies, ways)
-    if blocked is not None:
-        raise PlanRefusedError(blocked)
-    return what_to_watch(bodies, ways)
-
-
 async def _shown(here: Context, number: int) -> SessionReply:
     return _reply(here, await here.sessions.get(number))
 
 
 def _reply(here: Context, record: SessionRecord) -> SessionReply:
-    desk = here.session_desk
     # A line is on disk a moment before the runner goes by it: state and question are the runner's, both.
-    record = replace(record, state=desk.state(record.id) or record.state)
-    return session_reply(record, desk.question(record.id), desk.trouble(record.id), here.rack.motion_notice)
+    runner = here.tracker_sessions.running(record.id)
+    if runner is not None:
+        record = replace(record, state=runner.state)
+    return SessionReply.of(
+        record,
+        question=None if runner is None else runner.question,
+        prompt_id=None if runner is None else runner.prompt_id,
+        trouble=None if runner is None else runner.trouble,
+        motion_notice=here.rack.motion_notice,
+    )
+
+
+def _halt(name: ActName, by: RequestOfPerson | None) -> Act:
+    return Act(name, (by.person if by else None) or "")
+
+
+async def _act(here: Context, number: int, act: Act) -> ActionReply:
+    return await _decided(here, number, (await here.tracker_sessions.act(number, act)).sentence)
 
 
 async def _decided(here: Context, number: int, sentence: str) -> ActionReply:

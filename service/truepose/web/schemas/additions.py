@@ -4,7 +4,7 @@ import math
 
 from pydantic import Field
 
-from truepose.operation.sessions import WantedStops
+from truepose.operation.tracker.sessions import WantedStops
 from truepose.planning.tracker.added_stops import Addition, WantedStop
 from truepose.sequencing.tracker.plans import numbers
 from truepose.web.schemas.base import Number, PersonName, Reply, Request, example

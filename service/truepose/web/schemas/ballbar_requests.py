@@ -18,7 +18,16 @@ from truepose.domain.robot import FramePlacement
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.engine.acts import Act, ActName
-from truepose.web.schemas.base import NUMBER_LIMIT, VISIBLE, Number, PersonName, Request, example, whole
+from truepose.web.schemas.base import (
+    NUMBER_LIMIT,
+    VISIBLE,
+    Number,
+    PersonName,
+    PromptAnswered,
+    Request,
+    example,
+    whole,
+)
 from truepose.web.schemas.sessions import AngleDeg
 
 JointsDeg = Annotated[
@@ -128,6 +137,7 @@ class ActRequest(Request):
         description="Of a confirmation: the ballbar in question that the person accepts.",
         examples=["12A345"],
     )
+    prompt_id: PromptAnswered = None
 
 
 class HandsRequest(Request):
@@ -171,6 +181,7 @@ def act_of(wanted: ActRequest, key: str) -> Act:
         answer=wanted.answer.value if wanted.answer else "",
         seen_time_s=wanted.seen_time_s,
         accepted_serial=wanted.accept_serial_number or "",
+        prompt_id=wanted.prompt_id,
     )
 
 

@@ -8,7 +8,7 @@ from truepose.domain.session import SessionState
 from truepose.exchange.outgoing import Quantity
 from truepose.sequencing.ballbar.record import OutcomeKind
 from truepose.sequencing.engine.acts import ActName
-from truepose.web.schemas.base import RecordedAt, RecordId, Reply
+from truepose.web.schemas.base import PromptShown, RecordedAt, RecordId, Reply
 from truepose.web.schemas.identities import IdentityReply
 
 PointName = str  # B1.. of the base fixture, T1.. of the tool
@@ -102,6 +102,7 @@ class BallbarSessionReply(Reply):
     simulated: bool = Field(description="True: no robot and no instrument take part.")
     robot: str = Field(examples=["ABB IRB 120"])
     question: str | None = Field(description="What a person is asked now.")
+    prompt_id: PromptShown
     trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
     motion_notice: str | None = Field(
         description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."

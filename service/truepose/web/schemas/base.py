@@ -20,6 +20,23 @@ RecordedAt = Annotated[
     str, Field(description="When it was recorded: UTC, ISO 8601.", examples=["2026-05-04T09:12:33.125+00:00"])
 ]
 Point = Annotated[list[float], Field(min_length=3, max_length=3, examples=[[512.4, -33.1, 640.2]])]
+PromptShown = Annotated[
+    int | None,
+    Field(
+        description="Which question that is, for whoever answers it: no other has this number; null: none.",
+        examples=[57],
+    ),
+]
+PromptAnswered = Annotated[
+    int | None,
+    Field(
+        ge=1,
+        le=NUMBER_LIMIT,
+        description="`prompt_id` of the question that the person saw; where another one is asked by now the "
+        "answer is refused. Null: whatever is asked.",
+        examples=[57],
+    ),
+]
 PersonName = Annotated[
     str,
     Field(

@@ -8,12 +8,13 @@ from pydantic import Field
 
 from truepose.domain.cell import Cell
 from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState
-from truepose.storage.records import SessionRecord
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
     VISIBLE,
     Number,
     PersonName,
+    PromptAnswered,
+    PromptShown,
     RecordedAt,
     RecordId,
     Reply,
@@ -84,7 +85,13 @@ class PersonRequest(Request):
     person: PersonName
 
 
-class ConfirmRequest(PersonRequest):
+class AnswerRequest(PersonRequest):
+    """Who looked at the cell, and what they were asked."""
+
+    prompt_id: PromptAnswered = None
+
+
+class ConfirmRequest(AnswerRequest):
     """Who looked at the cell, and which instrument they accept where the session questions one."""
 
     accept_serial_number: str | None = Field(
@@ -124,6 +131,7 @@ class SessionReply(Reply):
     reason: str = Field(description="Why it is in this state.")
     person: str | None = Field(description="Who brought it there.", examples=["Ada Byron"])
     question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
+    prompt_id: PromptShown
     trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
     motion_notice: str | None = Field(
         description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
@@ -255,10 +263,3 @@ def plan_reply(plan: SessionPlan) -> PlanReply:
 def stop_reply(stop: PlannedStop) -> StopReply:
     """Return a stop as it travels."""
     return StopReply.of(stop, joints_deg=degrees(stop.joints_rad))
-
-
-def session_reply(
-    record: SessionRecord, question: str | None, trouble: str | None, motion_notice: str | None
-) -> SessionReply:
-    """Return a session as it travels."""
-    return SessionReply.of(record, question=question, trouble=trouble, motion_notice=motion_notice)

@@ -81,7 +81,8 @@ export class Actions {
   show(screen, model, texts) {
     const offers = OFFERED[screen];
     // Built anew for a new step only: a finger may rest on a button while the rest of the page changes.
-    const shown = `${screen} ${model.session?.step?.id} ${answeredBy(model.session) ?? ""}`;
+    const { step, prompt_id: prompt } = model.session ?? {};
+    const shown = `${screen} ${step?.id} ${prompt ?? ""} ${answeredBy(model.session) ?? ""}`;
     if (shown !== this.#shown) this.#begin(shown, offers, texts, answeredBy(model.session));
     const fresh = performance.now() - this.#shown_ms < FRESH_MS;
     offers.forEach((offer, i) => {

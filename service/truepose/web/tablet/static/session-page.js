@@ -13,7 +13,7 @@ import { Live } from "./live.js";
 import { isTaken } from "./people.js";
 import { Queue } from "./queue.js";
 import { Sender } from "./sender.js";
-import { READ, answeredBy, hasEnded, onlyNow, screenOf, stepOf, takesReason } from "./situation.js";
+import { READ, hasEnded, onlyNow, screenOf, seen, stepOf, takesReason } from "./situation.js";
 import { Sound } from "./sound.js";
 import { Stage } from "./stage.js";
 import { Storage, Tablet } from "./tablet.js";
@@ -148,17 +148,11 @@ class SessionPage {
     const tap = { act, step_id: stepOf(session, act), person, tablet: this.tablet.id, ...more };
     if (!tap.person) return this.#askName();
     if (!tap.reason && takesReason(session, sample, act)) return this.dialogues.off((reason) => this.act(act, { ...more, reason }));
-    if (onlyNow(session, act)) return this.sender.now(act === "confirm" ? { ...tap, ...this.#seen(session, sample) } : tap);
+    if (onlyNow(session, act)) return this.sender.now({ ...tap, ...seen(session, sample, act) });
     if (!this.sender.queue(tap)) this.say(this.texts.say("queue.full"));
     if (act === "retry") this.#connection.renew(); // the service reads at once then
     if (act === "stop" && !this.model.up) this.say(this.texts.say("lost.stop"));
     return undefined;
-  }
-
-  // What a person saw who confirms: the cell at that moment, and the ballbar that waits to be accepted.
-  #seen(session, sample) {
-    const serial = answeredBy(session);
-    return { seen_time_s: sample?.time_s, ...(serial && { accept_serial_number: serial }) };
   }
 
   say(sentence) {

@@ -59,3 +59,13 @@ export function stepOf(session, act) {
 export function answeredBy(session) {
   return session?.ballbar_in_question?.serial_number;
 }
+
+// What a person saw who lets the session go on: the question, and of a confirmation also the cell at that moment and
+// the ballbar that waits to be accepted.
+export function seen(session, sample, act) {
+  if (!["confirm", "resume"].includes(act)) return {};
+  const asked = session.prompt_id ? { prompt_id: session.prompt_id } : {};
+  if (act === "resume") return asked;
+  const serial = answeredBy(session);
+  return { ...asked, seen_time_s: sample?.time_s, ...(serial && { accept_serial_number: serial }) };
+}

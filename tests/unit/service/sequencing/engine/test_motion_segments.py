@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import IRB120, FakeCell, FakeClock, FakeRobot, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
 from truepose.domain.robot import FramePlacement, JointRange
@@ -153,10 +154,10 @@ async def test_a_paused_session_says_when_the_arm_rests_and_goes_on_later():
 
     async def pause():
         if len(cell.robot.moves) == 3:
-            said.append(await runner.request_pause("Eva"))
+            said.append(await asking.pause(runner, "Eva"))
 
     cell.robot.before_move = pause
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
     await until(lambda: runner.state is SessionState.PAUSED)
     paused_after = len(cell.robot.moves)
 

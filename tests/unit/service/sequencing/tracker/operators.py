@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.session import SessionPlan, SessionState
@@ -45,11 +46,11 @@ class PatientOperator:
         if self.before_answer is not None:
             self.before_answer(question)
         if len(self.questions) > self._patience:
-            await runner.request_abort("Eva")
+            await asking.end(runner, "Eva")
         elif runner.state is SessionState.PAUSED:
-            await runner.resume("Eva")
+            await asking.resume(runner, "Eva")
         else:
-            await runner.confirm("Eva")
+            await asking.confirm(runner, "Eva")
 
 
 async def run_session(

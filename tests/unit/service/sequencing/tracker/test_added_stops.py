@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, until
 from truepose.domain.session import SessionState
@@ -114,7 +115,7 @@ async def test_a_paused_session_takes_more_and_asks_when_it_comes_to_them():
 def pause_once(session):
     async def before_move():
         session.cell.robot.before_move = None
-        await session.runner.request_pause("Ada")
+        await asking.pause(session.runner, "Ada")
         await session.runner.add_stops(ADDED, Shelf())
 
     return before_move
@@ -125,7 +126,7 @@ async def test_a_session_that_has_ended_takes_no_more(ending):
     session, shelf = Session(), Shelf()
     if ending == "aborted":
         await until(lambda: session.runner.question is not None)
-        await session.runner.request_abort("Ada")
+        await asking.end(session.runner, "Ada")
     await session.attended()
 
     with pytest.raises(NotNowError, match=f"The session is {ending}; plan a new one"):
@@ -140,7 +141,7 @@ async def test_nothing_is_added_while_the_session_ends():
 
     async def before_move():
         session.cell.robot.before_move = None
-        await session.runner.request_abort("Ada")
+        await asking.end(session.runner, "Ada")
         with pytest.raises(NotNowError) as refusal:
             await session.runner.add_stops(ADDED, Shelf())
         refusals.append(str(refusal.value))

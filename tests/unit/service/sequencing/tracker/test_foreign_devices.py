@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -28,7 +29,7 @@ class Accepting(PatientOperator):
         question = runner.question or ""
         if self._serial and f"accept {self._serial}" in question:
             self.questions.append(question)
-            await runner.confirm("Eva", self._serial)
+            await asking.confirm(runner, "Eva", self._serial)
         else:
             await super()._answer(runner)
 
@@ -190,17 +191,17 @@ async def test_a_confirmation_meant_for_the_question_before_accepts_nothing():
     runner = TrackerRunner(make_plan(1), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION and runner.question is not None)
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
     await until(lambda: "390003" in (runner.question or "") and runner.state.value.startswith("awaiting"))
 
-    await runner.confirm("Eva")  # the tap again
+    await asking.confirm(runner, "Eva")  # the tap again
     await until(lambda: len(cell.journal.states) >= 5 and runner.question is not None)
 
     assert "390003" in runner.question
     assert cell.tracker.measurements == 0
     with pytest.raises(NotNowError, match="nothing was accepted"):
-        await runner.confirm("Eva", "123")
-    await runner.request_abort("Eva")
+        await asking.confirm(runner, "Eva", "123")
+    await asking.end(runner, "Eva")
     assert await running is SessionState.ABORTED
 
 
@@ -210,7 +211,7 @@ async def interrupted_at_the_question(cell):
     runner = TrackerRunner(make_plan(3), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.question is not None and runner.state is SessionState.AWAITING_CONFIRMATION)
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
     await until(lambda: B in (runner.question or "") and runner.state is SessionState.AWAITING_CONFIRMATION)
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)

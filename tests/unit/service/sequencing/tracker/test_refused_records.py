@@ -5,6 +5,7 @@ import contextlib
 
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import FakeCell, make_plan
 from tests.unit.service.sequencing.tracker.operators import until
 from truepose.domain.errors import RecordRefusedError
@@ -44,13 +45,13 @@ class Run:
 
     async def confirm(self):
         await until(lambda: self.runner.state is SessionState.AWAITING_CONFIRMATION)
-        await self.runner.confirm("Eva")
+        await asking.confirm(self.runner, "Eva")
 
     async def end(self):
         """Confirm whatever is asked until the session has ended."""
         while not self.task.done():
             if self.runner.state is SessionState.AWAITING_CONFIRMATION and self.runner.trouble is None:
-                await self.runner.confirm("Eva")
+                await asking.confirm(self.runner, "Eva")
             await asyncio.sleep(0)
         return self.task.result()
 
@@ -88,7 +89,7 @@ async def test_an_end_that_cannot_be_recorded_takes_effect_and_is_recorded_later
         await refused(run)
         moved = len(run.cell.robot.moves)
 
-        said = await run.runner.request_abort("Eva")
+        said = await asking.end(run.runner, "Eva")
         assert "cannot be written" in said
         run.cell.journal.make_room()
 
@@ -104,10 +105,10 @@ async def test_a_pause_that_cannot_be_recorded_takes_effect_and_can_be_resumed()
         await run.confirm()
         await refused(run)
 
-        assert "cannot be written" in await run.runner.request_pause("Eva")
+        assert "cannot be written" in await asking.pause(run.runner, "Eva")
         run.cell.journal.make_room()
         await until(lambda: run.runner.state is SessionState.PAUSED)
-        await run.runner.resume("Eva")
+        await asking.resume(run.runner, "Eva")
 
         assert await run.end() is SessionState.FINISHED
         assert states(run.cell)[-1] is SessionState.FINISHED
@@ -117,7 +118,7 @@ async def test_an_end_that_is_refused_while_nothing_moves_was_not_asked_for():
     async with Run() as run:
         run.cell.journal.fill()
         with pytest.raises(RecordRefusedError):
-            await run.runner.request_abort("Eva")
+            await asking.end(run.runner, "Eva")
         run.cell.journal.make_room()
 
         assert await run.end() is SessionState.FINISHED
@@ -128,7 +129,7 @@ async def test_a_confirmation_that_cannot_be_recorded_moves_nothing():
     async with Run() as run:
         run.cell.journal.fill()
         with pytest.raises(RecordRefusedError):
-            await run.runner.confirm("Eva")
+            await asking.confirm(run.runner, "Eva")
         for _ in range(20):
             await asyncio.sleep(0)
 
@@ -145,7 +146,7 @@ async def test_every_record_of_a_session_may_be_refused_once():
         while not run.task.done():
             if run.runner.state is SessionState.AWAITING_CONFIRMATION and run.runner.trouble is None:
                 with contextlib.suppress(RecordRefusedError):
-                    await run.runner.confirm("Eva")
+                    await asking.confirm(run.runner, "Eva")
             journal.make_room()
             await asyncio.sleep(0)
 
@@ -175,6 +176,6 @@ async def test_what_makes_no_sense_is_refused_also_while_the_disk_refuses():
         await refused(run)
 
         with pytest.raises(NotNowError):
-            await run.runner.resume("Eva")
+            await asking.resume(run.runner, "Eva")
         with pytest.raises(NotNowError):
-            await run.runner.confirm("Eva")
+            await asking.confirm(run.runner, "Eva")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import IRB120, NESTS, FakeCell, make_plan, make_stop
 from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.ledger import EntryKind, LedgerEntry
@@ -108,13 +109,13 @@ async def test_nothing_moves_before_a_named_person_has_confirmed():
 
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
     with pytest.raises(PersonMissingError):
-        await runner.confirm("  ")
+        await asking.confirm(runner, "  ")
     for _ in range(100):
         await asyncio.sleep(0)
 
     assert runner.question == CELL_CLEAR
     assert cell.robot.moves == []
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
     assert await running is SessionState.FINISHED
     assert (SessionState.RUNNING, "Eva") in [(state, person) for state, _, person in cell.journal.states]
 
@@ -475,16 +476,16 @@ async def test_a_pause_takes_effect_at_the_end_of_the_motion_and_the_stop_begins
 
     async def ask_for_a_pause_during_the_fourth_motion():
         if len(cell.robot.moves) == 3 and not answers:
-            answers.append(await runner.request_pause("Eva"))
+            answers.append(await asking.pause(runner, "Eva"))
 
     cell.robot.before_move = ask_for_a_pause_during_the_fourth_motion
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
 
     await until(lambda: runner.state is SessionState.PAUSED)
     moves_while_paused = len(cell.robot.moves)
-    await runner.resume("Eva")
+    await asking.resume(runner, "Eva")
 
     assert "cannot be stopped" in answers[0]
     assert moves_while_paused == 4
@@ -499,12 +500,12 @@ async def test_an_abort_takes_effect_at_the_end_of_the_motion():
 
     async def ask_for_the_end():
         if len(cell.robot.moves) == 2:
-            await runner.request_abort("Eva")
+            await asking.end(runner, "Eva")
 
     cell.robot.before_move = ask_for_the_end
     running = asyncio.create_task(runner.run())
     await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
-    await runner.confirm("Eva")
+    await asking.confirm(runner, "Eva")
 
     assert await running is SessionState.ABORTED
     assert len(cell.robot.moves) == 3
@@ -516,12 +517,12 @@ async def test_what_makes_no_sense_now_is_refused_with_a_sentence():
     runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
 
     with pytest.raises(NotNowError, match="planned; it cannot become pausing"):
-        await runner.request_pause()
+        await asking.pause(runner)
     with pytest.raises(NotNowError, match="nothing to resume"):
-        await runner.resume("Eva")
-    assert await runner.request_abort("Eva") == "The session has ended; nothing was in motion."
+        await asking.resume(runner, "Eva")
+    assert await asking.end(runner, "Eva") == "The session has ended; nothing was in motion."
     with pytest.raises(NotNowError, match="aborted already"):
-        await runner.request_abort("Eva")
+        await asking.end(runner, "Eva")
 
     assert await runner.run() is SessionState.ABORTED
 

@@ -1,0 +1,1 @@
+"""Tracker sessions as the desk runs them."""

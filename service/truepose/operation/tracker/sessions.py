@@ -1,0 +1,212 @@
+"""Tracker sessions behind the desk: the cell they run on, how they start, what may be added to them."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from truepose.domain.cell import Cell
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.ledger import Control, LedgerEntry
+from truepose.domain.session import SessionPlan, SessionState
+from truepose.operation.ballbar.aside import require_ballbar_aside
+from truepose.operation.present_cell import speed_limits
+from truepose.operation.session_kind import SessionKind
+from truepose.operation.session_ledger import SessionLedger
+from truepose.operation.sessions import SessionDesk
+from truepose.operation.tracker.plans import judged_addition, refuse_below_floor, require_fit
+from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
+from truepose.planning.work_volume.cell_bodies import bodies_of
+from truepose.sequencing.engine.acts import Act, ActName
+from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
+from truepose.sequencing.engine.states import after_restart, has_ended, words
+from truepose.sequencing.errors import NotNowError
+from truepose.sequencing.tracker.cell import SessionCell
+from truepose.sequencing.tracker.plans import extended_plan
+from truepose.sequencing.tracker.runner import TrackerRunner
+from truepose.sequencing.tracker.situation import situation
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.records import AddedStops, RequestKey, SessionRecord, SessionSetup
+
+_RESTARTED: Final = "The service was restarted during the session; look at the cell, then confirm."
+_STOPPED: Final = "The service was stopped during the session; look at the cell, then confirm."
+_LOOKED_AT_THE_CELL: Final = frozenset({ActName.CONFIRM, ActName.RESUME})
+WhenFinished = Callable[[int], Awaitable[None]]
+MakeRunner = Callable[[SessionPlan, SessionCell, Ledger, tuple[LedgerEntry, ...]], TrackerRunner]
+
+
+@dataclass(frozen=True, slots=True)
+class WantedStops:
+    """Configurations that a person wants to add to a session."""
+
+    configurations: Sequence[WantedStop]
+    leave_out_unfit: bool = False
+    diagnosis_id: int | None = None  # which proposed them, to be run again
+
+
+class TrackerSessions(SessionKind[TrackerRunner]):
+    """Sessions in which the tracker measures and nobody is in the cell."""
+
+    def __init__(
+        self,
+        desk: SessionDesk,
+        additions: AddedStopsRepository,
+        when_finished: WhenFinished,
+        make_runner: MakeRunner = TrackerRunner,
+    ) -> None:
+        super().__init__(desk)
+        self._additions = additions
+        self._when_finished = when_finished
+        self._make_runner = make_runner
+
+    async def start(self, session_id: int) -> str:
+        """Start a planned session and return what a person is asked before anything moves.
+
+        Raises NotFoundError, NotNowError, DeviceInUseError, MissingDeviceError, PlanRefusedError,
+        CellChangedError.
+        """
+        await self.desk.present.require_unchanged()
+        async with self.desk.turn:
+            record = await self.get(session_id)
+            if record.state is not SessionState.PLANNED:
+                raise NotNowError(
+                    f"Session {session_id} is {words(record.state)}; only a planned one starts."
+                )
+            return (await self.desk.start(self, record)).runner.question or ""
+
+    async def add_stops(
+        self, session_id: int, wanted: WantedStops, person: str, key: RequestKey | None = None
+    ) -> Addition:
+        """Add configurations to the plan of a session that has not ended; return them as its stops.
+
+        Before the robot goes there a person is asked, as before every first motion. A diagnosis that is
+        named is run again once the session has finished. Raises NotFoundError, NotNowError,
+        PersonMissingError, PersonUnknownError, WorkSpaceError, PlanRefusedError, CellChangedError,
+        KeyReusedError.
+        """
+        desk = self.desk
+        name = desk.present.require_person(person)
+        async with desk.turn:  # two additions at once must not take the same numbers
+            await self.get(session_id)
+            earlier = None if key is None else await self._additions.answered(key)
+            if earlier is not None:
+                return Addition(earlier.stops, ())
+            await desk.present.require_unchanged()
+            plan = await desk.sessions.plan(session_id)
+            cell = desk.present.bound((await desk.sessions.setup(session_id)).cell)
+            found = addition(cell, plan, wanted.configurations, leave_out_unfit=wanted.leave_out_unfit)
+            notice = await asyncio.to_thread(judged_addition, cell, plan, found.stops)
+            added = AddedStops(session_id, name, found.stops, wanted.diagnosis_id)
+            await self._take_up(added, cell, plan, key)
+            return replace(found, notice=notice)
+
+    async def _take_up(
+        self, added: AddedStops, cell: Cell, plan: SessionPlan, key: RequestKey | None
+    ) -> None:
+        async def keep() -> None:
+            await self._additions.add(added, key)
+
+        runner = self.running(added.session_id)
+        if runner is not None:
+            await runner.add_stops(added.stops, keep)
+            return
+        # Asked only now: the session may have ended since.
+        record = await self.get(added.session_id)
+        if has_ended(record.state):
+            raise NotNowError(
+                f"Session {record.id} is {words(record.state)}; plan a new one for what is missing."
+            )
+        entries = [line.entry for line in await self.desk.ledger.page(record.id)]
+        require_fit(cell, extended_plan(plan, added.stops), _done(plan, cell, entries))
+        await keep()
+
+    # what the desk asks for
+
+    def owns(self, record: SessionRecord) -> bool:
+        """Whether a session is of this kind."""
+        return record.role != "ballbar"
+
+    async def get(self, session_id: int) -> SessionRecord:
+        """Return a tracker session; raises NotFoundError, NotNowError."""
+        record = await self.desk.sessions.get(session_id)
+        if not self.owns(record):
+            raise NotNowError(
+                f"Session {session_id} is one with the ballbar; ask it at ballbar-sessions/{session_id}/acts."
+            )
+        return record
+
+    def require_startable(self, record: SessionRecord, act: Act) -> None:
+        """Raise NotNowError unless a person confirms what an earlier service left."""
+        if record.state is not SessionState.AWAITING_CONFIRMATION or act.name is not ActName.CONFIRM:
+            raise NotNowError(f"Session {record.id} is {words(record.state)}; nothing of it is under way.")
+
+    async def runner(
+        self, record: SessionRecord, setup: SessionSetup, ledger: SessionLedger
+    ) -> TrackerRunner:
+        """Return what runs a session, from the lines of its ledger; nothing moves yet."""
+        plan, cell = await self.desk.sessions.plan(record.id), self._cell(setup)
+        left = situation(plan, len(cell.fixed_nests), ledger.earlier).left
+        if cell.bodies is not None:
+            await asyncio.to_thread(refuse_below_floor, cell.bodies, left, plan.approach_offset_rad)
+        # On a thread: it goes through the whole plan first.
+        return await asyncio.to_thread(self._make_runner, plan, cell, ledger, ledger.earlier)
+
+    async def begun(self, session_id: int, runner: TrackerRunner) -> None:
+        """Wait for the question; raises RecordRefusedError where it cannot be put on record."""
+        # The question comes first, the state that it puts the session in once the journal has it.
+        while self.running(session_id) is runner and (
+            runner.question is None or runner.state is SessionState.PLANNED
+        ):
+            if runner.trouble is not None:
+                raise RecordRefusedError(f"Session {session_id} was not started. {runner.trouble}")
+            await asyncio.sleep(0.001)
+
+    async def prepare(self, session_id: int, act: Act) -> None:
+        """Raise NotNowError where the ballbar hangs in a cell whose arm is let move."""
+        if act.name in _LOOKED_AT_THE_CELL:
+            setup = await self.desk.sessions.setup(session_id)
+            await require_ballbar_aside(self.desk.rack, setup.cell.ballbar)
+
+    async def follow(self, session_id: int) -> None:
+        """Do what was wanted after the session."""
+        await self._when_finished(session_id)
+
+    async def recover(self, record: SessionRecord) -> None:
+        """Have a session await a person's confirmation, which takes it up."""
+        await self._enter_after_restart(record, _RESTARTED)
+
+    async def leave(self, record: SessionRecord) -> None:
+        """Have a session await a person's confirmation of the next service."""
+        await self._enter_after_restart(record, _STOPPED)
+
+    async def _enter_after_restart(self, record: SessionRecord, reason: str) -> None:
+        state = after_restart(record.state)
+        if state is not record.state:
+            await self.desk.enter(record.id, state, reason, control=Control.RESTARTED)
+
+    def _cell(self, setup: SessionSetup) -> SessionCell:
+        rack, cell = self.desk.rack, self.desk.present.bound(setup.cell)
+        return SessionCell(
+            tracker=rack.tracker,
+            robot_controller=WatchfulRobot(rack.robot, cell.robot.joint_limits),
+            clock=rack.clock,
+            robot=cell.robot,
+            base=cell.base_nominal,
+            nests=cell.nests,
+            fixed_nests=cell.fixed_nests,
+            tracker_position_mm=cell.tracker_position_mm,
+            fixed_nests_seen_mm=cell.fixed_nests_seen_mm,
+            joint_limits=cell.limits.joints or cell.robot.joint_limits,
+            speed_limits=speed_limits(cell.limits),
+            certified_lengths=cell.certified_lengths,
+            attachment=setup.attachment,
+            expected=rack.expected(),
+            bodies=bodies_of(cell),
+        )
+
+
+def _done(plan: SessionPlan, cell: Cell, entries: Iterable[LedgerEntry]) -> frozenset[int]:
+    """Return the configurations that were measured or skipped."""
+    left = {stop.config for stop in situation(plan, len(cell.fixed_nests), entries).left}
+    return frozenset(stop.config for stop in plan.stops) - left
