@@ -2,7 +2,6 @@
 
 from truepose.domain.artefacts import Bars
 from truepose.domain.ballbar import (
-    ArrivalTaken,
     BallbarStep,
     Leg,
     StepKind,
@@ -15,7 +14,6 @@ from truepose.sequencing.ballbar.situation import Situation
 from truepose.storage.records import LedgerRecord
 from truepose.web.schemas.ballbar_sessions import (
     ActingReply,
-    ArrivalReply,
     BallbarProgressReply,
     BallbarSessionReply,
     EntryReply,
@@ -26,7 +24,6 @@ from truepose.web.schemas.ballbar_sessions import (
     StepsReply,
     SuspicionReply,
 )
-from truepose.web.schemas.base import degrees
 from truepose.web.schemas.identities import identity_reply
 
 
@@ -94,7 +91,6 @@ def entry_reply(record: LedgerRecord) -> EntryReply:
         entry,
         number=record.id,
         text=entry.told,
-        arrival=None if entry.arrival is None else _arrival(entry.arrival),
         suspicion=None if suspicion is None else suspicion_reply(suspicion, artefact),
         identity=None if entry.identity is None else identity_reply(entry.identity),
     )
@@ -165,7 +161,6 @@ def _step(view: BallbarView, step: BallbarStep) -> StepReply:
         points=None if step.points is None else point_names(step.points, _side_of(step)),
         bars_mm=None if bars is None else bars.bars_mm,
         nominal_mm=None if bars is None else bars.nominal_mm,
-        target_deg=None if step.target_rad is None else degrees(step.target_rad),
     )
 
 
@@ -193,9 +188,3 @@ def _last_outcome(found: Situation) -> LastOutcomeReply | None:
 
 def _stored_mm(outcome: Outcome) -> float | None:
     return None if outcome.length is None else outcome.length.length_mm
-
-
-def _arrival(arrival: ArrivalTaken) -> ArrivalReply:
-    return ArrivalReply.of(
-        arrival, commanded_deg=degrees(arrival.commanded_rad), reported_deg=degrees(arrival.reported_rad)
-    )

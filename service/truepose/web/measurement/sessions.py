@@ -30,9 +30,7 @@ from truepose.web.schemas.sessions import (
     SessionDetailReply,
     SessionReply,
     SessionRequest,
-    given_plan,
-    plan_reply,
-    plan_template,
+    planned,
 )
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -63,16 +61,15 @@ async def plan_session(
     the cell states its floor; else the `notes` of the session say so, and the question before it moves.
     """
     setup = SessionSetup(here.cell, wanted.attachment)
-    template = plan_template(wanted, here.cell)
+    plan = planned(wanted, here.cell)
     if isinstance(wanted.plan, GivenStops):
-        plan = given_plan(template, wanted.plan)
         notice = await asyncio.to_thread(judged, here.cell, plan)
         number = await here.sessions.add(wanted.name, setup, plan, key)
         if notice and notice not in await here.sessions.notes(number):  # a repeated request finds it there
             await here.sessions.note(number, notice)
         response.headers["Location"] = f"/api/v1/sessions/{number}"
         return await get_session(here, number)
-    task = PlanTask(setup, template, wanted.plan.configurations, wanted.plan.seed)
+    task = PlanTask(setup, plan, wanted.plan.configurations, wanted.plan.seed)
     number = await here.job_desk.plan(wanted.name, task, key)
     response.status_code = status.HTTP_202_ACCEPTED
     response.headers["Location"] = f"/api/v1/jobs/{number}"
@@ -105,7 +102,7 @@ async def get_session(here: Here, id: Id) -> SessionDetailReply:
 @router.get("/{id}/plan", responses=problems(404, 409, 422, 503))
 async def get_plan(here: Here, id: Id) -> PlanReply:
     """List what the session does, in order."""
-    return await asyncio.to_thread(plan_reply, await here.sessions.plan(id))
+    return await asyncio.to_thread(PlanReply.of, await here.sessions.plan(id))
 
 
 @router.get("/{id}/progress", responses=_READ)

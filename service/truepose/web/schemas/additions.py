@@ -1,14 +1,12 @@
 """Configurations that are added to the plan of a session."""
 
-import math
-
 from pydantic import Field
 
 from truepose.operation.tracker.sessions import WantedStops
 from truepose.planning.tracker.added_stops import Addition, WantedStop
 from truepose.sequencing.tracker.plans import numbers
 from truepose.web.schemas.base import Number, PersonName, Reply, Request, example
-from truepose.web.schemas.sessions import AngleDeg, SessionReply, StopReply, stop_reply
+from truepose.web.schemas.sessions import AngleDeg, SessionReply, StopReply
 
 
 class ConfigurationRequest(Request):
@@ -60,11 +58,8 @@ class LeftOutReply(Reply):
 
 def wanted_stops(wanted: AdditionRequest) -> WantedStops:
     """Return what a request wants to add."""
-    configurations = [
-        WantedStop(tuple(math.radians(angle) for angle in entry.joints_deg), entry.nest)
-        for entry in wanted.configurations
-    ]
-    return WantedStops(configurations, wanted.leave_out_unfit, wanted.diagnosis_id)
+    stops = [entry.into(WantedStop) for entry in wanted.configurations]
+    return wanted.into(WantedStops, configurations=stops)
 
 
 def addition_reply(found: Addition, session: SessionReply) -> AdditionReply:
@@ -72,7 +67,7 @@ def addition_reply(found: Addition, session: SessionReply) -> AdditionReply:
     added = f"Added {numbers(found.stops)}; a person confirms before the robot goes there."
     return AdditionReply(
         sentence=" ".join(filter(None, (added, found.notice))),
-        stops=[stop_reply(stop) for stop in found.stops],
-        left_out=[LeftOutReply(configuration=e.number, reason=e.reason) for e in found.left_out],
+        stops=[StopReply.of(stop) for stop in found.stops],
+        left_out=[LeftOutReply.of(left, configuration=left.number) for left in found.left_out],
         session=session,
     )

@@ -1,6 +1,5 @@
 """What a client says of ballbar sessions: which one to plan, and which button was pressed."""
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -11,7 +10,6 @@ from truepose.domain.ballbar import (
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
-    Vector,
 )
 from truepose.domain.people import NAME_PATTERN, tidy_name
 from truepose.domain.robot import FramePlacement
@@ -171,24 +169,13 @@ class HandsRequest(Request):
 
 def act_of(wanted: ActRequest, key: str) -> Act:
     """Return the act that was asked for."""
-    return Act(
+    return wanted.into(
+        Act,
         name=wanted.act,
-        person=wanted.person,
-        tablet=wanted.tablet,
         key=key,
-        step_id=wanted.step_id,
-        reason=wanted.reason,
         answer=wanted.answer.value if wanted.answer else "",
-        seen_time_s=wanted.seen_time_s,
         accepted_serial=wanted.accept_serial_number or "",
-        prompt_id=wanted.prompt_id,
     )
-
-
-def _frame(place: PlacementRequest) -> FramePlacement:
-    """Return the frame of a placement."""
-    turns = (math.radians(angle) for angle in (place.rx_deg, place.ry_deg, place.rz_deg))
-    return FramePlacement(place.x_mm, place.y_mm, place.z_mm, *turns)
 
 
 def wanted_plan(wanted: BallbarSessionRequest) -> BallbarWish:
@@ -196,52 +183,22 @@ def wanted_plan(wanted: BallbarSessionRequest) -> BallbarWish:
     places = wanted.placements or []
     given = [_given(number, place) for number, place in enumerate(places, 1)]
     complete = tuple(place for place in given if place is not None)
-    return BallbarWish(
+    return wanted.into(
+        BallbarWish,
         given=BallbarPlan(complete) if places and len(complete) == len(places) else None,
-        frames=tuple(_frame(place) for place in places),
+        frames=tuple(place.into(FramePlacement) for place in places),
         placements=wanted.placement_count,
-        poses=wanted.poses,
-        seed=wanted.seed,
     )
 
 
 def _given(number: int, place: PlacementRequest) -> PlannedPlacement | None:
     if place.cups_mm is None or place.setups is None or place.poses is None:
         return None
-    return PlannedPlacement(
+    return place.into(
+        PlannedPlacement,
         number=number,
-        frame=_frame(place),
-        cups_mm=tuple(_vector(cup) for cup in place.cups_mm),
-        setups=tuple(
-            PlannedSetup(setup.base_point, _rad(setup.joints_deg), _ways(setup.via_deg))
-            for setup in place.setups
-        ),
-        poses=tuple(_pose(number, pose) for pose in place.poses),
-        away=None
-        if place.away is None
-        else PlannedAway(_rad(place.away.joints_deg), _ways(place.away.via_deg)),
+        frame=place.into(FramePlacement),
+        setups=tuple(setup.into(PlannedSetup) for setup in place.setups),
+        poses=tuple(pose.into(PlannedPose, placement=number) for pose in place.poses),
+        away=None if place.away is None else place.away.into(PlannedAway),
     )
-
-
-def _pose(placement: int, pose: PoseRequest) -> PlannedPose:
-    return PlannedPose(
-        config=pose.config,
-        placement=placement,
-        joints_rad=_rad(pose.joints_deg),
-        legs=tuple((leg[0], leg[1]) for leg in pose.legs),
-        aimed_mm=None if pose.aimed_mm is None else tuple(pose.aimed_mm),
-        via_rad=_ways(pose.via_deg),
-    )
-
-
-def _vector(point: list[float]) -> Vector:
-    x_mm, y_mm, z_mm = point
-    return x_mm, y_mm, z_mm
-
-
-def _rad(angles_deg: list[float]) -> tuple[float, ...]:
-    return tuple(math.radians(angle) for angle in angles_deg)
-
-
-def _ways(via_deg: list[list[float]]) -> tuple[tuple[float, ...], ...]:
-    return tuple(_rad(stop) for stop in via_deg)

@@ -1,13 +1,20 @@
-"""What all schemas share."""
+"""What all schemas share. Angles travel in deg and are kept in rad: `joints_deg` here, `joints_rad` there."""
 
+import functools
+import inspect
 import math
+import re
+from collections.abc import Callable
 from datetime import date
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from truepose.domain.people import LONGEST_NAME, NAME_PATTERN, tidy_name
 from truepose.exchange.outgoing import Outgoing
+
+Noun = TypeVar("Noun")
+_DEGREES = re.compile(r"_deg(?=_|$)")
 
 # A character that no reader of the schema takes for a space: what counts as one differs between them.
 VISIBLE = r"[^\s\u0085\u00a0\u1680\u180e\u2000-\u200a\u2028\u2029\u202f\u205f\u3000\ufeff]"
@@ -61,6 +68,15 @@ class Request(BaseModel):
         # JSON knows one kind of number: to a schema, and to many a client, 3.0 is the integer 3.
         return {key: whole(value) for key, value in body.items()} if isinstance(body, dict) else body
 
+    def into(self, noun: Callable[..., Noun], **more: object) -> Noun:
+        """Return a noun of the domain: its fields as the body says them under their names.
+
+        `more` is what the body does not say, or says in another form.
+        """
+        said = {_kept_name(name): value for name, value in self}
+        taken = [name for name in _fields(noun) if name in said and name not in more]
+        return noun(**{name: _kept(name, said[name]) for name in taken}, **more)
+
 
 def _day(value: object) -> object:
     # The strict mode of requests, meant for numbers, would take no text for a day; a lax one takes seconds.
@@ -83,10 +99,49 @@ def whole(value: object) -> object:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
+@functools.cache
+def _fields(noun: Callable[..., object]) -> tuple[str, ...]:
+    return tuple(inspect.signature(noun).parameters)
+
+
+def _kept_name(name: str) -> str:
+    return _DEGREES.sub("_rad", name)
+
+
+def _kept(name: str, value: object) -> object:
+    """Return what a body says as it is kept: lists as tuples, angles in rad."""
+    if isinstance(value, list):
+        return tuple(_kept(name, entry) for entry in value)
+    return math.radians(value) if "_rad" in name and isinstance(value, float | int) else value
+
+
 class Reply(Outgoing):
-    """A body that the service sends."""
+    """A body that the service sends; angles that its value has in rad are given in deg."""
 
     model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _angles(cls, value: object) -> object:
+        return value if isinstance(value, dict | BaseModel) else _InDegrees(value)
+
+
+class _InDegrees:
+    """A value under the names that travel."""
+
+    def __init__(self, value: object) -> None:
+        self._value = value
+
+    def __getattr__(self, name: str) -> object:
+        if hasattr(self._value, name):
+            return getattr(self._value, name)
+        return _travels(getattr(self._value, _kept_name(name)))
+
+
+def _travels(angle_rad: Any) -> Any:
+    if angle_rad is None:
+        return None
+    return degrees((angle_rad,))[0] if isinstance(angle_rad, float) else degrees(angle_rad)
 
 
 def example(document: dict[str, Any]) -> ConfigDict:

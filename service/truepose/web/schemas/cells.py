@@ -164,15 +164,11 @@ def robot_reply(name: str, robot: Robot) -> RobotReply:
 
 
 def _joint(robot: Robot, index: int) -> JointReply:
-    row = robot.joints[index]
-    alpha_deg, theta_offset_deg = degrees((row.alpha_rad, row.theta_offset_rad))
     lower, upper = _range(robot.joint_limits, index)
     calibration_from, calibration_to = _range(robot.calibration_ranges, index)
     return JointReply.of(
-        row,
+        robot.joints[index],
         joint=index + 1,
-        alpha_deg=alpha_deg,
-        theta_offset_deg=theta_offset_deg,
         lower_limit_deg=lower,
         upper_limit_deg=upper,
         calibration_from_deg=calibration_from,

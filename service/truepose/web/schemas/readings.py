@@ -5,7 +5,7 @@ from pydantic import Field
 from truepose.domain.session import PointTaken
 from truepose.exchange.outgoing import Quantity
 from truepose.storage.records import ReadingKind, ReadingRecord
-from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply, degrees
+from truepose.web.schemas.base import Point, RecordedAt, RecordId, Reply
 
 
 class PointReadingReply(Reply):
@@ -54,11 +54,5 @@ def reading_reply(record: ReadingRecord) -> ReadingReply:
     """Return a reading as it travels."""
     taken = record.reading
     if isinstance(taken, PointTaken):
-        return ReadingReply.of(record, taken, point=_point(taken), fixed_nest=None)
+        return ReadingReply.of(record, taken, point=taken, fixed_nest=None)
     return ReadingReply.of(record, taken, nest=taken.fixed_nest, point=None, fixed_nest=taken)
-
-
-def _point(taken: PointTaken) -> PointReadingReply:
-    return PointReadingReply.of(
-        taken, commanded_deg=degrees(taken.commanded_rad), reported_deg=degrees(taken.reported_rad)
-    )

@@ -1,7 +1,5 @@
 """Sessions: what is planned, where they stand, what they measured."""
 
-import dataclasses
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -19,7 +17,6 @@ from truepose.web.schemas.base import (
     RecordId,
     Reply,
     Request,
-    degrees,
     example,
 )
 from truepose.web.schemas.identities import IdentityReply
@@ -215,51 +212,13 @@ class ActionReply(Reply):
     session: SessionReply
 
 
-def plan_template(wanted: SessionRequest, cell: Cell) -> SessionPlan:
-    """Return the plan that `wanted` describes, without its stops."""
-    offset_deg = wanted.approach_offset_deg
-    return SessionPlan(
-        role=wanted.role,
-        stops=(),
-        approach_offset_rad=None if offset_deg is None else math.radians(offset_deg),
-        settle_s=wanted.settle_s,
-        measure_s=wanted.measure_s,
+def planned(wanted: SessionRequest, cell: Cell) -> SessionPlan:
+    """Return the plan that `wanted` describes; without stops where they are to be chosen."""
+    given = wanted.plan.stops if isinstance(wanted.plan, GivenStops) else []
+    return wanted.into(
+        SessionPlan,
+        stops=tuple(stop.into(PlannedStop) for stop in given),
         tool_speed_mm_s=cell.limits.tool_speed_mm_s,
         orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
-        reference_every=wanted.reference_every,
         reference_limit_mm=cell.limits.reference_mm,
-        registration_readings=wanted.registration_readings,
-        two_face_check=wanted.two_face_check,
     )
-
-
-def given_plan(template: SessionPlan, given: GivenStops) -> SessionPlan:
-    """Return the plan with the stops given."""
-    return dataclasses.replace(
-        template,
-        stops=tuple(
-            PlannedStop(
-                stop.config,
-                tuple(math.radians(angle) for angle in stop.joints_deg),
-                stop.nest,
-                stop.repeat_of,
-            )
-            for stop in given.stops
-        ),
-    )
-
-
-def plan_reply(plan: SessionPlan) -> PlanReply:
-    """Return a plan as it travels."""
-    offset = plan.approach_offset_rad
-    return PlanReply.of(
-        plan,
-        approach_offset_deg=None if offset is None else degrees((offset,))[0],
-        orientation_speed_deg_s=degrees((plan.orientation_speed_rad_s,))[0],
-        stops=[stop_reply(stop) for stop in plan.stops],
-    )
-
-
-def stop_reply(stop: PlannedStop) -> StopReply:
-    """Return a stop as it travels."""
-    return StopReply.of(stop, joints_deg=degrees(stop.joints_rad))
