@@ -65,7 +65,9 @@ def _write_model(path: Path, answer: "Diagnosis") -> None:
     from truepose.exchange.models.file import write_model
 
     if answer.model is None:
-        remark([f"No model was written to {path}: {answer.message}"])
+        from truepose.words.catalogue import english
+
+        remark([f"No model was written to {path}: {english(answer.message)}"])
         return
     with writing(path):
         write_model(answer.model, path)

@@ -15,6 +15,7 @@ from truepose.reports.causes import (
 )
 from truepose.reports.causes_found.described import DescribedRow, described_rows, described_sentence
 from truepose.reports.rounding import millimetres, p_value, with_uncertainty
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _HELD_OUT = {
     "validation": "readings kept for validation",
@@ -22,18 +23,19 @@ _HELD_OUT = {
 }
 
 
-def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
+def diagnosis_lines(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
     """Yield the message first, then findings, what was withdrawn, what is left, and what to measure next."""
-    yield diagnosis.message
+    yield words.spoken(diagnosis.message)
     for number, finding in enumerate(diagnosis.findings, start=1):
-        yield f"{number}. {finding.sentence}"
+        yield f"{number}. {words.spoken(finding.sentence)}"
         yield from (f"   {line}" for line in _evidence(finding))
     if diagnosis.small:
         yield f"{SMALL_FINDINGS}:"
-        yield from (f"   {finding.sentence}" for finding in diagnosis.small)
-    yield from (f"Withdrawn: {sentence}" for sentence in diagnosis.withdrawn)
-    if diagnosis.remaining.sentence not in diagnosis.message:  # the first line may have said it already
-        yield diagnosis.remaining.sentence
+        yield from (f"   {words.spoken(finding.sentence)}" for finding in diagnosis.small)
+    yield from (f"Withdrawn: {words.spoken(sentence)}" for sentence in diagnosis.withdrawn)
+    left = words.spoken(diagnosis.remaining.sentence)
+    if left not in words.spoken(diagnosis.message):  # the first line may have said it already
+        yield left
     if diagnosis.remaining.depends_on:
         yield f"Depends on: {_depends_on(diagnosis.remaining)}."
     if diagnosis.remaining.described:
@@ -46,9 +48,9 @@ def diagnosis_lines(diagnosis: Diagnosis) -> Iterator[str]:
             f"{millimetres(worst.before_mm)} mm before, {millimetres(worst.after_mm)} mm after."
         )
     if diagnosis.noise is not None:
-        yield f"Noise: {diagnosis.noise.sentence}"
+        yield f"Noise: {words.spoken(diagnosis.noise.sentence)}"
     for entry in diagnosis.next_measurements:
-        yield from _next(entry)
+        yield from _next(entry, words)
 
 
 def _evidence(finding: Finding) -> Iterator[str]:
@@ -86,8 +88,8 @@ def _described(row: DescribedRow) -> str:
     return f"   {row.place}: missed by {row.own} mm RMS without it; it moves the tool by {row.worth}."
 
 
-def _next(entry: NextMeasurement) -> Iterator[str]:
-    yield f"Measure next: {entry.sentence}"
+def _next(entry: NextMeasurement, words: Catalogue) -> Iterator[str]:
+    yield f"Measure next: {words.spoken(entry.sentence)}"
     for joints in entry.configurations_deg:
         yield f"   joints {' '.join(f'{angle:.2f}' for angle in joints)} deg"
 

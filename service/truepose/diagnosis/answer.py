@@ -20,7 +20,7 @@ from truepose.diagnosis.evidence.extended_model import Whole
 from truepose.diagnosis.evidence.held_out import CrossValidation, Improvement, on_validation
 from truepose.diagnosis.evidence.sensitivities import shown_of, worth_of
 from truepose.diagnosis.evidence.structure_left import Depends, Left
-from truepose.diagnosis.evidence.witnesses import CONTRADICTED, accused, speak_against
+from truepose.diagnosis.evidence.witnesses import accused, speak_against
 from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.readings_found import readings_found
 from truepose.diagnosis.screening.groups import names_of
@@ -41,6 +41,7 @@ from truepose.domain.diagnosis import (
     WorstPoint,
 )
 from truepose.domain.results import Model
+from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Scene, Shown
 from truepose.effects.cells import cell_of, named_cell, of_instrument
 from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
@@ -160,7 +161,7 @@ def _with_shared(start: Start, left: Left) -> Left:
     return replace(left, depends=(*left.depends, added))
 
 
-def _told(answer: _Answer, withdrawn: tuple[str, ...], without: tuple[str, ...]) -> Diagnosis:
+def _told(answer: _Answer, withdrawn: tuple[Text, ...], without: tuple[str, ...]) -> Diagnosis:
     start, tested = answer.start, answer.tested
     selected, judged, left = tested.selected, answer.judged, tested.left
     whole = None if left.contradicted else answer.whole
@@ -238,7 +239,7 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
         p_value=scale.p_value,
         confidence=Confidence.CERTAIN if sure else Confidence.LIKELY,
         details=with_known_orders(answer.tested.selected, group, shown.details, answer.scene),
-        sentence=f"{_sentence(shown)} {CONTRADICTED}" if against else _sentence(shown),
+        sentence=together(_sentence(shown), said("causes.contradicted_by_nests") if against else ""),
         confusable_with=tuple(dict.fromkeys((*scale.rivals, *instead))),
         gain=gain,
         parameters=names_of(group),
@@ -252,11 +253,11 @@ def _finding(answer: _Answer, index: int, scale: Weighed, share: float) -> Findi
     )
 
 
-def _sentence(shown: Shown) -> str:
+def _sentence(shown: Shown) -> Text:
     """Return what is said of a finding; beyond physical limits also that it cannot be what it says."""
     if shown.limits is None or not shown.impossible:
         return shown.sentence
-    return f"{shown.sentence.removesuffix('.')}; {shown.limits.why}: something else acts here."
+    return said("causes.impossible", sentence=shown.sentence, why=shown.limits.why)
 
 
 def _model(answer: _Answer) -> Model:
@@ -287,7 +288,7 @@ def _discrepancy_mm(answer: _Answer) -> float:
     return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))
 
 
-def unanswerable(campaign: Campaign, effects: tuple[str, ...], sentence: str) -> Diagnosis:
+def unanswerable(campaign: Campaign, effects: tuple[str, ...], sentence: Text) -> Diagnosis:
     """Return what is said where the present model cannot even be fitted."""
     readings = campaign.readings
     return Diagnosis(

@@ -9,10 +9,11 @@ from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.jump_moments import with_exact_moments
 from truepose.diagnosis.screening.line_orders import with_lines_between
 from truepose.diagnosis.screening.selection import chosen, select
-from truepose.diagnosis.start import stands, started
+from truepose.diagnosis.start import Start, stands, started
 from truepose.domain.campaign import Campaign
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.last_moves import with_last_moves
+from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Scene
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
@@ -54,7 +55,7 @@ def diagnose(
     tell(0.02, "fitting the present model")
     reached = within_reach(with_last_moves(campaign))
     start = started(reached.campaign, effects, relabel="label_swap" not in without)
-    if isinstance(start, str):
+    if not isinstance(start, Start):
         return unanswerable(campaign, effects or (), start)
 
     def propose(fit: RobustFit) -> tuple[Candidate, ...]:
@@ -69,7 +70,7 @@ def diagnose(
         return unanswerable(campaign, effects or (), start.doubt)
     tell(0.6, "judging on points that were not seen")
     answer = answered(start, first, selected, propose, without, tell)
-    return replace(answer, message=f"{answer.message} {reached.sentence}".rstrip())
+    return replace(answer, message=together(answer.message, reached.sentence))
 
 
 def proposed(scene: Scene, without: tuple[str, ...]) -> tuple[Candidate, ...]:

@@ -13,6 +13,7 @@ from truepose.diagnosis.screening.selection import Selected
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import BoolArray
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
+from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Fitted, Shown
 from truepose.effects.cells import cell_of
 from truepose.effects.readings.label_swap import pair_subject
@@ -73,7 +74,7 @@ def _bad(start: Start, selected: Selected, left: Left, judged: Improvement) -> t
         return (finding,)
     swapped = tuple(Cause("label_swap", subject) for subject in _pairs(start)) if far else ()
     shared = gathered(start.scene, bad)
-    sentence = f"{finding.sentence} {shared.sentence}" if shared else finding.sentence
+    sentence = together(finding.sentence, shared.sentence) if shared else finding.sentence
     doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)
     return (doubted,)
 

@@ -1,12 +1,12 @@
-"""Sentences: what an operator reads first, and what is left in plain words."""
+"""Sentences: what an operator reads first, and what is left; their words are in the catalogue."""
 
 from truepose.diagnosis.evidence.structure_left import Left
 from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from truepose.domain.results import Statistics
-from truepose.effects.unnamed.cause import NAME as UNNAMED
+from truepose.domain.sentences import Sentence, Text, leading_key, said, together
 
-_AS_STATED = "What is left looks like the stated noise."
-_CONTRADICTED = "The validation readings contradict what was found"
+_AS_STATED = "remaining.as_stated"
+_CONTRADICTED = "remaining.contradicted"
 _OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 
@@ -16,110 +16,92 @@ def first_line(
     before: Statistics,
     after: Statistics,
     remaining: Remaining,
-) -> str:
+) -> Text:
     """Return the one sentence that stands above everything."""
     if verdict is Verdict.CONSISTENT:
-        noise = "" if remaining.sentence.startswith(_AS_STATED) else f" {remaining.sentence}"
-        return f"The present model explains the data: nothing else was found.{noise}"
+        noise = "" if leading_key(remaining.sentence) == _AS_STATED else remaining.sentence
+        return together(said("message.consistent"), noise)
     if not findings:
-        return f"Something is wrong that no known cause explains. {remaining.sentence}"
+        return together(said("message.unexplained"), remaining.sentence)
+    explained = verdict is Verdict.EXPLAINED
     if findings[0].effect in _OF_READINGS:
-        rest = "" if verdict is Verdict.EXPLAINED else f" {remaining.sentence}"
-        return f"Some readings are wrong: {findings[0].sentence}{rest}"
-    lead = findings[0]
-    others = len(findings) - 1
-    more = "" if others == 0 else f", and {others} more cause{'s' if others > 1 else ''}"
-    surely = "" if lead.confidence == "certain" else "probably "
-    rest = "" if verdict is Verdict.EXPLAINED else f" {_beside(remaining)}"
-    beside = " and what is described without a name" if remaining.described else ""
-    return (
-        f"The model lacks {surely}{spoken(Cause(lead.effect, lead.subject))}{more}: with it{beside}, errors "
-        f"on unseen points go from {before.mean_mm:.3f} to {after.mean_mm:.3f} mm on average.{rest}"
+        wrong = said("message.readings_wrong", sentence=findings[0].sentence)
+        return together(wrong, "" if explained else remaining.sentence)
+    return together(_lacking(findings, before, after, remaining), "" if explained else _beside(remaining))
+
+
+def _lacking(
+    findings: tuple[Finding, ...], before: Statistics, after: Statistics, remaining: Remaining
+) -> Sentence:
+    lead, others = findings[0], len(findings) - 1
+    more = said("message.one_more" if others == 1 else "message.more", causes=others)
+    return said(
+        "message.lacks" if lead.confidence == "certain" else "message.probably_lacks",
+        cause=spoken(Cause(lead.effect, lead.subject)),
+        more=more if others else "",
+        beside=said("message.and_described") if remaining.described else "",
+        before_mm=before.mean_mm,
+        after_mm=after.mean_mm,
     )
 
 
-def _beside(remaining: Remaining) -> str:
+def _beside(remaining: Remaining) -> Text:
     """Return what is said of the rest beside a named cause: in full where a point is far worse now."""
-    told = remaining.worse_at is not None or remaining.sentence.startswith(_CONTRADICTED)
-    return remaining.sentence if told else "Something is left that they do not explain."
+    told = remaining.worse_at is not None or leading_key(remaining.sentence) == _CONTRADICTED
+    return remaining.sentence if told else said("message.something_left")
 
 
-def spoken(cause: Cause) -> str:
-    """Return e.g. `backlash of joint 4`."""
-    name = "a cause without a name" if cause.effect == UNNAMED else cause.effect.replace("_", " ")
-    return f"{name} ({cause.subject})"
+def spoken(cause: Cause) -> Sentence:
+    """Return e.g. `backlash (joint 4)`."""
+    return said("cause.spoken", effect=cause.effect, subject=cause.subject)
 
 
-def remaining_sentence(left: Left, *, full: bool) -> str:
-    """Return what is left in one sentence."""
-    carried = (
-        " These readings do not carry a larger model: measure more configurations to find the rest."
-        if full
-        else ""
-    )
+def remaining_sentence(left: Left, *, full: bool) -> Text:
+    """Return what is left."""
+    return together(_left(left), said("remaining.full") if full else "")
+
+
+def _left(left: Left) -> Sentence:
     if left.contradicted:
-        return (
-            f"{_CONTRADICTED}: they are foretold no better with it than without it, and the model stays what "
-            "it was. What was found fits the calibration alone: look what differs between the two, or "
-            f"measure where the validation was measured.{carried}"
-        )
-    if left.depends and left.worse_at is None:
-        listed = " and ".join(one.variable for one in left.depends[:2])
-        return f"What is left depends on the {listed}.{carried}"
+        return said(_CONTRADICTED)
     if left.worse_at is not None:
-        return (
-            f"The mean gets better, but configuration {left.worse_at.config}, which was not fitted, goes "
-            f"from {left.worse_at.before_mm:.2f} to {left.worse_at.after_mm:.2f} mm, farther off than any "
-            "point before: the readings do not hold the model there. Measure around it before the model is "
-            f"used.{carried}"
+        return said(
+            "remaining.worse_at",
+            config=left.worse_at.config,
+            before_mm=left.worse_at.before_mm,
+            after_mm=left.worse_at.after_mm,
         )
+    if left.depends:
+        return said("remaining.depends", variables=tuple(one.variable for one in left.depends[:2]))
     if left.clearly_worse_unseen:
-        return (
-            f"Errors on the validation points are {left.worse_unseen:.1f} times what the noise and the "
-            f"parameters explain, {_of_calibration(left)}: the calibration does not cover what the "
-            f"validation visits, or something changed between the two.{carried}"
-        )
+        return said("remaining.worse_unseen", times=left.worse_unseen, calibration=_of_calibration(left))
     if left.steps is not None:
-        return (
-            "What is left is noise, larger than stated: the joint angles are given in steps of "
-            f"{left.steps.step_deg:g} deg, and that alone scatters "
-            f"{'the lengths' if left.steps.of_lengths else 'the tool'} by {left.steps.scatter_mm:.2g} mm. "
-            f"Give them with all their digits.{carried}"
-        )
-    if left.more_than_stated and not left.explained_by_repeats:
-        return (
-            f"What is left is {left.noise_scale:.2g} times the stated noise but depends on nothing that was "
-            f"looked at: the noise is larger than stated, or an unknown cause scatters like noise.{carried}"
-        )
-    if left.more_than_stated:
-        return (
-            f"What is left is {left.noise_scale:.2g} times the stated noise, and so is the scatter of "
-            f"revisited configurations: it is noise, larger than stated.{carried}"
-        )
-    return f"{_AS_STATED}{carried}"
+        steps = left.steps
+        key = "remaining.steps_of_lengths" if steps.of_lengths else "remaining.steps"
+        return said(key, step_deg=steps.step_deg, scatter_mm=steps.scatter_mm)
+    return _noise_left(left)
 
 
-def _of_calibration(left: Left) -> str:
+def _noise_left(left: Left) -> Sentence:
+    if not left.more_than_stated:
+        return said(_AS_STATED)
+    key = "remaining.repeats" if left.explained_by_repeats else "remaining.like_noise"
+    return said(key, times=left.noise_scale)
+
+
+def _of_calibration(left: Left) -> Sentence:
     """Return how the calibration points fit."""
     if left.more_than_stated and not left.explained_by_repeats:
-        return f"and those on the calibration points {left.noise_scale:.2g} times their noise"
-    return "although the calibration points fit"
+        return said("remaining.calibration_too", times=left.noise_scale)
+    return said("remaining.calibration_fits")
 
 
 def noise_of(left: Left) -> Noise:
     """Return what the readings say of their own noise."""
     degrees = left.tails.degrees_of_freedom
-    stated = "what is stated" if left.steps is None else "what is stated and what steps of the angles add"
-    size = f"The typical residual is {left.noise_scale:.2f} times {stated}"
-    tail = (
-        f"; large residuals are more frequent than normal noise has them (Student's t with {degrees:.1f} "
-        f"degrees of freedom){_without_cause(left)}."
-        if degrees is not None
-        else "."
-    )
-    return Noise(left.noise_scale, degrees, size + tail)
-
-
-def _without_cause(left: Left) -> str:
-    """Return what heavy tails are, where nothing else is wrong that could make them."""
-    return "" if left.structure else ": heavy-tailed noise, no cause"
+    stated = said("noise.stated" if left.steps is None else "noise.stated_and_steps")
+    sentence = said("noise.normal", times=left.noise_scale, stated=stated)
+    if degrees is not None:
+        key = "noise.heavy_tails" if left.structure else "noise.heavy_tails_alone"
+        sentence = said(key, times=left.noise_scale, stated=stated, degrees=degrees)
+    return Noise(left.noise_scale, degrees, sentence)

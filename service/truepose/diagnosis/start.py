@@ -10,6 +10,7 @@ from truepose.diagnosis.readings.gathered import gathered
 from truepose.diagnosis.readings.single_readings import swapped_labels
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
+from truepose.domain.sentences import Text, together
 from truepose.effects.causes import Scene
 from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
 from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
@@ -33,10 +34,10 @@ class Start:
     effects: tuple[str, ...]
     written: Campaign  # as it was measured
     steps: AngleSteps | None = None  # of the joint angles, by which its readings weigh
-    doubt: str = ""  # so many readings do not fit the others that a cause must be found for it to stand
+    doubt: Text = ""  # so many readings do not fit the others that a cause must be found for it to stand
 
 
-def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | str:
+def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: bool) -> Start | Text:
     """Fit the present model; a sentence where it cannot be fitted.
 
     Raises
@@ -64,7 +65,7 @@ def started(campaign: Campaign, effects: tuple[str, ...] | None, *, relabel: boo
     scene = scene_of(problem, fitted)
     if status is Status.OUTLIERS_DOMINATE:
         shared = gathered(scene, fitted.gross[0])
-        doubt = f"{message} {shared.sentence}" if shared else message
+        doubt = together(message, shared.sentence) if shared else message
         counted = counted_fit(problem.structure, problem.blocks, problem.start)
         return Start(corrected, problem, counted, scene_of(problem, counted), chosen, campaign, steps, doubt)
     if status in _UNUSABLE:

@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.results import Model, Statistics
+from truepose.domain.sentences import Text
 
 HeldOut = Literal["validation", "cross_validation"]
 Shape = Literal["line", "wave", "curve", "jump", "drift", "settling", "sign", "group"]
@@ -124,7 +125,7 @@ class Finding:
     p_value: float  # corrected for everything that was tried
     confidence: Confidence
     details: tuple[Detail, ...]
-    sentence: str
+    sentence: Text
     confusable_with: tuple[Cause, ...]
     gain: Gain | None  # None where nothing held out can show it
     parameters: tuple[str, ...]  # their names in the extended model; none for bad readings
@@ -170,7 +171,7 @@ class Remaining:
 
     structure: bool
     depends_on: tuple[Dependence, ...]
-    sentence: str
+    sentence: Text
     worse_at: WorstPoint | None = None  # a held-out point that is far worse than any was before
     described: tuple[Described, ...] = ()  # largest first
     described_gain: Gain | None = None  # of all that is described, beside the findings
@@ -180,7 +181,7 @@ class Remaining:
 class NextMeasurement:
     """An action or configurations that would tell causes apart."""
 
-    sentence: str
+    sentence: Text
     configurations_deg: tuple[tuple[float, ...], ...]
     separates: tuple[Cause, ...] = ()
 
@@ -191,7 +192,7 @@ class RuledOut:
 
     effect: str
     subject: str  # "" for the effect as a whole
-    reason: str
+    reason: Text
     p_value: float | None = None  # corrected; None where the data cannot show the cause at all
     visible: bool = True  # False: these data cannot show it
     upper_limit_mm: float | None = None  # 95 %: how large it could still be, RMS at the tool; None: unseen
@@ -203,7 +204,7 @@ class Noise:
 
     scale: float  # residual that is left over the stated uncertainty
     tail_degrees_of_freedom: float | None  # Student's t where the tails are heavy, None for normal ones
-    sentence: str
+    sentence: Text
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,7 +230,7 @@ class Diagnosis:
 
     robot: str
     verdict: Verdict
-    message: str  # the first line: one plain sentence
+    message: Text  # the first line: one plain sentence
     start_effects: tuple[str, ...]
     findings: tuple[Finding, ...]  # most important first
     quantity: Literal["position", "length"]
@@ -239,7 +240,7 @@ class Diagnosis:
     remaining: Remaining
     next_measurements: tuple[NextMeasurement, ...]
     ruled_out: tuple[RuledOut, ...]
-    withdrawn: tuple[str, ...]  # extensions that did not help on held-out points, one sentence each
+    withdrawn: tuple[Text, ...]  # extensions that did not help on held-out points, one sentence each
     noise: Noise | None
     errors: HeldOutErrors | None
     model: Model | None  # extended; the start's where nothing was found

@@ -13,6 +13,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.diagnosis import Detail, Shape
+from truepose.domain.sentences import Text, said
 from truepose.effects.ports import Effect, ParameterSpec, Setting
 from truepose.kinematics.chain import Chain
 
@@ -88,12 +89,12 @@ class Limits(NamedTuple):
 
     low: float
     high: float
-    why: str  # what is wrong beyond them: "a spring cannot do that"
+    why: Text  # what is wrong beyond them
     withdrawn: bool = False  # a finding beyond them is not kept: under more load its model errs more
 
 
 # What gives, gives way: a passive part that moved against its load would add energy.
-SPRING = Limits(0.0, np.inf, "a spring cannot do that")
+SPRING = Limits(0.0, np.inf, said("limits.spring"))
 _CLEARLY = 2.0  # standard uncertainties beyond a limit
 
 
@@ -105,7 +106,7 @@ class Shown:
     amplitude: float
     unit: str
     standard_uncertainty: float
-    sentence: str
+    sentence: Text
     details: tuple[Detail, ...] = ()
     limits: Limits | None = None
 
@@ -129,7 +130,7 @@ class Fitted(NamedTuple):
 class Cause(Effect, Protocol):
     """An effect that a diagnosis looks for."""
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Return why these data cannot show it, and what would; None where they can."""
         ...
 

@@ -10,6 +10,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import ParamSpec, TypeVar, get_args
 
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
+from truepose.domain.sentences import Text
 from truepose.effects.causes import Candidate, Cause, Fitted, NamedCause, Scene, Shown
 from truepose.effects.ports import Effect, Need, ParameterSpec, Rows, Setting, Term
 from truepose.effects.unnamed.kinds import Kind
@@ -128,7 +129,7 @@ class _GuardedCause(_GuardedEffect):
         super().__init__(cause)
         self._cause = cause
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         return _asked(self.name, self._cause.unseen, scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:

@@ -18,6 +18,7 @@ from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change_of, counted, finding_texts, rows_of
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +60,7 @@ class Diagnosis:
     @property
     def message(self) -> str:
         """The answer in one sentence."""
-        return self.answer.message
+        return english(self.answer.message)
 
     @property
     def model(self) -> Model | None:
@@ -134,7 +135,7 @@ class Diagnosis:
         pair = None if before is None or after is None else NominalAndIdentified(before, after)
         errors = [] if pair is None else rows_of("held out", "before", "after", pair)
         head = ("", "finding", "confidence", "amplitude", "RMS before, mm", "after")
-        rest = self.answer.remaining.sentence
+        rest = english(self.answer.remaining.sentence)
         left = () if rest in self.message else (rest,)
         findings = [finding_texts(number, f) for number, f in enumerate(self.answer.all_findings, start=1)]
         return html.page(
@@ -148,6 +149,7 @@ class Diagnosis:
 def _row(finding: domain.Finding) -> dict[str, object]:
     gain = finding.gain
     return {name: getattr(finding, name) for name in _COLUMNS} | {
+        "sentence": english(finding.sentence),
         "confidence": finding.confidence.value,
         "rms_before_mm": None if gain is None else gain.rms_before_mm,
         "rms_after_mm": None if gain is None else gain.rms_after_mm,

@@ -10,6 +10,7 @@ from truepose.exchange.models.document import file_factor, file_unit
 from truepose.notebook import html
 from truepose.reports.causes import printed_unit
 from truepose.reports.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
+from truepose.words.catalogue import english
 
 STATISTICS = ("readings", "model", "n", "mean", "rms", "sd", "max", "noise")
 
@@ -59,4 +60,4 @@ def finding_texts(number: int, finding: Finding) -> tuple[str, ...]:
         else (millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm))
     )
     size = f"{amplitude} {printed_unit(finding.unit)}".rstrip()
-    return str(number), finding.sentence, finding.confidence.value, size, *errors
+    return str(number), english(finding.sentence), finding.confidence.value, size, *errors

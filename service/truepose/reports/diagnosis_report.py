@@ -25,6 +25,7 @@ from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, rounded, uncertainty
+from truepose.words.catalogue import IN_ENGLISH
 
 _CAMPAIGN = "campaign"  # where a model tells what its readings are called
 
@@ -93,6 +94,7 @@ def _context(report: DiagnosisInput) -> dict[str, object]:
     blocks, counted = finding_blocks(diagnosis), len(diagnosis.findings)
     return {
         "diagnosis": diagnosis,
+        "words": IN_ENGLISH,
         "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
         "stated_conditions": tuple(_stated(report.conditions)),
@@ -182,7 +184,9 @@ def _proposal(measurement: NextMeasurement) -> Proposal:
     configurations = tuple(
         tuple(f"{angle:.2f}" for angle in joints) for joints in measurement.configurations_deg
     )
-    return Proposal(measurement.sentence, causes_listed(measurement.separates), configurations)
+    return Proposal(
+        IN_ENGLISH.spoken(measurement.sentence), causes_listed(measurement.separates), configurations
+    )
 
 
 def added_parameters(diagnosis: Diagnosis) -> tuple[AddedParameter, ...]:

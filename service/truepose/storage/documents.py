@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeAlias, TypeVar, Union, cast, get_args, get_
 
 import numpy as np
 
+from truepose.domain.sentences import Sentence, Value
 from truepose.storage.errors import DamagedDatabaseError
 
 T = TypeVar("T")
@@ -99,6 +100,8 @@ def _decode(hint: Any, document: Any) -> Any:
 
 
 def _decode_plain(kind: Any, document: Any) -> Any:
+    if kind is Sentence:
+        return _sentence(document)
     if dataclasses.is_dataclass(kind):
         hints = get_type_hints(kind)
         return cast(Any, kind)(**{name: _decode(hints[name], entry) for name, entry in document.items()})
@@ -115,8 +118,20 @@ def _decode_union(hints: tuple[Any, ...], document: Any) -> Any:
     if document is None and types.NoneType in hints:
         return None
     concrete = [hint for hint in hints if hint is not types.NoneType]
+    if Sentence in concrete and isinstance(document, dict):
+        return _sentence(document)
     # A union of plain scalars (dict values) is already what JSON gave.
     return _decode(concrete[0], document) if len(concrete) == 1 else document
+
+
+def _sentence(document: Any) -> Sentence:
+    return Sentence(document["key"], tuple((name, _value(value)) for name, value in document["values"]))
+
+
+def _value(document: Any) -> Value:
+    if isinstance(document, list):
+        return tuple(map(_value, document))
+    return _sentence(document) if isinstance(document, dict) else cast(Value, document)
 
 
 def _decode_tuple(hints: tuple[Any, ...], document: Any) -> tuple[Any, ...]:

@@ -19,6 +19,7 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.web.context import Context, Here
 from truepose.web.rendering import page
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from truepose.reports import DiagnosisInput, VerdictWords
@@ -50,6 +51,7 @@ async def diagnoses_page(here: Here) -> HTMLResponse:
         rows=rows,
         shape=verdict_shape,
         measured=measured_words,
+        spoken=english,
         shown=_SHOWN,
     )
 

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from truepose.diagnosis.diagnose import diagnose
-from truepose.diagnosis.evidence.witnesses import CONTRADICTED
 from truepose.domain.diagnosis import Confidence
+from truepose.domain.sentences import said
 from truepose.exchange.campaigns.folder import read_campaign
+from truepose.words.catalogue import english
 from truepose_simulators.recording.campaign import record
 from truepose_simulators.recording.files import write_campaign
 from truepose_simulators.recording.plan import Wishes
 from truepose_simulators.scenarios.file import load_scenario
+
+CONTRADICTED = english(said("causes.contradicted_by_nests"))
 
 AT_S = 1400.0
 SHIFT_MM, TURN_RAD = 0.3, 1e-4
@@ -90,7 +93,7 @@ def test_a_base_that_jumped_beside_nests_that_stand_still_is_told_with_certainty
     found = first_of(looked(recorded(tmp_path, seed, BASE_SHIFT)))
 
     assert (found.effect, found.confidence) == ("base_shift", Confidence.CERTAIN)
-    assert CONTRADICTED not in found.sentence
+    assert CONTRADICTED not in english(found.sentence)
 
 
 @pytest.mark.parametrize("effect", ["base_drift", "instrument_drift"])
@@ -109,4 +112,4 @@ def test_what_fixed_nests_contradict_is_not_certain_and_says_so(tmp_path, looked
     (found,) = diagnose(looked(kicked(recorded(tmp_path, 1), 1)), without=("unnamed",)).findings
 
     assert (found.effect, found.confidence) == ("base_shift", Confidence.LIKELY)
-    assert found.sentence.endswith(CONTRADICTED)
+    assert english(found.sentence).endswith(CONTRADICTED)

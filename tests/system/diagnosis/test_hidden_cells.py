@@ -9,6 +9,7 @@ import pytest
 from tests.helpers.diagnosis.hidden_causes import recorded
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Verdict
+from truepose.words.catalogue import english
 from truepose_simulators.physics.effects.effect import Deflection
 from truepose_simulators.physics.rigid import move
 
@@ -51,7 +52,7 @@ def test_a_line_between_whole_orders_is_told_with_its_order(joint, order, readin
     assert (told.name, finding.confidence) == ("order", "certain")
     assert 0.0 < told.standard_uncertainty < 0.06
     assert told.value == pytest.approx(order, abs=3.0 * told.standard_uncertainty)
-    assert f"a wave of {told.value:.2f} periods per turn" in finding.sentence
+    assert f"a wave of {told.value:.2f} periods per turn" in english(finding.sentence)
     assert finding.amplitude == pytest.approx(0.02, abs=4.0 * finding.amplitude_standard_uncertainty)
 
 
@@ -160,7 +161,7 @@ def test_a_flange_that_gives_under_the_tool_is_told_by_its_load(about_x, about_y
     assert (finding.where, finding.over, finding.shape) == ("flange", "load", "line")
     assert finding.amplitude == pytest.approx(wanted, abs=4.0 * finding.amplitude_standard_uncertainty)
     for axis, other in (("x", about_y), ("y", about_x)):
-        assert (f"about its {axis} axis" in finding.sentence) == (other == 0.0)
+        assert (f"about its {axis} axis" in english(finding.sentence)) == (other == 0.0)
 
 
 @pytest.mark.parametrize(("joint", "share", "seed"), [(2, 1.5e-4, 11), (4, 5e-4, 12)])
@@ -192,8 +193,8 @@ def test_angles_with_few_digits_are_told_to_be_the_noise(decimals, seed, tmp_pat
     diagnosis = diagnose(campaign)
 
     assert diagnosis.verdict is Verdict.CONSISTENT
-    assert f"the joint angles are given in steps of {0.1**decimals:g} deg" in diagnosis.message
-    assert diagnosis.message.endswith("Give them with all their digits.")
+    assert f"the joint angles are given in steps of {0.1**decimals:g} deg" in english(diagnosis.message)
+    assert english(diagnosis.message).endswith("Give them with all their digits.")
 
 
 def test_an_arm_that_settles_has_nothing_of_it(tmp_path):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from truepose.domain.diagnosis import Cause
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.cells import named_cell, words_of
 
 
@@ -16,7 +17,7 @@ class Action:
     """Something to do."""
 
     one: frozenset[str]  # words of which one of the two causes has some
-    do: str  # an imperative, without full stop
+    do: Sentence  # an imperative
     each: str = ""  # a word that both have; "": none is needed
     again: bool = False  # the first configurations are measured once more
 
@@ -25,37 +26,26 @@ class Action:
         return bool(self.one & (one | other)) and (not self.each or self.each in one & other)
 
 
-BOTH_SIDES: Final = (
-    "Approach each configuration twice, once with all joints coming from below and once from above"
-)
-REMOUNT: Final = (
-    "Take the tool off, mount it again and measure these configurations again, without measuring anew "
-    "where its nests are"
-)
-ALL_NESTS: Final = "Read every nest of the tool in the same configurations"
-AT_THE_END: Final = "Measure the first configurations again at the end"
-IN_ANOTHER_ORDER: Final = (
-    "Measure the same configurations again in another order, so that each is reached from elsewhere"
-)
-WARM_AND_COLD: Final = (
-    "Measure these configurations again once the robot has warmed up, and again when it has cooled down"
-)
+BOTH_SIDES: Final = said("do.both_sides")
+REMOUNT: Final = said("do.remount")
+ALL_NESTS: Final = said("do.all_nests")
+AT_THE_END: Final = said("do.at_the_end")
+IN_ANOTHER_ORDER: Final = said("do.in_another_order")
+WARM_AND_COLD: Final = said("do.warm_and_cold")
 
 _ACTIONS: Final = (
-    Action(frozenset({"tool"}), "Measure the same configurations with the load and without it", each="load"),
+    Action(frozenset({"tool"}), said("do.with_and_without_load"), each="load"),
     Action(
         frozenset({"placement"}),
-        "Measure the first poses of each placement again before the base fixture is moved, and check how it "
-        "is fastened",
+        said("do.first_poses_again"),
     ),
     Action(
         frozenset({"ballbar constant"}),
-        "Initialise the ballbar on its calibrator before and after each placement, and measure the first "
-        "legs again",
+        said("do.initialise"),
     ),
     Action(
         frozenset({"tracker time"}),
-        "Read the fixed nests at least at every tenth configuration, and at the very beginning and end",
+        said("do.fixed_nests"),
     ),
     Action(frozenset({"mounting"}), REMOUNT, again=True),
     Action(frozenset({"nest constant"}), ALL_NESTS),

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from truepose.diagnosis.advice.actions import (
 )
 from truepose.diagnosis.advice.configurations import (
     Places,
+    Ranges,
     drawn,
     filling,
     joint_limits,
@@ -32,8 +33,10 @@ from truepose.diagnosis.sentences import spoken
 from truepose.diagnosis.start import Start
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Cause, Finding, NextMeasurement
+from truepose.domain.sentences import Sentence, Value, said, together
 from truepose.effects.causes import Candidate
 from truepose.effects.joints.joint_harmonics import ONE_PERIOD_FROM
+from truepose.effects.names import joint_subject
 
 _PLACES = 300
 _SEED = 20140  # the same data are always answered by the same configurations
@@ -42,8 +45,16 @@ _FEW = 5
 _TOLD = 2  # dependences of what is left: those that its sentence names
 _STILL_DEG = 5.0  # a joint that turned by less did not take part
 _REPEATS = (2, 4, 8)
-_SEEN = "where the instrument sees them"
-_BEYOND = " They lie beyond the ranges measured so far: make sure that nothing is in the way."
+_BEYOND = said("next.beyond_ranges")
+
+# What shows it better where something is left over that, and whether the first configurations come again.
+_DO = {
+    "direction": (BOTH_SIDES, False),
+    "nest": (ALL_NESTS, False),
+    "time": (AT_THE_END, True),
+    "temperature": (WARM_AND_COLD, True),
+    "attachment": (REMOUNT, True),
+}
 
 Configurations = tuple[tuple[float, ...], ...]
 Pair = tuple[Cause, Cause]  # a finding and its rival
@@ -121,7 +132,7 @@ def _by_action(start: Start, pairs: Sequence[Pair]) -> list[NextMeasurement]:
             served.setdefault(action, []).append(pair)
     return [
         NextMeasurement(
-            f"{action.do}: it tells {', and '.join(_told_apart(told))}.",
+            said("next.tells", do=action.do, pairs=tuple(_told_apart(told))),
             _first(start) if action.again else (),
             tuple(dict.fromkeys(cause for pair in told for cause in pair)),
         )
@@ -129,9 +140,10 @@ def _by_action(start: Start, pairs: Sequence[Pair]) -> list[NextMeasurement]:
     ]
 
 
-def _told_apart(pairs: Sequence[Pair]) -> Iterator[str]:
+def _told_apart(pairs: Sequence[Pair]) -> Iterator[Sentence]:
     for own in dict.fromkeys(one for one, _ in pairs):
-        yield f"{spoken(own)} from {_either([rival for one, rival in pairs if one == own])}"
+        rivals = tuple(spoken(rival) for one, rival in pairs if one == own)
+        yield said("next.own_from_rivals", own=spoken(own), rivals=rivals)
 
 
 def _by_configuration(
@@ -141,14 +153,14 @@ def _by_configuration(
     if duel.start.scene.legs:
         return [_other_poses(duel.own, rivals)]
     limits = joint_limits(duel.start)
-    found, left = _exposed(duel, rivals, places, "")
+    found, left = _exposed(duel, rivals, places)
     found = [*_unbent(duel, rivals), *found]
     if left and limits is not None:
         beyond = drawn(duel.start, duel.selected, limits, _PLACES, rng)
-        more, left = _exposed(duel, left, beyond, _BEYOND)
-        found += more
+        more, left = _exposed(duel, left, beyond)
+        found += [replace(one, sentence=together(one.sentence, _BEYOND)) for one in more]
     for repeats in _REPEATS if left else ():
-        more, left = _exposed(duel, left, places, "", repeats)
+        more, left = _exposed(duel, left, places, repeats)
         found += more
     return [*found, _wider(duel, left)] if left else found
 
@@ -159,20 +171,13 @@ def _unbent(duel: _Duel, rivals: Sequence[Cause]) -> list[NextMeasurement]:
     still = np.flatnonzero(ranges.high_deg - ranges.low_deg < _STILL_DEG) + 1
     if not still.size:
         return []
-    sentence = (
-        f"Move {_numbered(still.tolist())} too, over as wide a range as is safe: in these readings the arm "
-        f"kept its shape there, so that {spoken(duel.own)} and {_either(rivals)} go together."
-    )
+    key = "next.move_joint" if still.size == 1 else "next.move_joints"
+    sentence = said(key, joints=tuple(still.tolist()), **_parties(duel.own, rivals))
     return [NextMeasurement(sentence, (), (duel.own, *rivals))]
 
 
-def _numbered(joints: Sequence[int]) -> str:
-    *most, last = [str(joint) for joint in joints]
-    return f"joints {', '.join(most)} and {last}" if most else f"joint {last}"
-
-
 def _exposed(
-    duel: _Duel, rivals: Sequence[Cause], places: Places, where: str, repeats: int = 1
+    duel: _Duel, rivals: Sequence[Cause], places: Places, repeats: int = 1
 ) -> tuple[list[NextMeasurement], list[Cause]]:
     """Return configurations that expose rivals, and the rivals that they do not expose."""
     if not rivals:
@@ -182,28 +187,30 @@ def _exposed(
     if not exposed:
         return [], list(rivals)
     configurations = _listed(places.joints_deg[list(chosen.rows)])
-    times = "" if repeats == 1 else f", {repeats} times each"
-    sentence = (
-        f"Measure these {len(configurations)} configurations{times}, {_SEEN}: there {spoken(duel.own)} acts "
-        f"otherwise than {_either(exposed)}.{where}"
+    sentence = said(
+        "next.exposes" if repeats == 1 else "next.exposes_repeated",
+        configurations=len(configurations),
+        repeats=repeats,
+        **_parties(duel.own, exposed),
     )
     told = NextMeasurement(sentence, configurations, (duel.own, *exposed))
     return [told], [rival for rival in rivals if rival not in exposed]
 
 
 def _wider(duel: _Duel, rivals: Sequence[Cause]) -> NextMeasurement:
-    told = f"no few configurations tell {spoken(duel.own)} from {_either(rivals)}"
     joints = sorted({joint for cause in (duel.own, *rivals) if (joint := _joint(cause))})
     if joints:
         ranges = measured_ranges(duel.start)
-        wider = " and ".join(
-            f"joint {joint} beyond {ranges.low_deg[joint - 1]:.0f} to {ranges.high_deg[joint - 1]:.0f} deg"
-            for joint in joints
-        )
-        sentence = f"Measure {wider}, or with another load: within what was measured so far {told}."
+        wider = tuple(_beyond(ranges, joint) for joint in joints)
+        sentence = said("next.wider", wider=wider, **_parties(duel.own, rivals))
     else:
-        sentence = f"Measure with another load and with the arm bent in other ways: so far {told}."
+        sentence = said("next.other_load", **_parties(duel.own, rivals))
     return NextMeasurement(sentence, (), (duel.own, *rivals))
+
+
+def _beyond(ranges: Ranges, joint: int) -> Sentence:
+    low_deg, high_deg = float(ranges.low_deg[joint - 1]), float(ranges.high_deg[joint - 1])
+    return said("next.joint_beyond", joint=joint, low_deg=low_deg, high_deg=high_deg)
 
 
 def _joint(cause: Cause) -> int | None:
@@ -213,44 +220,35 @@ def _joint(cause: Cause) -> int | None:
 
 
 def _other_poses(own: Cause, rivals: Sequence[Cause]) -> NextMeasurement:
-    return NextMeasurement(
-        f"Measure more poses, with the base fixture at another place: the arm is then bent and loaded "
-        f"differently, which tells {spoken(own)} from {_either(rivals)}.",
-        (),
-        (own, *rivals),
-    )
+    return NextMeasurement(said("next.other_poses", **_parties(own, rivals)), (), (own, *rivals))
 
 
 def _of_dependence(
     start: Start, depends: Depends, places: Places, rng: np.random.Generator
 ) -> NextMeasurement:
-    about = f"what is left depends on the {depends.variable}"
-    match depends.kind:
-        case "direction":
-            return NextMeasurement(f"{BOTH_SIDES}: {about}.", ())
-        case "nest":
-            return NextMeasurement(f"{ALL_NESTS}: {about}.", ())
-        case "time":
-            return NextMeasurement(f"{AT_THE_END}: {about}.", _first(start))
-        case "temperature":
-            return NextMeasurement(f"{WARM_AND_COLD}: {about}.", _first(start))
-        case "attachment":
-            return NextMeasurement(f"{REMOUNT}: {about}.", _first(start))
+    if depends.kind in _DO:
+        do, again = _DO[depends.kind]
+        sentence = said("next.since_left", do=do, variable=depends.variable)
+        return NextMeasurement(sentence, _first(start) if again else ())
     if start.scene.legs:
-        return NextMeasurement(f"Measure more poses, with the base fixture at another place: {about}.", ())
+        more = said("do.more_poses")
+        return NextMeasurement(said("next.since_left", do=more, variable=depends.variable), ())
     configurations = _listed(_telling(start, depends, places, rng))
-    return NextMeasurement(
-        f"Measure these {len(configurations)} configurations, {_SEEN}: {about}, and {_why(depends)}.",
-        configurations,
+    sentence = said(
+        "next.shows_left",
+        configurations=len(configurations),
+        variable=depends.variable,
+        why=_why(depends),
     )
+    return NextMeasurement(sentence, configurations)
 
 
-def _why(depends: Depends) -> str:
+def _why(depends: Depends) -> Sentence:
     if depends.kind == "place":
-        return "these lie farthest from what was measured"
+        return said("next.farthest")
     if depends.joint is not None and depends.order > ONE_PERIOD_FROM:
-        return f"these step joint {depends.joint + 1} through one period of the wave"
-    return "these lie in its largest gaps"
+        return said("next.one_period", joint=joint_subject(depends.joint))
+    return said("next.in_gaps")
 
 
 def _telling(start: Start, depends: Depends, places: Places, rng: np.random.Generator) -> FloatArray:
@@ -282,19 +280,16 @@ def _revisited(start: Start) -> bool:
 
 
 def _revisit(start: Start) -> NextMeasurement:
-    return NextMeasurement(
-        f"{AT_THE_END}, each twice: how far the readings of one configuration scatter tells noise that is "
-        "larger than stated from an unknown cause.",
-        _first(start),
-    )
+    return NextMeasurement(said("next.revisit", do=AT_THE_END), _first(start))
 
 
 def _listed(joints_deg: FloatArray) -> Configurations:
     return tuple(tuple(float(angle) for angle in row) for row in np.round(joints_deg, 2) + 0.0)
 
 
-def _either(causes: Sequence[Cause]) -> str:
-    return " or ".join(spoken(cause) for cause in causes)
+def _parties(own: Cause, rivals: Sequence[Cause]) -> dict[str, Value]:
+    """Return a finding and its rivals, as the sentences about them name them."""
+    return {"own": spoken(own), "rivals": tuple(map(spoken, rivals))}
 
 
 def _once(found: Sequence[NextMeasurement]) -> list[NextMeasurement]:

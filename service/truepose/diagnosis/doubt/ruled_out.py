@@ -9,6 +9,7 @@ from truepose.diagnosis.doubt.upper_limits import upper_limits_mm
 from truepose.diagnosis.screening.explained import Screened, screen
 from truepose.diagnosis.screening.selection import LEVEL, Selected
 from truepose.domain.diagnosis import Cause, RuledOut
+from truepose.domain.sentences import said
 from truepose.effects.causes import Scene
 from truepose.effects.registry import CAUSES
 
@@ -55,15 +56,11 @@ def _entry(cause: Cause, size: float, p_value: float) -> RuledOut:
         return RuledOut(
             cause.effect,
             cause.subject,
-            "the present model absorbs all that it could do: these configurations cannot show it",
+            said("ruled_out.absorbed"),
             None,
             visible=False,
         )
-    reason = (
-        "it explains no more than chance would, at the level kept over everything tried"
-        if p_value > LEVEL
-        else "it explains something, but not what its parameters cost beside the causes found"
-    )
+    reason = said("ruled_out.chance" if p_value > LEVEL else "ruled_out.costs_more")
     return RuledOut(cause.effect, cause.subject, reason, p_value)
 
 

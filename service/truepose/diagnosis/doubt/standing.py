@@ -15,6 +15,7 @@ from truepose.diagnosis.screening.groups import Group, grouped
 from truepose.diagnosis.screening.selection import Propose, Selected, reselected
 from truepose.diagnosis.start import Start
 from truepose.domain.diagnosis import Cause, Gain
+from truepose.domain.sentences import Sentence, Text, said
 
 # Of what is wrong: findings that explain less, beside what nothing explains, are not claimed.
 _SMALL_PART = 0.2
@@ -36,9 +37,9 @@ class Tested:
 
 def standing(
     start: Start, selected: Selected, judging: CrossValidation, propose: Propose, without: tuple[str, ...]
-) -> tuple[Tested, tuple[str, ...]]:
+) -> tuple[Tested, tuple[Text, ...]]:
     """Withdraw what does not help or cannot be; return what stands, and a sentence for each that does not."""
-    withdrawn: tuple[str, ...] = ()
+    withdrawn: tuple[Text, ...] = ()
     refuted: frozenset[Cause] = frozenset()
     tested = _tested(start, selected, judging, without, refuted)
     while useless := _to_withdraw(start, tested):
@@ -95,10 +96,10 @@ def _useless(
 def _to_withdraw(start: Start, tested: Tested) -> tuple[int, ...]:
     """Return the findings that are not kept: those that do not help, and those that physics forbids."""
     useless = _useless(tested.selected, tested.groups, tested.judged, tested.left)
-    return useless or tuple(k for k in range(len(tested.groups)) if _forbidden(start, tested, k))
+    return useless or tuple(k for k in range(len(tested.groups)) if _forbidden(start, tested, k) != "")
 
 
-def _forbidden(start: Start, tested: Tested, index: int) -> str:
+def _forbidden(start: Start, tested: Tested, index: int) -> Text:
     """Return why physics does not let a finding be kept, "" where it does."""
     shown = shown_of(tested.selected, scene_of(start.problem, tested.selected.fit), *tested.groups[index])
     return shown.limits.why if shown.limits and shown.limits.withdrawn and shown.impossible else ""
@@ -110,13 +111,15 @@ def _explains_little(gain: Gain, judged: Improvement) -> bool:
     return gain.rms_before_mm**2 - gain.rms_after_mm**2 < _SMALL_PART * wrong
 
 
-def _withdrawal(start: Start, tested: Tested, index: int) -> str:
+def _withdrawal(start: Start, tested: Tested, index: int) -> Sentence:
     (subject, picks), gain = tested.groups[index], tested.judged.gains[index]
     why = _forbidden(start, tested, index)
-    if why:
-        return f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: {why}."
-    return (
-        f"{picks[0].effect} ({subject}) fits these readings and is withdrawn: on configurations left out, "
-        "or beside what nothing explains, it does not help beyond chance "
-        f"(RMS {gain.rms_before_mm:.4f} mm without, {gain.rms_after_mm:.4f} mm with it)."
+    if why != "":
+        return said("withdrawn.forbidden", effect=picks[0].effect, subject=subject, why=why)
+    return said(
+        "withdrawn.no_help",
+        effect=picks[0].effect,
+        subject=subject,
+        before_mm=gain.rms_before_mm,
+        after_mm=gain.rms_after_mm,
     )

@@ -9,7 +9,6 @@ from truepose.domain.diagnosis import Cause
 from truepose.effects.cells import Cell, cell_of
 from truepose.identification.fit.robust import RobustFit
 
-CONTRADICTED = "The readings of the fixed nests contradict it: they moved as nothing that was found explains."
 LEVEL = 1e-3  # chance that nests which stand still are taken for contradicting
 _SLOW = frozenset({"drift", "settling"})
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from truepose.diagnosis.distributions import so_many_drawn
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene, varied
 from truepose.effects.names import joint_subject
 from truepose.effects.shapes.times import spoken
@@ -34,13 +35,13 @@ class Gathered(NamedTuple):
 
     on: On
     p_value: float  # corrected for everything that they may share
-    sentence: str
+    sentence: Sentence
 
 
 class _Shared(NamedTuple):
     """What some readings have in common."""
 
-    words: str
+    words: Sentence
     on: On
     readings: BoolArray  # (n,)
     by_stop: bool  # all readings of a stop have it in common: they count once
@@ -54,9 +55,11 @@ def gathered(scene: Scene, bad: BoolArray) -> Gathered | None:
     if p_value > _LEVEL:
         return None
     shared = everything[nearest]
-    sentence = (
-        f"{(bad & shared.readings).sum()} of them were read {shared.words}, as {shared.readings.sum()} of "
-        "all were: what they share may be their cause."
+    sentence = said(
+        "gathered",
+        bad=int((bad & shared.readings).sum()),
+        shared=shared.words,
+        readings=int(shared.readings.sum()),
     )
     return Gathered(shared.on, p_value, sentence)
 
@@ -84,27 +87,28 @@ def _nests(scene: Scene) -> Iterator[_Shared]:
     """Yield nests, mountings of the tool, and each nest in each mounting."""
     mounting, nests = scene.stops.attachment, np.unique(scene.nest).tolist()
     for nest in nests:
-        yield _Shared(f"at nest {nest}", On("nest", "nest"), scene.nest == nest, by_stop=False)
+        yield _Shared(said("gathered.nest", nest=nest), On("nest", "nest"), scene.nest == nest, by_stop=False)
     if mounting is None:
         return
     for number in np.unique(mounting).tolist():
-        words, mounted = f"in mounting {number} of the tool", mounting == number
+        words, mounted = said("gathered.mounting", mounting=number), mounting == number
         yield _Shared(words, On("attachment of the tool", "attachment"), mounted, by_stop=True)
         for nest in nests:
             both = On("nest and attachment of the tool", "attachment")
-            yield _Shared(f"at nest {nest} {words}", both, mounted & (scene.nest == nest), by_stop=False)
+            words = said("gathered.nest_and_mounting", nest=nest, mounting=number)
+            yield _Shared(words, both, mounted & (scene.nest == nest), by_stop=False)
 
 
 def _times(time_s: FloatArray) -> Iterator[_Shared]:
     for low, high, within in _parts(time_s):
-        words = f"between {spoken(low)} and {spoken(high)} after the first reading"
+        words = said("gathered.time", low=spoken(low), high=spoken(high))
         yield _Shared(words, On("time", "time"), within, by_stop=True)
 
 
 def _angles(joint: int, turn_deg: FloatArray) -> Iterator[_Shared]:
     name = joint_subject(joint)
     for low, high, within in _parts(turn_deg):
-        words = f"with {name} between {low:.0f} and {high:.0f} deg"
+        words = said("gathered.angle", joint=name, low_deg=low, high_deg=high)
         yield _Shared(words, On(f"angle of {name}", "angle", joint), within, by_stop=True)
 
 

@@ -7,6 +7,7 @@ r x m g has no part along gravity, so that this is a tilt about a horizontal axi
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.kinematics.frames import cross
@@ -40,10 +41,10 @@ class BaseCompliance:
             for axis in range(3)
         ]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need known masses."""
         if not scene.setting.robot.masses:
-            return "the masses of links and tool are not stated: give them, so that their moments are known"
+            return said("unseen.moments_unknown")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -55,10 +56,7 @@ class BaseCompliance:
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how far the base tilts."""
         compliance, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
-        sentence = (
-            f"The base tilts under the weight of the arm, by {compliance:.1e} rad/(N*mm): what it stands on "
-            "gives, or its screws are loose."
-        )
+        sentence = said("causes.base_compliance", compliance=compliance)
         return Shown(subject, compliance, "rad/(N*mm)", spread, sentence, limits=SPRING)
 
 

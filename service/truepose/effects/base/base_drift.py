@@ -5,6 +5,7 @@ The shift is that of the base's own origin, along the base's axes.
 
 from dataclasses import replace
 
+from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.effects.shapes.drifts import (
@@ -40,7 +41,7 @@ class BaseDrift:
         """Return whether one of the shapes has no end of its own."""
         return goes_on(names)
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need times."""
         return without_times(scene)
 
@@ -50,12 +51,8 @@ class BaseDrift:
 
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how fast the base moves, and whether anything but the base could have moved the readings."""
-        shown = shown_drift(subject, fitted, scene, "The base")
+        shown = shown_drift(subject, fitted, scene, said("causes.base_drift"))
         if scene.legs:
             return shown
-        if scene.reference_s.size:
-            return replace(shown, sentence=f"{shown.sentence} The fixed nests do not move with it.")
-        return replace(
-            shown,
-            sentence=f"{shown.sentence} Without readings of fixed nests a drifting tracker looks the same.",
-        )
+        nests = "causes.base_drift.nests_stay" if scene.reference_s.size else "causes.base_drift.no_nests"
+        return replace(shown, sentence=together(shown.sentence, said(nests)))

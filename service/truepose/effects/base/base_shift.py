@@ -6,6 +6,7 @@ The shift is that of the base's own origin, along the base's axes.
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
@@ -33,12 +34,12 @@ class BaseShift:
         """Move the base from the jump on."""
         return jump_terms(names, rows, lambda _prefix, component: motion_port(_BASE, component))
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need times and several stops before and after."""
         if not varied(scene.stops.time_s):
             return without_times(scene)
         if not _gaps(scene):
-            return "too few readings to compare before and after: measure more configurations"
+            return said("unseen.few_readings")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -61,12 +62,11 @@ class BaseShift:
             for detail in (_when(scene, prefix), *motion.details())
         ]
         after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
-        more = f" It jumped {len(prefixes)} times; this was the largest jump." if len(prefixes) > 1 else ""
-        sentence = (
-            f"The base jumped by {amplitude:.3f} mm and turned by {motions[largest].turn_deg[0]:.4f} deg, "
-            f"{after} after the first reading: something pushed it, or a fastening gave way.{more}"
+        sentence = said(
+            "causes.base_shift", shift_mm=amplitude, turn_deg=motions[largest].turn_deg[0], after=after
         )
-        return Shown(subject, amplitude, "mm", uncertainty, sentence, tuple(details))
+        more = said("causes.base_shift.several", jumps=len(prefixes)) if len(prefixes) > 1 else ""
+        return Shown(subject, amplitude, "mm", uncertainty, together(sentence, more), tuple(details))
 
 
 def _of(fitted: Fitted, chosen: str) -> Motion:

@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from truepose.effects.shapes.times import SECONDS_PER_HOUR, hours_since
@@ -32,15 +33,15 @@ class BallbarZero:
         """Lengthen what is read after each initialisation."""
         return [Term(k, Port(PortKind.LENGTH, 0), _weight(name, rows)) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need lengths whose initialisations are known, and more than one where the length has an offset."""
         if not scene.legs:
-            return "no lengths were read: it is the zero of a ballbar"
+            return said("unseen.no_lengths")
         known = len(scene.setting.initialisations)
         if known == 0:
-            return "the initialisations are not numbered: note after which one each length was read (init)"
+            return said("unseen.initialisations_not_numbered")
         if known == 1 and "length_offset" in scene.present:
-            return "one initialisation only, and the length is unknown: initialise it now and then"
+            return said("unseen.one_initialisation")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -60,11 +61,8 @@ class BallbarZero:
         errors, covariance = _at_the_end(fitted, scene)
         amplitude, uncertainty = _root_mean_square(errors, covariance)
         growing = any(name.startswith(_GROWING) for name in fitted.names)
-        how = "grows until the next initialisation, to" if growing else "is off by"
-        sentence = (
-            f"The zero of the ballbar {how} {1e3 * amplitude:.1f} um (root mean square of "
-            f"{len(errors)} initialisations): initialise it before every group of readings."
-        )
+        key = "causes.ballbar_zero.growing" if growing else "causes.ballbar_zero.constant"
+        sentence = said(key, amplitude_um=1e3 * amplitude, initialisations=len(errors))
         details = (
             Detail("mean", float(errors.mean()), "mm", float(np.sqrt(covariance.mean()))),
             Detail("initialisations", float(len(errors)), "1", 0.0),

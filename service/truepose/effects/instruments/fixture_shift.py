@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
@@ -34,14 +35,14 @@ class FixtureShift:
         """Move the base nests of the placement from the moment on."""
         return jump_terms(names, rows, _port)
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need lengths from base nests with times, several before and after."""
         if not scene.legs:
-            return "no lengths from base nests were read: there is no fixture"
+            return said("unseen.no_fixture")
         if not varied(scene.stops.time_s):
             return without_times(scene)
         if not any(_gaps(scene, placement) for placement in _placements(scene)):
-            return "too few lengths to compare before and after: measure more configurations per placement"
+            return said("unseen.few_lengths")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -74,10 +75,12 @@ class FixtureShift:
             for detail in (_when(scene, placement, prefix), *motion.details())
         ]
         after = spoken(jump_time_s(prefixes[largest]) - scene.origin_s)
-        sentence = (
-            f"The base fixture moved during {subject}, by {amplitude:.3f} mm and "
-            f"{motions[largest].turn_deg[0]:.4f} deg, {after} after the first reading: "
-            "fasten it better, and measure its nests anew."
+        sentence = said(
+            "causes.fixture_shift",
+            placement=subject,
+            shift_mm=amplitude,
+            turn_deg=motions[largest].turn_deg[0],
+            after=after,
         )
         return Shown(subject, amplitude, "mm", uncertainty, sentence, tuple(details))
 

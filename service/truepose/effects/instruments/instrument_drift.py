@@ -6,6 +6,7 @@ nests are read now and then: they stand still beside a base that moves.
 
 from dataclasses import replace
 
+from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from truepose.effects.shapes.drifts import (
@@ -40,10 +41,10 @@ class InstrumentDrift:
         """Return whether one of the shapes has no end of its own."""
         return goes_on(names)
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need times, and an instrument that has a frame."""
         if scene.legs:
-            return "lengths have no frame that could move: read positions with a tracker"
+            return said("unseen.no_frame")
         return without_times(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -52,9 +53,7 @@ class InstrumentDrift:
 
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how fast the readings move, and whether anything but the instrument could have moved them."""
-        shown = shown_drift(subject, fitted, scene, "The tracker's frame")
-        if scene.reference_s.size:
-            return replace(shown, sentence=f"{shown.sentence} The fixed nests move alike.")
-        return replace(
-            shown, sentence=f"{shown.sentence} Without readings of fixed nests a moving base looks the same."
-        )
+        shown = shown_drift(subject, fitted, scene, said("causes.instrument_drift"))
+        seen = scene.reference_s.size
+        nests = "causes.instrument_drift.nests_move" if seen else "causes.instrument_drift.no_nests"
+        return replace(shown, sentence=together(shown.sentence, said(nests)))

@@ -6,6 +6,7 @@ certified is among the readings: fixed nests, or several nests of the tool.
 
 import numpy as np
 
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -29,14 +30,11 @@ class InstrumentScale:
         """Act on the scale of positions, or on each length in proportion to itself."""
         return [_term(k, name, rows) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need something of a certified size."""
         free = any(name.startswith(_LENGTHS_OF_THE_ARM) for name in scene.present)
         if free and scene.reference_s.size == 0 and len(scene.setting.certified_nests) < 2:
-            return (
-                "nothing of a certified size was read, so that the lengths of the arm follow the scale: "
-                "read fixed nests with certified places, or a second certified nest of the tool"
-            )
+            return said("unseen.nothing_certified")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -49,11 +47,8 @@ class InstrumentScale:
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say by how much lengths are read too long or too short."""
         scale, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
-        way = "long" if scale > 0 else "short"
-        sentence = (
-            f"The {subject} reads lengths too {way}, by {abs(scale) * 1e6:.1f} um per metre: "
-            "check its calibration and the state of the air that it reckons with."
-        )
+        key = "causes.instrument_scale.long" if scale > 0 else "causes.instrument_scale.short"
+        sentence = said(key, instrument=subject, um_per_m=abs(scale) * 1e6)
         return Shown(subject, scale, "1", uncertainty, sentence)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
@@ -32,18 +33,12 @@ class Backlash:
         joints = [joint_of(name) for name in names]
         return [Term(k, Port(PortKind.THETA, j), _short_of(rows, j)) for k, j in enumerate(joints)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need stops that were approached from both sides."""
         if scene.stops.direction is None:
-            return (
-                "the readings do not tell from which side each joint came to its stop: record the direction "
-                "and approach configurations from both sides"
-            )
+            return said("unseen.no_direction")
         if not from_both_sides(scene.stops.direction):
-            return (
-                "every joint came to its stops from one side only: approach about half of the "
-                "configurations from the other side"
-            )
+            return said("unseen.one_direction")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -60,13 +55,13 @@ class Backlash:
         gaps, spreads = np.rad2deg(fitted.values), np.rad2deg(np.sqrt(np.diag(fitted.covariance)))
         widest = int(np.abs(gaps).argmax())
         which = joint_subject(joint_of(fitted.names[widest]))
-        width = f"{abs(float(gaps[widest])):.4f} deg"
-        way = "stops short of where it is sent" if gaps[widest] >= 0.0 else "goes past where it is sent"
+        gap_deg = abs(float(gaps[widest]))
         if len(gaps) == 1:
-            sentence = f"{which.capitalize()} {way}, by half of a gap of {width} on either side: backlash."
+            key = "causes.backlash.short" if gaps[widest] >= 0.0 else "causes.backlash.past"
+            sentence = said(key, joint=which, gap_deg=gap_deg)
             details: tuple[Detail, ...] = ()
         else:
-            sentence = f"The joints have backlash; the widest gap is that of {which}, {width}."
+            sentence = said("causes.backlash.several", joint=which, gap_deg=gap_deg)
             details = tuple(
                 Detail(f"gap of {joint_subject(joint_of(name))}", float(gap), "deg", float(spread))
                 for name, gap, spread in zip(fitted.names, gaps, spreads, strict=True)

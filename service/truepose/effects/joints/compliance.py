@@ -10,6 +10,7 @@ Source: thesis of A. Nubiola, 2014, annex I.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
@@ -46,10 +47,10 @@ class Compliance:
         """Turn each joint by its spring times its torque."""
         return [Term(k, *_deflection(name, rows)) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need joints that carry torque."""
         if not self.specs(scene.setting):
-            return "no joint carries enough torque to wind up its gearbox: measure with the arm stretched out"
+            return said("unseen.no_torque")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -73,10 +74,8 @@ class Compliance:
         spring, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         joint = joint_of(fitted.names[0])
         largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
-        sentence = (
-            f"The gearbox of {subject} winds up under load, by {spring:.2e} rad/(N*mm): up to "
-            f"{np.rad2deg(abs(spring) * largest):.3f} deg in these configurations."
-        )
+        most_deg = float(np.rad2deg(abs(spring) * largest))
+        sentence = said("causes.compliance", joint=subject, spring=spring, most_deg=most_deg)
         return Shown(subject, spring, "rad/(N*mm)", spread, sentence, limits=SPRING._replace(withdrawn=True))
 
 
@@ -124,10 +123,7 @@ def _shown_products(subject: str, fitted: Fitted, scene: Scene) -> Shown:
         reduced @ fitted.values, reduced @ fitted.covariance @ reduced.T
     )
     deflection_deg, spread_deg = float(np.rad2deg(deflection)), float(np.rad2deg(spread))
-    sentence = (
-        f"The gearbox of {subject} winds up under load, by {deflection_deg:.4f} deg (standard deviation over "
-        "these configurations); how soft it is cannot be said while the masses are unknown."
-    )
+    sentence = said("causes.compliance.products", joint=subject, deflection_deg=deflection_deg)
     return Shown(subject, deflection_deg, "deg", spread_deg, sentence)
 
 

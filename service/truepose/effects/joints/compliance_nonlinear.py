@@ -9,6 +9,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Limits, Scene, Shown
 from truepose.effects.joints.compliance import VISIBLE_RAD, compliance_prior, known_torque
 from truepose.effects.names import joint_name, joint_subject
@@ -19,7 +20,7 @@ _T0_N_MM = (500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # where softness may end, fo
 _USUAL_T0_N_MM = 2000.0
 _STIFF = 20.0  # times t0, where all teeth bear: the slope is 1e-17 of what it is at zero
 _SHARE_WIDTH = 2.0  # belief: four times the softness, relative to the spring's own, that is often met
-_LIMITS = Limits(-1.0, np.inf, "a gear cannot be stiffer than rigid")
+_LIMITS = Limits(-1.0, np.inf, said("limits.stiff"))
 _BENT = 0.5  # of t0: a joint whose torque stays below has no bend in its characteristic that could be seen
 
 
@@ -37,12 +38,12 @@ class ComplianceNonlinear:
         """Turn each joint by what its teeth give before they bear."""
         return [Term(k, *_give(name, rows)) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need known torques of more than one size."""
         if scene.torque_n_mm is None:
-            return "the torques of the joints are unknown: give the masses of links and tool"
+            return said("unseen.torques_unknown")
         if not any(_bent_specs(scene, t0) for t0 in _T0_N_MM):
-            return "the joints carry too little torque: measure with the arm stretched out and folded"
+            return said("unseen.little_torque")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -64,10 +65,12 @@ class ComplianceNonlinear:
         names, shares, covariance = _shares(fitted, scene)
         share, spread = _common(shares, covariance)
         t0 = float(np.median([_t0_of(name) for name in fitted.names]))
-        softer = "softer" if share >= 0.0 else "stiffer"
-        who = "The gears of the joints are" if len(names) > 1 else f"The gear of {names[0]} is"
-        sentence = (
-            f"{who} {100.0 * abs(share):.0f} % {softer} below about {t0 / 1000.0:g} N*m than under full load."
+        one = "causes.compliance_nonlinear.one"
+        sentence = said(
+            "causes.compliance_nonlinear.softer" if share >= 0.0 else "causes.compliance_nonlinear.stiffer",
+            who=said("causes.compliance_nonlinear.several") if len(names) > 1 else said(one, joint=names[0]),
+            percent=100.0 * abs(share),
+            torque_n_m=t0 / 1000.0,
         )
         details = [Detail("torque where it ends", t0 / 1000.0, "N*m", 0.0)]
         if len(names) > 1:

@@ -7,6 +7,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
@@ -32,10 +33,10 @@ class JointCoupling:
         """Turn the moved joint by its share of the source's angle."""
         return [Term(k, *_dragged(name, rows)) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
         if not scene.turning:
-            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+            return said("unseen.no_joint_turns")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -57,10 +58,12 @@ class JointCoupling:
         spreads = np.sqrt(np.diag(fitted.covariance))
         sources = [_joints(name)[1] for name in fitted.names]
         way = np.ptp(scene.stops.joints_rad[:, sources[largest]]) * shares[largest]
-        sentence = (
-            f"{subject.capitalize()} moves along with {joint_subject(sources[largest])}, by "
-            f"{shares[largest]:.1e} of its angle ({np.rad2deg(way):.3f} deg over its measured range): "
-            "their shafts are coupled and the controller does not make up for it."
+        sentence = said(
+            "causes.joint_coupling",
+            joint=subject,
+            source=joint_subject(sources[largest]),
+            share=float(shares[largest]),
+            way_deg=float(np.rad2deg(way)),
         )
         details = _details(sources, fitted.values, spreads)
         share, spread = float(fitted.values[largest]), float(spreads[largest])

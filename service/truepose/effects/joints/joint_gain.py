@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
@@ -25,10 +26,10 @@ class JointGain:
         joints = [joint_of(name) for name in names]
         return [Term(k, Port(PortKind.THETA, j), rows.turn_rad[:, j]) for k, j in enumerate(joints)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
         if not scene.turning:
-            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+            return said("unseen.no_joint_turns")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -44,11 +45,8 @@ class JointGain:
         gain, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         joint = joint_of(fitted.names[0])
         way = float(np.rad2deg(np.ptp(scene.turn_rad[:, joint]) * abs(gain)))
-        far = "too far" if gain > 0 else "not far enough"
-        sentence = (
-            f"{subject.capitalize()} turns {far}, by {abs(gain):.1e} of its way ({way:.3f} deg from one end "
-            "of the measured range to the other): a wrong gear ratio or encoder scale."
-        )
+        key = "causes.joint_gain.too_far" if gain > 0 else "causes.joint_gain.not_far_enough"
+        sentence = said(key, joint=subject, share=abs(gain), way_deg=way)
         return Shown(subject, gain, "1", uncertainty, sentence)
 
 

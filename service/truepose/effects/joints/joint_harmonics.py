@@ -9,6 +9,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail, Spectrum
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import (
     Candidate,
     Fitted,
@@ -55,10 +56,10 @@ class JointHarmonics:
         weights = _weights(names, rows.turn_rad[:, joints].T)
         return [Term(k, Port(PortKind.THETA, joint), weights[k]) for k, joint in enumerate(joints)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
         if not scene.turning:
-            return "no joint turns by more than 5 deg: measure over the whole range of each joint"
+            return said("unseen.no_joint_turns")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -80,12 +81,13 @@ class JointHarmonics:
         details = tuple(detail for wave in waves for detail in wave.details(several=len(waves) > 1))
         largest = max(waves, key=lambda wave: wave.amplitude_deg)
         joint = joint_of_subject(subject)
-        listed = ", ".join(spoken_order(wave.order) for wave in sorted(waves, key=lambda wave: wave.order))
-        what = "a wave" if len(waves) == 1 else f"waves of {listed} periods per turn, the largest"
-        sentence = (
-            f"{subject.capitalize()} is off by {what} of {spoken_order(largest.order)} "
-            f"period{'s' if largest.order != 1 else ''} per turn, {largest.amplitude_deg:.3f} deg: "
-            f"{_typical_of(largest.order, _gear_ratio(scene, joint))}."
+        sentence = said(
+            "causes.joint_harmonics.wave" if len(waves) == 1 else "causes.joint_harmonics.waves",
+            joint=subject,
+            orders=tuple(spoken_order(order) for order in sorted(wave.order for wave in waves)),
+            periods=periods(largest.order),
+            amplitude_deg=largest.amplitude_deg,
+            typical=_typical_of(largest.order, _gear_ratio(scene, joint)),
         )
         return Shown(subject, largest.amplitude_deg, "deg", largest.uncertainty_deg, sentence, details)
 
@@ -127,11 +129,11 @@ def _shown_curve(subject: str, waves: list[_FittedWave], fitted: Fitted, scene: 
     ends = 0.5 * (weights[:, int(np.argmax(curve))] - weights[:, int(np.argmin(curve))])
     amplitude, uncertainty = np.rad2deg([fitted.values @ ends, np.sqrt(ends @ fitted.covariance @ ends)])
     largest = sorted(waves, key=lambda wave: -wave.amplitude_deg)[:_TOLD]
-    listed = ", ".join(f"{wave.order:g}" for wave in sorted(largest, key=lambda wave: wave.order))
-    sentence = (
-        f"{subject.capitalize()} is off by a curve of its angle, {amplitude:.3f} deg either way; of its "
-        f"waves those of {listed} periods per turn are the largest: an error of the gear or encoder that "
-        "repeats with the joint's angle."
+    sentence = said(
+        "causes.joint_harmonics.curve",
+        joint=subject,
+        amplitude_deg=float(amplitude),
+        orders=tuple(f"{wave.order:g}" for wave in sorted(largest, key=lambda wave: wave.order)),
     )
     details = tuple(detail for wave in largest for detail in wave.details(several=True))
     return Shown(subject, float(amplitude), "deg", float(uncertainty), sentence, details)
@@ -157,6 +159,11 @@ def orders(scene: Scene, joint: int) -> tuple[float, ...]:
 def is_whole(order: float) -> bool:
     """Whether a wave repeats with the turns of its joint."""
     return order == round(order)
+
+
+def periods(order: float) -> Sentence:
+    """Return e.g. `2 periods` per turn."""
+    return said("periods.one" if order == 1.0 else "periods.several", order=spoken_order(order))
 
 
 def spoken_order(order: float) -> str:
@@ -208,15 +215,15 @@ def _gear_ratio(scene: Scene, joint: int) -> float:
     return 0.0 if ratios is None else float(ratios[joint])
 
 
-def _typical_of(order: float, ratio: float) -> str:
+def _typical_of(order: float, ratio: float) -> Sentence:
     if ratio and abs(order - 2.0 * ratio) < 0.5:
-        return "two waves per turn of the wave generator, typical of a strain-wave gear"
+        return said("typical.wave_generator")
     if ratio and abs(order - ratio) < 0.5:
-        return "one wave per turn of the motor: its gear or its encoder runs out of true"
+        return said("typical.motor")
     if order <= 1.5:
-        return "a gear, bearing or encoder disc that runs out of true"
+        return said("typical.out_of_true")
     if order <= 2.5:
-        return "typical of a strain-wave gear or of an oval encoder disc"
+        return said("typical.oval")
     if not is_whole(order):
-        return "a wheel or bearing inside its gear, which does not turn whole times per turn of the joint"
-    return "an error of the gear or encoder that repeats with the joint's angle"
+        return said("typical.inside_the_gear")
+    return said("typical.repeats")

@@ -9,6 +9,7 @@ Source: S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-148
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.links.geometry import ANGLE_WIDTH_RAD, is_parallel_to_previous, link_terms
 from truepose.effects.names import joint_name, joint_of, joint_subject
@@ -32,10 +33,10 @@ class AxisParallelism:
         """Act on the link's own quantity, one to one."""
         return list(link_terms(names))
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need axes that are meant to be parallel."""
         if not self.specs(scene.setting):
-            return "no axis of this robot is meant to be parallel to the one before it"
+            return said("unseen.no_parallel_axes")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -51,10 +52,7 @@ class AxisParallelism:
         tilt, uncertainty = norm_with_uncertainty(fitted.values, fitted.covariance)
         tilt_deg, uncertainty_deg = float(np.rad2deg(tilt)), float(np.rad2deg(uncertainty))
         joint = joint_of(fitted.names[0]) + 1
-        sentence = (
-            f"The axes of joints {joint - 1} and {joint} are not parallel: the latter is tilted by "
-            f"{tilt_deg:.4f} deg out of the plane of the two, which a DH-Modified table cannot express."
-        )
+        sentence = said("causes.axis_parallelism", first=joint - 1, second=joint, tilt_deg=tilt_deg)
         beta = Detail("beta", float(np.rad2deg(fitted.values[0])), "deg", uncertainty_deg)
         return Shown(subject, tilt_deg, "deg", uncertainty_deg, sentence, (beta,))
 

@@ -19,6 +19,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.robot import LinkMass, Robot
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown
 from truepose.effects.links.stretched_arm import stretched_rows
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, motion_port
@@ -62,12 +63,12 @@ class LinkBending:
             for component, weight in enumerate(_motion(found[link], rows).T)
         ]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need known masses and long links."""
         if not scene.setting.robot.masses:
-            return "the masses of links and tool are not stated: give them, so that their weight is known"
+            return said("unseen.weight_unknown")
         if not beams(scene.setting.robot):
-            return "no link of this robot is long enough to bend"
+            return said("unseen.no_long_link")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -81,11 +82,11 @@ class LinkBending:
         per_unit = _sags_mm(fitted.names, scene)
         sag = float(per_unit @ fitted.values)
         spread = float(np.sqrt(per_unit @ fitted.covariance @ per_unit))
-        links = " and ".join(str(_link_of(name)) for name in fitted.names)
-        who = f"Links {links} bend" if len(fitted.names) > 1 else f"Link {links} bends"
-        sentence = (
-            f"{who} under the weight that they carry: the stretched arm's flange hangs {abs(sag):.3f} mm "
-            f"{'lower' if sag >= 0.0 else 'higher'} than joints alone would let it."
+        who = "causes.link_bending.several" if len(fitted.names) > 1 else "causes.link_bending.one"
+        sentence = said(
+            "causes.link_bending.lower" if sag >= 0.0 else "causes.link_bending.higher",
+            who=said(who, links=tuple(map(_link_of, fitted.names))),
+            sag_mm=abs(sag),
         )
         spreads = np.sqrt(np.diag(fitted.covariance))
         details = tuple(

@@ -1,5 +1,6 @@
 """Link mass: a link weighs something else, or elsewhere, than its maker states."""
 
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.links.loads import (
     WrongMass,
@@ -34,7 +35,7 @@ class LinkMasses:
             for term in mass_terms(k, int(link) - 1, axis[0] if axis else quantity, rows)
         ]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need springs that gravity loads."""
         return unseen_masses(scene)
 
@@ -58,11 +59,12 @@ class LinkMasses:
         wrong = _wrong_masses(fitted, scene)
         link, worst = max(wrong.items(), key=lambda item: abs(item[1].extra_kg))
         stated = stated_mass(scene.setting.robot, link - 1)
-        way = "more" if worst.extra_kg >= 0.0 else "less"
-        lead = "The links do not weigh what is stated; most of all link" if len(wrong) > 1 else "Link"
-        sentence = (
-            f"{lead} {link} weighs {abs(worst.extra_kg):.2f} kg {way} than the {stated.mass_kg:g} kg stated, "
-            "or its weight sits elsewhere."
+        who = "causes.link_mass.several" if len(wrong) > 1 else "causes.link_mass.one"
+        sentence = said(
+            "causes.link_mass.more" if worst.extra_kg >= 0.0 else "causes.link_mass.less",
+            who=said(who, link=link),
+            extra_kg=abs(worst.extra_kg),
+            stated_kg=stated.mass_kg,
         )
         details = tuple(
             detail

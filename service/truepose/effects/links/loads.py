@@ -12,6 +12,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.robot import LinkMass, Robot
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Fitted, Limits, Scene
 from truepose.effects.ports import ParameterSpec, Port, PortKind, Rows, Term
 from truepose.kinematics.frames import cross
@@ -52,7 +53,7 @@ def stated_mass(robot: Robot, frame: int) -> LinkMass:
 def mass_limits(stated: LinkMass) -> Limits | None:
     """Return by how much a mass may differ from what is stated [kg]; None where nothing is."""
     most_kg = _LARGEST_SHARE * stated.mass_kg
-    return Limits(-most_kg, most_kg, "a mass is not misstated by so much") if most_kg > 0.0 else None
+    return Limits(-most_kg, most_kg, said("limits.mass")) if most_kg > 0.0 else None
 
 
 def mass_specs(
@@ -97,14 +98,14 @@ def mass_terms(parameter: int, frame: int, quantity: str, rows: Rows) -> list[Te
     return terms
 
 
-def unseen_masses(scene: Scene) -> str | None:
+def unseen_masses(scene: Scene) -> Text | None:
     """Return why wrong masses cannot be seen: they show only through springs that gravity loads."""
     if scene.setting.torque_source == "measured":
-        return "the joint torques were measured, so that masses play no part"
+        return said("unseen.torques_measured")
     if scene.setting.torque_source == "unknown":
-        return "the masses of links and tool are not stated: give them, so that it can be told what is wrong"
+        return said("unseen.masses_unknown")
     if not np.any(scene.softness_rad_per_n_mm > 0.0):
-        return "a wrong mass shows only through the springs of the gearboxes: add `compliance` to the effects"
+        return said("unseen.no_springs")
     return None
 
 

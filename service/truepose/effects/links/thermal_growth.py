@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Limits, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 
@@ -16,7 +17,7 @@ _GROWTH = "growth"
 _REFERENCE_C = 20.0
 _WIDTH_PER_K = 1e-4  # belief: four times what aluminium grows by
 # From carbon fibre, which shrinks a little, to the softer plastics.
-MATERIALS = Limits(-5e-6, 60e-6, "no material of a robot does that")
+MATERIALS = Limits(-5e-6, 60e-6, said("limits.material"))
 _SMALLEST_RANGE_K = 0.5  # over less, a metre of aluminium grows by less than a tracker's noise
 
 
@@ -41,15 +42,12 @@ class ThermalGrowth:
         ]
         return [Term(k, port, length * warmer) for k in range(len(names)) for port, length in lengths]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need temperatures that differ."""
         if scene.stops.temperature_c is None or not np.isfinite(scene.stops.temperature_c).any():
-            return "the readings do not tell the temperature: record it beside each configuration"
+            return said("unseen.no_temperature")
         if range_k(scene.stops) < _SMALLEST_RANGE_K:
-            return (
-                f"the temperature stayed within {range_k(scene.stops):.1f} K: measure while the robot warms "
-                "up, or on a warmer and on a colder day"
-            )
+            return said("unseen.steady_temperature", range_k=range_k(scene.stops))
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -63,11 +61,8 @@ class ThermalGrowth:
         growth, spread = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         reach_m = sum(abs(row.a_mm) + abs(row.d_mm) for row in scene.setting.robot.joints) / 1000.0
         over_um = 1e6 * abs(growth) * reach_m * range_k(scene.stops)
-        way = "grow" if growth >= 0.0 else "shrink"
-        sentence = (
-            f"The links {way} with the temperature, by {1e6 * abs(growth):.1f} um per metre and K: "
-            f"{over_um:.0f} um from the coldest to the warmest reading, over the length of the arm."
-        )
+        key = "causes.thermal_growth.grow" if growth >= 0.0 else "causes.thermal_growth.shrink"
+        sentence = said(key, um_per_m_k=1e6 * abs(growth), over_um=over_um)
         return Shown(subject, growth, "1/K", spread, sentence, limits=MATERIALS)
 
 

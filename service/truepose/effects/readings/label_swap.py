@@ -7,6 +7,7 @@ the readings of the two nests that are swapped as the one value of what was fitt
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
 
@@ -33,10 +34,10 @@ class LabelSwap:
         """Return none."""
         return []
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need several nests."""
         if len(np.unique(scene.nest)) < _SEVERAL:
-            return "one nest was read: nothing can be confused with it"
+            return said("unseen.one_nest")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -49,9 +50,6 @@ class LabelSwap:
         first, second = (int(part.split()[1]) for part in subject.split(", "))
         readings = int(np.isin(scene.nest, (first, second)).sum())
         swapped = round(share * readings)
-        sentence = (
-            f"Nests {first} and {second} were confused in {swapped} of their {readings} readings: "
-            "each of these fits the other nest. Correct the labels in the table."
-        )
+        sentence = said("causes.label_swap", first=first, second=second, swapped=swapped, readings=readings)
         details = (Detail("readings", float(swapped), "1", 0.0),)
         return Shown(subject, share, "1", uncertainty, sentence, details)

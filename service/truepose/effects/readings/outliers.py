@@ -7,6 +7,7 @@ as the one value of what was fitted.
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
 
@@ -28,10 +29,10 @@ class Outliers:
         """Return none."""
         return []
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need readings enough for one to stand out."""
         if len(scene.stops) < _FEWEST:
-            return "too few readings for a bad one to stand out: measure more configurations"
+            return said("unseen.few_for_outliers")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -42,9 +43,6 @@ class Outliers:
         """Say how many readings are bad."""
         share, uncertainty = float(fitted.values[0]), float(np.sqrt(fitted.covariance[0, 0]))
         bad, all_readings = round(share * len(scene.stops)), len(scene.stops)
-        verb = "reading belongs" if bad == 1 else "readings belong"
-        sentence = (
-            f"{bad} of {all_readings} {verb} to no model of this robot and get no weight: "
-            "look whether the reflector was seated and the arm at rest, or measure them again."
-        )
+        key = "causes.outliers.one" if bad == 1 else "causes.outliers.several"
+        sentence = said(key, bad=bad, readings=all_readings)
         return Shown(subject, share, "1", uncertainty, sentence, (Detail("readings", float(bad), "1", 0.0),))

@@ -14,6 +14,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import ParameterSpec, Port, Rows, Term
 from truepose.effects.shapes.rigid_motion import Widths, fitted_motion, motion_specs, split_motion
@@ -60,16 +61,20 @@ def drift_candidates(effect: str, subject: str, prefix: str, scene: Scene) -> tu
     return tuple(candidate for candidate in proposed if candidate.names[0] not in scene.present)
 
 
-def shown_drift(subject: str, fitted: Fitted, scene: Scene, who: str) -> Shown:
+def shown_drift(subject: str, fitted: Fitted, scene: Scene, who: Sentence) -> Shown:
     """Say how fast `who` moves, on average over the measurements; several shapes are added up."""
     hours = max(duration_s(scene), 1.0) / SECONDS_PER_HOUR
     motion = fitted_motion(fitted, lambda prefix: _mean_rate(_shape_of(prefix), hours))
     rate, uncertainty = motion.shift
     constants = _constants_s(fitted)
-    settling = "".join(f", settling with a time constant of {spoken(tau_s)}" for tau_s in constants)
-    sentence = (
-        f"{who} moves by {rate:.3f} mm/h and turns by {motion.turn_deg[0]:.4f} deg/h{settling}: "
-        f"{rate * hours:.3f} mm in the {spoken(SECONDS_PER_HOUR * hours)} of these measurements."
+    sentence = said(
+        "causes.drift",
+        who=who,
+        rate_mm_per_h=rate,
+        turn_deg_per_h=motion.turn_deg[0],
+        settling=tuple(said("causes.drift.settling", constant=spoken(tau_s)) for tau_s in constants),
+        way_mm=rate * hours,
+        span=spoken(SECONDS_PER_HOUR * hours),
     )
     details = (*motion.details("/h"), *_constant_details(constants))
     return Shown(subject, rate, "mm/h", uncertainty, sentence, details)

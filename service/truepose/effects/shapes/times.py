@@ -7,6 +7,7 @@ a row is about the robot as the last reading left it: what has happened is past.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import Scene, varied
 from truepose.effects.ports import Rows
 
@@ -45,17 +46,17 @@ def duration_s(scene: Scene) -> float:
     return float(known.max() - scene.origin_s) if known.size else 0.0
 
 
-def without_times(scene: Scene) -> str | None:
+def without_times(scene: Scene) -> Text | None:
     """Return why nothing that runs in time can be seen, None where it can."""
     if varied(scene.stops.time_s):
         return None
-    return "the times of the readings are not known: record when each was taken (time_s)"
+    return said("unseen.no_times")
 
 
-def spoken(seconds: float) -> str:
+def spoken(seconds: float) -> Sentence:
     """Return a span of time as one says it, e.g. `21 min`."""
     if seconds < 120.0:
-        return f"{seconds:.0f} s"
+        return said("span.seconds", seconds=seconds)
     if seconds < 2.0 * SECONDS_PER_HOUR:
-        return f"{seconds / 60.0:.0f} min"
-    return f"{seconds / SECONDS_PER_HOUR:.1f} h"
+        return said("span.minutes", minutes=seconds / 60.0)
+    return said("span.hours", hours=seconds / SECONDS_PER_HOUR)

@@ -7,6 +7,7 @@ offset, and if all are off alike nothing says that it is not the arm.
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
 from truepose.effects.shapes.rigid_motion import COMPONENTS, split_motion
@@ -29,10 +30,10 @@ class NestOffset:
         """Move the nest."""
         return [Term(k, Port(PortKind.NEST, _port_index(name)), 1.0) for k, name in enumerate(names)]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need several certified nests."""
         if len(_measured(scene)) < 2:
-            return "fewer than two certified nests were read: read another nest of the tool as well"
+            return said("unseen.one_certified_nest")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -50,10 +51,7 @@ class NestOffset:
             Detail(name.rsplit("_", 1)[1], float(value), "mm", float(u))
             for name, value, u in zip(fitted.names, fitted.values, spread, strict=True)
         )
-        sentence = (
-            f"{subject.capitalize()} of the tool is {amplitude:.3f} mm away from its certified place: "
-            "measure the tool again, or clean the nest."
-        )
+        sentence = said("causes.nest_offset", nest=subject, distance_mm=amplitude)
         return Shown(subject, amplitude, "mm", uncertainty, sentence, details)
 
 

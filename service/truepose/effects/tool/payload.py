@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.links.loads import (
     mass_limits,
@@ -38,7 +39,7 @@ class Payload:
             for term in mass_terms(k, last, name.removeprefix("payload_"), rows)
         ]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need springs that gravity loads."""
         return unseen_masses(scene)
 
@@ -52,10 +53,11 @@ class Payload:
         """Say how much heavier the tool is and where its centre of gravity lies."""
         stated = stated_mass(scene.setting.robot, scene.setting.robot.n_joints - 1)
         wrong = wrong_mass(fitted, self.specs(scene.setting), stated)
-        way = "more" if wrong.extra_kg >= 0.0 else "less"
-        sentence = (
-            f"The tool weighs {abs(wrong.extra_kg):.2f} kg {way} than the {stated.mass_kg:g} kg stated; its "
-            f"centre of gravity is {float(np.linalg.norm(wrong.shift_mm)):.0f} mm from where it should be."
+        sentence = said(
+            "causes.payload.more" if wrong.extra_kg >= 0.0 else "causes.payload.less",
+            extra_kg=abs(wrong.extra_kg),
+            stated_kg=stated.mass_kg,
+            shift_mm=float(np.linalg.norm(wrong.shift_mm)),
         )
         return Shown(
             subject,

@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
 from truepose.effects.shapes.random_effects import deviations
@@ -38,12 +39,10 @@ class ToolReseating:
             Term(k, motion_port(tool, component), here[prefix]) for k, (prefix, component) in enumerate(split)
         ]
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """Need several mountings."""
         if len(scene.setting.attachments) < 2:
-            return (
-                "the tool was mounted once, or its mountings are not numbered: take it off and mount it again"
-            )
+            return said("unseen.one_mounting")
         return None
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
@@ -58,10 +57,8 @@ class ToolReseating:
         seats, covariance = _by_mounting(fitted)
         (shift, turn), (shift_u, turn_u) = deviations(seats, covariance, _SCALE, _SHIFTS_AND_TURNS)
         turn_deg, turn_u_deg = float(np.rad2deg(turn)), float(np.rad2deg(turn_u))
-        sentence = (
-            f"The tool sits differently after each of its {len(seats)} mountings: standard deviation "
-            f"{shift:.3f} mm along and {turn_deg:.4f} deg about each axis. "
-            "Clean the seat, or leave the tool on between calibration and work."
+        sentence = said(
+            "causes.tool_reseating", mountings=len(seats), shift_mm=float(shift), turn_deg=turn_deg
         )
         details = (
             Detail("rotation", turn_deg, "deg", turn_u_deg),

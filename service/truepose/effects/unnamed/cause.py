@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from truepose.domain.diagnosis import Detail
+from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
 from truepose.effects.unnamed.kinds import Key, Kind, Part, Place, Size, key_of
@@ -46,7 +47,7 @@ class Unnamed:
         """Return whether one of the cells moves things ever further in time."""
         return any(KINDS[key_of(name).kind].shape == "drift" for name in names)
 
-    def unseen(self, scene: Scene) -> str | None:
+    def unseen(self, scene: Scene) -> Text | None:
         """There is always something to look at."""
         return None
 
@@ -66,11 +67,12 @@ class Unnamed:
         largest = max(cells, key=lambda cell: abs(cell.sizes[0].amplitude))
         kind, first = KINDS[largest.key.kind], largest.sizes[0]
         beside = largest.sizes[1].amplitude if len(largest.sizes) > 1 else 0.0
-        more = f" It is the largest of {len(cells)} such {kind.shape}s." if len(cells) > 1 else ""
+        several = said("causes.unnamed.several", cells=len(cells), shape=kind.shape)
+        more = several if len(cells) > 1 else ""
         sentence = kind.sentence(largest.key, Size(abs(first.amplitude), beside), scene)
         details = tuple(detail for cell in cells for detail in cell.details(scene, several=len(cells) > 1))
         size = first.amplitude, first.unit, first.uncertainty
-        return Shown(subject, *size, sentence + more, details, kind.limits)
+        return Shown(subject, *size, together(sentence, more), details, kind.limits)
 
 
 class _Amplitude(NamedTuple):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Shape
 from truepose.domain.results import Unit
+from truepose.domain.sentences import Text
 from truepose.effects.causes import Limits, Scene
 from truepose.effects.ports import NOTHING, Need, Port, Rows
 
@@ -75,7 +76,7 @@ class Kind:
     places: Callable[[Scene], Iterable[Place]]  # those that the data can show
     variants: Callable[[Scene], Variants]
     moves: Callable[[Key, Rows], Moves]
-    sentence: Callable[[Key, Size, Scene], str]
+    sentence: Callable[[Key, Size, Scene], Text]
     variant_is: tuple[str, str] | None = None  # name and unit of the variant among the details
     variant_known_to: Callable[[float, Scene], float] = exactly  # standard uncertainty of the variant
     limits: Limits | None = None  # of the amplitude, by physics

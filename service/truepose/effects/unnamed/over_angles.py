@@ -3,8 +3,10 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene
 from truepose.effects.joints.joint_coupling import WRIST_JOINTS
+from truepose.effects.joints.joint_harmonics import periods
 from truepose.effects.links.geometry import is_parallel_to_previous
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows, motion_port
@@ -100,40 +102,58 @@ def _summed(rows: Rows, first: int) -> FloatArray:
     return np.asarray(rows.turn_rad[:, first - 1] + same_way * rows.turn_rad[:, first])
 
 
-def _periods(key: Key) -> str:
-    return f"{key.variant} period{'s' if key.variant != '1' else ''}"
+def _periods(key: Key) -> Sentence:
+    return periods(float(key.variant))
 
 
-def _of_wobble(key: Key, size: Size, _scene: Scene) -> str:
-    return (
-        f"Joint {key.place[0]} wobbles: what it carries tilts by {size.amplitude:.4f} deg and shifts by "
-        f"{size.beside:.3f} mm across its turn, in {_periods(key)} per turn, as a bearing out of true does."
+def _of_wobble(key: Key, size: Size, _scene: Scene) -> Sentence:
+    return said(
+        "causes.wobble",
+        joint=_joint(key.place),
+        tilt_deg=size.amplitude,
+        shift_mm=size.beside,
+        periods=_periods(key),
     )
 
 
-def _of_cross_wave(key: Key, size: Size, _scene: Scene) -> str:
-    moved, source = key.place
-    return (
-        f"Joint {moved} is off by a wave of the angle of joint {source}, {size.amplitude:.4f} deg in "
-        f"{_periods(key)} per turn of that joint."
+def _of_cross_wave(key: Key, size: Size, _scene: Scene) -> Sentence:
+    moved, source = map(joint_subject, _indices(key))
+    return said(
+        "causes.cross_wave",
+        joint=moved,
+        source=source,
+        amplitude_deg=size.amplitude,
+        periods=_periods(key),
     )
 
 
-def _of_share(key: Key, size: Size, scene: Scene) -> str:
-    moved, source = key.place
-    way = np.rad2deg(size.amplitude * float(np.ptp(scene.turn_rad[:, source - 1])))
-    return (
-        f"Joint {moved} moves along with joint {source}, by {size.amplitude:.1e} of its angle "
-        f"({way:.4f} deg over its measured range)."
+def _of_share(key: Key, size: Size, scene: Scene) -> Sentence:
+    moved, source = _indices(key)
+    way_deg = float(np.rad2deg(size.amplitude * float(np.ptp(scene.turn_rad[:, source]))))
+    return said(
+        "causes.moves_along",
+        joint=joint_subject(moved),
+        source=joint_subject(source),
+        share=size.amplitude,
+        way_deg=way_deg,
     )
 
 
-def _of_pair(key: Key, size: Size, _scene: Scene) -> str:
-    moved, first = key.place
-    return (
-        f"Joint {moved} is off by a wave of the angles of joints {first} and {first + 1} together, "
-        f"{size.amplitude:.4f} deg in {_periods(key)} per turn, as a linkage out of true does."
+def _of_pair(key: Key, size: Size, _scene: Scene) -> Sentence:
+    _, first = key.place
+    return said(
+        "causes.pair_wave",
+        joint=_joint(key.place),
+        first=first,
+        second=first + 1,
+        amplitude_deg=size.amplitude,
+        periods=_periods(key),
     )
+
+
+def _indices(key: Key) -> tuple[int, ...]:
+    """Return the joints of a place, from 0."""
+    return tuple(number - 1 for number in key.place)
 
 
 def _body(place: Place) -> str:

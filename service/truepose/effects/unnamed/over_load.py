@@ -3,6 +3,7 @@
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import SPRING, Limits, Scene
 from truepose.effects.joints.backlash import from_both_sides
 from truepose.effects.joints.compliance import known_torque
@@ -15,7 +16,7 @@ from truepose.kinematics.gravity import gravity_moments
 # Belief: a bearing stands moments across its axis several times better than its gear does those about it.
 _TILT = 1e-6  # rad/(N mm)
 _RUB = 1e-6  # rad/(N mm), belief: friction that holds a joint off as far as its gearbox winds up
-_FRICTION = Limits(0.0, np.inf, "friction cannot push")
+_FRICTION = Limits(0.0, np.inf, said("limits.friction"))
 _SHIFT = 2e-3  # mm/N, belief: what shifts visibly by hand
 _FIRST_BEARING = 2  # what the first one carries tilts with the base
 _FIRST_TURN = 3  # components 3..5 of a motion
@@ -96,36 +97,32 @@ def _rubs(key: Key, rows: Rows) -> Moves:
     return [(port, -way * np.abs(known_torque(rows, joint)))]
 
 
-def _of_tilt(key: Key, size: Size, scene: Scene) -> str:
+def _of_tilt(key: Key, size: Size, scene: Scene) -> Sentence:
     masses = scene.setting.robot.masses
     moments = gravity_moments(scene.chain, masses, np.array(scene.gravity_m_s2))
-    largest = np.rad2deg(size.amplitude * _largest(_across(scene.chain, key.place[0], moments)))
-    return (
-        f"The bearing of joint {key.place[0]} tilts under the moment across its axis, by "
-        f"{size.amplitude:.1e} rad/(N*mm): up to {largest:.4f} deg in these configurations."
-    )
+    most_deg = float(np.rad2deg(size.amplitude * _largest(_across(scene.chain, key.place[0], moments))))
+    joint = joint_subject(key.place[0] - 1)
+    return said("causes.bearing_tilts", joint=joint, compliance=size.amplitude, most_deg=most_deg)
 
 
-def _of_mount(key: Key, size: Size, scene: Scene) -> str:
+def _of_mount(key: Key, size: Size, scene: Scene) -> Sentence:
     robot = scene.setting.robot
     moments = gravity_moments(scene.chain, robot.masses, np.array(scene.gravity_m_s2))
     soft = list(_SOFT_ABOUT[key.variant])
     largest = _largest(_across(scene.chain, robot.n_joints, moments)[:, soft])
-    about = f" about its {key.variant} axis" if len(soft) == 1 else ""
-    return (
-        f"The flange, or what holds the tool on it, gives{about} under the moment of the tool's weight, by "
-        f"{size.amplitude:.1e} rad/(N*mm): up to {np.rad2deg(size.amplitude * largest):.4f} deg in these "
-        "configurations."
+    return said(
+        "causes.flange_gives",
+        about=said("causes.flange_gives.about", axis=key.variant) if len(soft) == 1 else "",
+        compliance=size.amplitude,
+        most_deg=float(np.rad2deg(size.amplitude * largest)),
     )
 
 
-def _of_rub(key: Key, size: Size, scene: Scene) -> str:
+def _of_rub(key: Key, size: Size, scene: Scene) -> Sentence:
     joint = key.place[0] - 1
     largest = 0.0 if scene.torque_n_mm is None else float(np.nanmax(np.abs(scene.torque_n_mm[:, joint])))
-    return (
-        f"Joint {joint + 1} stops short of where it is sent, the farther the larger its load: by "
-        f"up to {np.rad2deg(size.amplitude * largest):.4f} deg, as friction that follows the load does."
-    )
+    most_deg = float(np.rad2deg(size.amplitude * largest))
+    return said("causes.friction", joint=joint_subject(joint), most_deg=most_deg)
 
 
 KINDS = (

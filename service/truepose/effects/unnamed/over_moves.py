@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Port, PortKind, Rows
@@ -26,14 +27,11 @@ def _lags(key: Key, rows: Rows) -> Moves:
     return [(port, -rows.robot.joints[joint].sign * np.nan_to_num(rows.stops.move_rad[:, joint]))]
 
 
-def _of_lag(key: Key, size: Size, scene: Scene) -> str:
+def _of_lag(key: Key, size: Size, scene: Scene) -> Sentence:
     joint, moves = key.place[0] - 1, scene.stops.move_rad
     largest = 0.0 if moves is None else float(np.nanmax(np.abs(moves[:, joint])))
-    off_deg = np.rad2deg(size.amplitude * largest)
-    return (
-        f"Joint {key.place[0]} is off by {size.amplitude:.1e} of its last move, up to {off_deg:.4f} deg: it "
-        "had not settled when it was measured."
-    )
+    most_deg = float(np.rad2deg(size.amplitude * largest))
+    return said("causes.lag", joint=joint_subject(joint), share=size.amplitude, most_deg=most_deg)
 
 
 KINDS = (

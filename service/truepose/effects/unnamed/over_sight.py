@@ -9,7 +9,9 @@ from collections.abc import Callable
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene
+from truepose.effects.joints.joint_harmonics import periods
 from truepose.effects.ports import Port, PortKind, Rows
 from truepose.effects.unnamed.kinds import ALONE, Key, Kind, Moves, Part, Place, Size, Variants, once
 from truepose.kinematics.frames import cross
@@ -59,13 +61,10 @@ def _orders(_scene: Scene) -> Variants:
     return [("1", 1.0), ("2", 2.0)]
 
 
-def _of(angle: str) -> Callable[[Key, Size, Scene], str]:
-    def sentence(key: Key, size: Size, _scene: Scene) -> str:
-        return (
-            f"The {angle} that the instrument reads is off by a wave of {key.variant} period"
-            f"{'s' if key.variant != '1' else ''} per turn, {size.amplitude:.5f} deg, as of a circle that "
-            "runs out of true."
-        )
+def _of(angle: str) -> Callable[[Key, Size, Scene], Sentence]:
+    def sentence(key: Key, size: Size, _scene: Scene) -> Sentence:
+        order = periods(float(key.variant))
+        return said("causes.circle", angle=angle, periods=order, amplitude_deg=size.amplitude)
 
     return sentence
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import Scene
 from truepose.effects.links.thermal_growth import MATERIALS, ThermalGrowth, range_k, warmer_k
 from truepose.effects.names import joint_subject
@@ -43,26 +44,22 @@ def _link(place: Place) -> str:
     return f"link {place[0]}" if place[0] > 0 else "base"
 
 
-def _of_zero(key: Key, size: Size, scene: Scene) -> str:
-    way = size.amplitude * range_k(scene.stops)
-    return (
-        f"The zero of joint {key.place[0]} follows the temperature, by {size.amplitude:.4f} deg/K: "
-        f"{way:.4f} deg from the coldest to the warmest reading."
-    )
+def _of_zero(key: Key, size: Size, scene: Scene) -> Sentence:
+    way_deg = size.amplitude * range_k(scene.stops)
+    joint = joint_subject(key.place[0] - 1)
+    return said("causes.zero_warms", joint=joint, rate_deg_per_k=size.amplitude, way_deg=way_deg)
 
 
-def _of_growth(key: Key, size: Size, scene: Scene) -> str:
+def _of_growth(key: Key, size: Size, scene: Scene) -> Sentence:
     row = scene.setting.robot.joints[key.place[0]]
     length_m = float(np.hypot(row.a_mm, row.d_mm)) / 1e3
     rate_um = 1e6 * size.amplitude
-    return (
-        f"The lengths of {_who(key.place)} follow the temperature, by {rate_um:.1f} um per metre and K "
-        f"({rate_um * length_m * range_k(scene.stops):.0f} um here); those of the other links do not."
-    )
+    here_um = rate_um * length_m * range_k(scene.stops)
+    return said("causes.link_grows", link=_who(key.place), um_per_m_k=rate_um, here_um=here_um)
 
 
-def _who(place: Place) -> str:
-    return _link(place) if place[0] > 0 else "the base column"
+def _who(place: Place) -> Text:
+    return _link(place) if place[0] > 0 else said("causes.link_grows.base")
 
 
 KINDS = (

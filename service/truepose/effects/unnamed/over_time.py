@@ -4,6 +4,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Unit
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.causes import Scene, varied
 from truepose.effects.names import joint_subject
 from truepose.effects.ports import Need, Port, PortKind, Rows, motion_port
@@ -91,36 +92,34 @@ def _tracker_jumps(key: Key, rows: Rows) -> Moves:
     return [(port, since(rows, float(key.variant)))]
 
 
-def _then(key: Key, scene: Scene) -> str:
-    after = spoken(float(key.variant) - scene.origin_s)
-    return f"{after} after the first reading; nothing else moved then."
+def _after(key: Key, scene: Scene) -> Sentence:
+    return spoken(float(key.variant) - scene.origin_s)
 
 
-def _of_jump(key: Key, size: Size, scene: Scene) -> str:
-    return f"The zero of joint {key.place[0]} jumped by {size.amplitude:.4f} deg, {_then(key, scene)}"
+def _of_jump(key: Key, size: Size, scene: Scene) -> Sentence:
+    joint, after = _of_joint(key.place), _after(key, scene)
+    return said("causes.zero_jump", joint=joint, turn_deg=size.amplitude, after=after)
 
 
-def _of_drift(key: Key, size: Size, scene: Scene) -> str:
+def _of_drift(key: Key, size: Size, scene: Scene) -> Sentence:
     lasted_s = duration_s(scene)
-    way = size.amplitude * lasted_s / SECONDS_PER_HOUR
-    return (
-        f"The zero of joint {key.place[0]} drifts by {size.amplitude:.4f} deg/h: {way:.4f} deg in the "
-        f"{spoken(lasted_s)} of these measurements."
+    return said(
+        "causes.zero_drift",
+        joint=_of_joint(key.place),
+        rate_deg_per_h=size.amplitude,
+        way_deg=size.amplitude * lasted_s / SECONDS_PER_HOUR,
+        span=spoken(lasted_s),
     )
 
 
-def _of_slip(key: Key, size: Size, scene: Scene) -> str:
-    return (
-        f"The tool slipped in its seat by {size.amplitude:.3f} mm and turned by {size.beside:.4f} deg, "
-        f"{_then(key, scene)}"
-    )
+def _of_slip(key: Key, size: Size, scene: Scene) -> Sentence:
+    after = _after(key, scene)
+    return said("causes.tool_slip", shift_mm=size.amplitude, turn_deg=size.beside, after=after)
 
 
-def _of_kick(key: Key, size: Size, scene: Scene) -> str:
-    return (
-        f"The instrument jumped: what it reads moved by {size.amplitude:.3f} mm and turned by "
-        f"{size.beside:.4f} deg, {_then(key, scene)}"
-    )
+def _of_kick(key: Key, size: Size, scene: Scene) -> Sentence:
+    after = _after(key, scene)
+    return said("causes.instrument_kick", shift_mm=size.amplitude, turn_deg=size.beside, after=after)
 
 
 def _of_joint(place: Place) -> str:

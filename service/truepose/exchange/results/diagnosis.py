@@ -10,7 +10,7 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
-from truepose.exchange.results.document import Document
+from truepose.exchange.results.document import Document, Spoken
 from truepose.exchange.results.documents import StatisticsDocument
 
 
@@ -97,7 +97,7 @@ class FindingDocument(Document):
     p_value: Quantity = Field(description="Corrected for everything that was tried.")
     confidence: Confidence
     details: list[DetailDocument]
-    sentence: str
+    sentence: Spoken
     confusable_with: list[CauseDocument] = Field(description="What these data cannot tell from it.")
     gain: GainDocument | None
     share: Quantity = Field(description="Of the structure explained: 0 to 1.")
@@ -131,7 +131,7 @@ class RemainingDocument(Document):
 
     structure: bool
     depends_on: list[DependenceDocument]
-    sentence: str
+    sentence: Spoken
     described: list[DescribedDocument] = Field([], description="Largest first; it is in the extended model.")
     described_gain: GainDocument | None = Field(
         None, description="What all of it takes off the held-out errors beside the findings."
@@ -141,7 +141,7 @@ class RemainingDocument(Document):
 class NextMeasurementDocument(Document):
     """What would tell causes apart; configurations can be added to a session."""
 
-    sentence: str
+    sentence: Spoken
     configurations_deg: list[list[float]]
     separates: list[CauseDocument]
 
@@ -151,7 +151,7 @@ class RuledOutDocument(Document):
 
     effect: str
     subject: str
-    reason: str
+    reason: Spoken
     p_value: Quantity
     visible: bool = Field(description="False: these data cannot show it.")
     upper_limit_mm: Quantity = Field(
@@ -167,7 +167,7 @@ class NoiseDocument(Document):
 
     scale: Quantity = Field(description="Scatter left over stated uncertainty.")
     tail_degrees_of_freedom: Quantity = Field(description="Of Student's t; null: normal.")
-    sentence: str
+    sentence: Spoken
 
 
 class WorstDocument(Document):
@@ -190,7 +190,7 @@ class DiagnosisDocument(Document):
 
     robot: str
     verdict: Verdict
-    message: str
+    message: Spoken
     start_effects: list[str]
     findings: list[FindingDocument]
     small_findings: list[FindingDocument] = Field(
@@ -208,7 +208,7 @@ class DiagnosisDocument(Document):
     remaining: RemainingDocument
     next_measurements: list[NextMeasurementDocument]
     ruled_out: list[RuledOutDocument]
-    withdrawn: list[str]
+    withdrawn: list[Spoken]
     noise: NoiseDocument | None
 
 

@@ -7,6 +7,7 @@ from truepose.domain.diagnosis import Cause, Diagnosis, Finding, NextMeasurement
 from truepose.effects.cells import alike, named_cell, of_legs
 from truepose.effects.unnamed.cause import NAME as UNNAMED
 from truepose.reports.causes import cause_words
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +27,7 @@ class Alternatives:
     not_excluded: tuple[RuledOut, ...]  # act alike, and these data cannot show them
 
 
-def alternatives(finding: Finding, diagnosis: Diagnosis) -> Alternatives:
+def alternatives(finding: Finding, diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Alternatives:
     """Return what else it could be, and what it is not."""
     alike = [
         entry
@@ -36,7 +37,7 @@ def alternatives(finding: Finding, diagnosis: Diagnosis) -> Alternatives:
     named = set(finding.confusable_with)
     rest = [entry for entry in alike if Cause(entry.effect, entry.subject) not in named]
     return Alternatives(
-        rivals=tuple(_rivals(finding, diagnosis.next_measurements)),
+        rivals=tuple(_rivals(finding, diagnosis.next_measurements, words)),
         excluded=tuple(entry for entry in rest if entry.visible),
         not_excluded=tuple(entry for entry in rest if not entry.visible),
     )
@@ -54,9 +55,9 @@ def _impossible(entry: RuledOut, diagnosis: Diagnosis) -> bool:
     return diagnosis.quantity == "position" and of_legs(named_cell(entry.effect, entry.subject))
 
 
-def _rivals(finding: Finding, proposals: tuple[NextMeasurement, ...]) -> Iterator[Rival]:
+def _rivals(finding: Finding, proposals: tuple[NextMeasurement, ...], words: Catalogue) -> Iterator[Rival]:
     own = Cause(finding.effect, finding.subject)
     for cause in finding.confusable_with:
         wanted = (proposal for proposal in proposals if cause in proposal.separates)
         both = sorted(wanted, key=lambda proposal: own not in proposal.separates)
-        yield Rival(cause_words(cause), both[0].sentence if both else "")
+        yield Rival(cause_words(cause), words.spoken(both[0].sentence) if both else "")

@@ -5,8 +5,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from truepose.domain.diagnosis import RuledOut
+from truepose.domain.sentences import Text
 from truepose.reports.causes import effect_words
 from truepose.reports.rounding import MISSING, millimetres, p_value
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_NAMED = 12  # subjects of one reason; a hundred nests would fill the page
 
@@ -22,16 +24,16 @@ class RuledOutRow:
     at_most: str  # how large any of them could still be
 
 
-def ruled_out_rows(entries: Iterable[RuledOut]) -> tuple[RuledOutRow, ...]:
+def ruled_out_rows(entries: Iterable[RuledOut], words: Catalogue = IN_ENGLISH) -> tuple[RuledOutRow, ...]:
     """Return a row for each effect and reason, in the order of the first of each."""
-    groups: dict[tuple[str, str], list[RuledOut]] = {}
+    groups: dict[tuple[str, Text], list[RuledOut]] = {}
     for entry in entries:
         groups.setdefault((entry.effect, entry.reason), []).append(entry)
     return tuple(
         RuledOutRow(
             effect_words(effect),
             subjects(entry.subject for entry in group),
-            reason,
+            words.spoken(reason),
             _smallest(group),
             _at_most(group),
         )

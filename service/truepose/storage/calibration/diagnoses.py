@@ -15,6 +15,7 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import DiagnosisRecord, JobState, Page
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, models
+from truepose.words.catalogue import english
 
 _LISTED: Final = [column for column in diagnoses.c if column.name not in {"summary", "document"}]
 
@@ -49,7 +50,7 @@ class DiagnosisRepository:
             )
             if model is not None:
                 add_row(connection, models, diagnosis_id=number, robot=model[0], document=model[1])
-            add_job_state(connection, job_id, JobState.SUCCEEDED, found.message, number)
+            add_job_state(connection, job_id, JobState.SUCCEEDED, english(found.message), number)
             return number
 
         return await self._database.write(work)

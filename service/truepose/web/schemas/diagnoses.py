@@ -7,6 +7,7 @@ from pydantic import Field
 from truepose.domain.diagnosis import Confidence, Verdict
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.diagnosis import DiagnosisDocument
+from truepose.exchange.results.document import Spoken
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import (
     Day,
@@ -101,7 +102,7 @@ class DiagnosisSummaryReply(Reply):
     robot: str = Field(examples=["ABB IRB 120"])
     robot_serial_number: str | None
     verdict: Verdict
-    message: str
+    message: Spoken
     findings: list[FindingReply]
 
 

@@ -15,6 +15,7 @@ from truepose.diagnosis.evidence.gains import gain_of
 from truepose.diagnosis.evidence.held_out import Improvement
 from truepose.domain.diagnosis import Confidence, HeldOutErrors, Verdict
 from truepose.identification.model.prediction import predict
+from truepose.words.catalogue import english
 
 GAIN_4 = {"joint_gain": {"gain_4": 1e-3}}
 NUISANCE = ("frame_", "fixed_", "certified_")
@@ -92,14 +93,14 @@ def test_what_no_material_does_is_likely_at_most_and_says_so():
     (finding,) = [one for one in found.findings if one.over == "temperature"][:1]
     assert finding.effect == "thermal_growth"
     assert finding.confidence is Confidence.LIKELY
-    assert finding.sentence.endswith("; no material of a robot does that: something else acts here.")
+    assert english(finding.sentence).endswith("; no material of a robot does that: something else acts here.")
 
 
 def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.held_out == "validation"
     assert explained.before.n == explained.after.n == 40
-    assert f"{explained.before.mean_mm:.3f}" in explained.message
-    assert f"{explained.after.mean_mm:.3f}" in explained.message
+    assert f"{explained.before.mean_mm:.3f}" in english(explained.message)
+    assert f"{explained.after.mean_mm:.3f}" in english(explained.message)
     # noise of three components, 1.6 of one on average; parameters add a tenth to a sixth
     assert explained.after.mean_mm < 1.9 * NOISE_MM < explained.before.mean_mm
 
@@ -251,8 +252,8 @@ def test_what_validation_readings_contradict_is_said_and_certain_no_more(campaig
     assert found.withdrawn == ()
     assert found.verdict is Verdict.PARTLY_EXPLAINED
     assert found.after.rms_mm > found.before.rms_mm
-    assert found.remaining.sentence.startswith("The validation readings contradict what was found")
-    assert found.remaining.sentence in found.message
+    assert english(found.remaining.sentence).startswith("The validation readings contradict what was found")
+    assert english(found.remaining.sentence) in english(found.message)
     # nobody is given a model that is known to be worse
     assert "gain_4" not in [parameter.name for parameter in found.model.parameters]
 
@@ -273,8 +274,8 @@ def test_what_cannot_be_fitted_is_answered_with_its_reason():
     found = diagnose(few, START)
 
     assert found.verdict is Verdict.UNEXPLAINED
-    assert "5" in found.message
-    assert found.remaining.sentence == found.message
+    assert "5" in english(found.message)
+    assert english(found.remaining.sentence) == english(found.message)
     assert (found.findings, found.before, found.after, found.errors, found.model) == (
         (),
         None,
@@ -288,7 +289,7 @@ def test_an_answer_without_numbers_names_robot_and_quantity(campaign):
     found = unanswerable(campaign, START, "Nothing can be said.")
 
     assert (found.robot, found.quantity, found.start_effects) == ("ABB IRB 120", "position", START)
-    assert found.message == "Nothing can be said."
+    assert english(found.message) == "Nothing can be said."
 
 
 def off_at(rows):
@@ -302,7 +303,7 @@ def test_bad_readings_that_fall_anywhere_are_certain():
 
     assert diagnosis.verdict is Verdict.EXPLAINED
     assert (finding.effect, finding.confidence) == ("outliers", Confidence.CERTAIN)
-    assert finding.sentence.endswith("or measure them again.")
+    assert english(finding.sentence).endswith("or measure them again.")
 
 
 def test_bad_readings_that_gather_are_not_certain_and_what_they_share_is_left():
@@ -315,7 +316,7 @@ def test_bad_readings_that_gather_are_not_certain_and_what_they_share_is_left():
 
     assert diagnosis.verdict is Verdict.PARTLY_EXPLAINED
     assert (finding.effect, finding.confidence) == ("outliers", Confidence.LIKELY)
-    assert "read at nest 2 in mounting 3 of the tool" in finding.sentence
+    assert "read at nest 2 in mounting 3 of the tool" in english(finding.sentence)
     assert [one.variable for one in diagnosis.remaining.depends_on] == ["nest and attachment of the tool"]
     assert diagnosis.remaining.described == ()
     assert np.array_equal(diagnosis.errors.before_mm, diagnosis.errors.after_mm)

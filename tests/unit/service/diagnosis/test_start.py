@@ -10,6 +10,7 @@ from tests.helpers.diagnosis.selections import PRESENT, planted
 from tests.helpers.identification.synthetic import shifted
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.start import NUISANCE, Start, started
+from truepose.words.catalogue import english
 
 SWAPPED = [10, 40]
 
@@ -87,7 +88,7 @@ def with_wild(campaign, rows):
 def test_where_too_many_readings_are_wild_it_says_what_they_share(campaign):
     of_nest_2 = np.flatnonzero(campaign.calibration.nest == 2)
 
-    doubt = started(with_wild(campaign, of_nest_2), START, relabel=True).doubt
+    doubt = english(started(with_wild(campaign, of_nest_2), START, relabel=True).doubt)
 
     assert "no model can be trusted" in doubt
     assert f"of them were read at nest 2, as {len(of_nest_2)} of all were" in doubt
@@ -115,7 +116,7 @@ def test_readings_that_jumped_together_are_no_wild_ones():
     start = started(campaign, PRESENT, relabel=False)
 
     assert not isinstance(start, str)
-    assert start.doubt.startswith("40 of 130 readings do not fit the others")
+    assert english(start.doubt).startswith("40 of 130 readings do not fit the others")
     assert not start.fit.gross[0].any()
     found = diagnose(campaign, PRESENT)
     assert found.verdict == "explained"
@@ -132,4 +133,4 @@ def test_readings_that_are_wild_leave_nothing_to_say():
 
     assert found.verdict == "unexplained"
     assert found.findings == ()
-    assert "do not fit the others: no model can be trusted" in found.message
+    assert "do not fit the others: no model can be trusted" in english(found.message)

@@ -21,6 +21,7 @@ from truepose.effects.ports import PortKind
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
+from truepose.words.catalogue import english
 
 
 def rows(campaign=None):
@@ -30,21 +31,21 @@ def rows(campaign=None):
 
 @pytest.mark.parametrize("cause", ["ballbar_zero", "fixture_shift"])
 def test_positions_show_nothing_of_a_ballbar(cause):
-    assert "no lengths" in CAUSES[cause].unseen(telling_scene())
+    assert "no lengths" in english(CAUSES[cause].unseen(telling_scene()))
     assert CAUSES[cause].candidates(telling_scene()) == ()
 
 
 def test_a_zero_needs_initialisations_that_are_known():
     unnumbered = telling_legs(initialisation=None)
 
-    assert "(init)" in CAUSES["ballbar_zero"].unseen(leg_scene(unnumbered))
+    assert "(init)" in english(CAUSES["ballbar_zero"].unseen(leg_scene(unnumbered)))
     assert CAUSES["ballbar_zero"].candidates(leg_scene(unnumbered)) == ()
 
 
 def test_the_one_zero_of_a_wire_of_unknown_length_is_its_length():
     once = replace(telling_legs(initialisation=np.ones(N, dtype=np.int64)), ballbar_nominal_mm=None)
 
-    assert "initialise it now and then" in CAUSES["ballbar_zero"].unseen(leg_scene(once))
+    assert "initialise it now and then" in english(CAUSES["ballbar_zero"].unseen(leg_scene(once)))
 
 
 def test_zeros_are_constants_or_grow_where_times_are_known():
@@ -91,9 +92,9 @@ def test_a_zero_is_shown_as_its_root_mean_square():
 
     assert (still.amplitude, still.unit) == (pytest.approx(0.006), "mm")
     assert still.standard_uncertainty == pytest.approx(0.006 / np.sqrt(20.0), rel=1e-3)
-    assert "is off by 6.0 um" in still.sentence
+    assert "is off by 6.0 um" in english(still.sentence)
     assert grown.amplitude == pytest.approx(0.09 * 5 * CADENCE_S / 3600.0)
-    assert "grows until the next initialisation" in grown.sentence
+    assert "grows until the next initialisation" in english(grown.sentence)
 
 
 def test_noise_in_the_zeros_is_not_taken_for_their_size():
@@ -132,7 +133,7 @@ def test_a_fixture_may_move_between_stops_of_one_placement_with_twelve_lengths_o
 def test_short_placements_show_no_move():
     short = telling_legs(placement=1 + np.arange(N) // 20)
 
-    assert "too few lengths" in CAUSES["fixture_shift"].unseen(leg_scene(short))
+    assert "too few lengths" in english(CAUSES["fixture_shift"].unseen(leg_scene(short)))
 
 
 def test_a_fixture_acts_through_its_own_placement_from_its_time_on():
@@ -155,4 +156,4 @@ def test_a_fixture_is_shown_to_move_as_far_as_it_does_where_it_stands():
     assert next(d for d in shown.details if d.name == "rotation").value == pytest.approx(
         np.rad2deg(2e-4), rel=1e-3
     )
-    assert "during placement 1, by 0.050 mm" in shown.sentence
+    assert "during placement 1, by 0.050 mm" in english(shown.sentence)

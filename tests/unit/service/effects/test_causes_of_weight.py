@@ -19,6 +19,7 @@ from truepose.identification.problem.build import build
 from truepose.kinematics.chain import forward, nominal_chain, nominal_values
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.gravity import gravity_torques
+from truepose.words.catalogue import english
 
 WEIGHT_CAUSES = ("base_compliance", "link_bending", "link_mass", "payload")
 THROUGH_SPRINGS = ("link_mass", "payload")
@@ -75,7 +76,7 @@ def test_it_is_seen_with_masses_and_springs_and_what_the_model_has_is_no_candida
 def test_unknown_masses_hide_it_and_it_has_no_parameters_then(cause):
     scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
 
-    assert "not stated" in CAUSES[cause].unseen(scene)
+    assert "not stated" in english(CAUSES[cause].unseen(scene))
     assert CAUSES[cause].candidates(scene) == ()
     assert CAUSES[cause].specs(scene.setting) == ()
 
@@ -86,8 +87,8 @@ def test_a_wrong_mass_shows_only_through_springs_that_gravity_loads(cause):
     scene = telling_scene()
     measured = replace(scene, setting=scene.setting._replace(torque_source="measured"))
 
-    assert "add `compliance`" in CAUSES[cause].unseen(rigid)
-    assert "were measured" in CAUSES[cause].unseen(measured)
+    assert "add `compliance`" in english(CAUSES[cause].unseen(rigid))
+    assert "were measured" in english(CAUSES[cause].unseen(measured))
     assert CAUSES[cause].candidates(rigid) == CAUSES[cause].candidates(measured) == ()
 
 
@@ -196,7 +197,7 @@ def test_a_payload_is_told_in_kilograms_with_its_centre_of_gravity():
 
     assert (shown.amplitude, shown.unit) == (pytest.approx(0.27, abs=1e-3), "kg")
     assert [detail.unit for detail in shown.details] == ["mm"] * 3
-    assert "weighs 0.27 kg more than the 2.7 kg stated" in shown.sentence
+    assert "weighs 0.27 kg more than the 2.7 kg stated" in english(shown.sentence)
 
 
 def test_of_several_links_the_one_that_is_off_most_is_named():
@@ -207,7 +208,7 @@ def test_of_several_links_the_one_that_is_off_most_is_named():
     shown = CAUSES["link_mass"].shown("links", posterior(together.specs, truth, 1e8 * np.eye(8)), scene)
 
     assert shown.amplitude == pytest.approx(-0.8, abs=1e-3)
-    assert "most of all link 4 weighs 0.80 kg less than the 5 kg stated" in shown.sentence
+    assert "most of all link 4 weighs 0.80 kg less than the 5 kg stated" in english(shown.sentence)
     assert {detail.name.split(":")[0] for detail in shown.details} == {"link 2", "link 4"}
 
 
@@ -304,7 +305,7 @@ def test_bending_is_told_as_the_sag_of_the_stretched_arm():
     assert alone.unit == "mm"
     assert together.amplitude > alone.amplitude
     assert together.standard_uncertainty > alone.standard_uncertainty
-    assert "Links 2 and 3 bend" in together.sentence
+    assert "Links 2 and 3 bend" in english(together.sentence)
 
 
 def test_a_base_tilts_by_its_compliance_times_the_moment_of_all_weights_about_itself():

@@ -13,6 +13,7 @@ from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.kinematics.gravity import gravity_torques
+from truepose.words.catalogue import english
 
 JOINT_CAUSES = ("axis_parallelism", "backlash", "compliance", "compliance_nonlinear", "joint_coupling")
 ANOTHER_START = {
@@ -86,7 +87,7 @@ def test_it_is_seen_where_rows_tell_everything(cause):
 def test_without_parallel_axes_there_is_no_parallelism_to_lack():
     scene = scene_for("axis_parallelism", seven_axes())
 
-    assert "no axis of this robot" in CAUSES["axis_parallelism"].unseen(scene)
+    assert "no axis of this robot" in english(CAUSES["axis_parallelism"].unseen(scene))
     assert CAUSES["axis_parallelism"].candidates(scene) == ()
 
 
@@ -101,7 +102,7 @@ def test_a_tilt_is_the_hayati_beta_of_the_later_axis_whatever_its_sign():
     assert shown.unit == "deg"
     assert shown.standard_uncertainty == pytest.approx(0.001)
     assert shown.details[0].value == pytest.approx(-0.02)
-    assert "axes of joints 2 and 3 are not parallel" in shown.sentence
+    assert "axes of joints 2 and 3 are not parallel" in english(shown.sentence)
 
 
 def test_a_wrist_joint_follows_the_angle_of_its_source_as_the_controller_counts_both():
@@ -146,7 +147,7 @@ def test_a_coupling_names_its_source():
         pytest.approx(2e-5),
     )
     assert [(detail.name, detail.value) for detail in shown.details] == [("source joint", 5.0)]
-    assert "Joint 6 moves along with joint 5" in shown.sentence
+    assert "Joint 6 moves along with joint 5" in english(shown.sentence)
 
 
 def test_a_gap_keeps_a_joint_from_where_it_is_sent_also_where_it_counts_against_its_axis():
@@ -189,8 +190,8 @@ def with_no_direction(campaign):
 def test_backlash_is_not_seen_unless_joints_came_from_both_sides(direction):
     scene = with_stops(scene_for("backlash"), direction=direction)
 
-    assert "both sides" in CAUSES["backlash"].unseen(scene) or "other side" in CAUSES["backlash"].unseen(
-        scene
+    assert "both sides" in english(CAUSES["backlash"].unseen(scene)) or "other side" in english(
+        CAUSES["backlash"].unseen(scene)
     )
     assert CAUSES["backlash"].candidates(scene) == ()
 
@@ -217,7 +218,7 @@ def test_of_many_gaps_the_widest_is_the_amplitude():
     assert shown.amplitude == pytest.approx(np.rad2deg(6e-4))
     assert shown.standard_uncertainty == pytest.approx(np.rad2deg(1e-5))
     assert [detail.name for detail in shown.details] == ["gap of joint 1", "gap of joint 4", "gap of joint 6"]
-    assert "widest gap is that of joint 4" in shown.sentence
+    assert "widest gap is that of joint 4" in english(shown.sentence)
 
 
 def test_springs_are_looked_for_in_every_joint_that_gravity_loads():
@@ -275,7 +276,7 @@ def test_a_spring_says_how_far_it_lets_its_joint_go():
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.3e-7, "rad/(N*mm)", 1e-9)
     largest = np.rad2deg(1.3e-7 * np.abs(scene.torque_n_mm[:, 2]).max())
-    assert f"up to {largest:.3f} deg" in shown.sentence
+    assert f"up to {largest:.3f} deg" in english(shown.sentence)
 
 
 def test_a_gear_is_softer_near_zero_torque_and_has_its_own_stiffness_far_beyond():
@@ -299,7 +300,7 @@ def test_a_gear_is_softer_near_zero_torque_and_has_its_own_stiffness_far_beyond(
 def test_unknown_torques_hide_how_a_gear_bends():
     scene = telling_scene(("base", "geometry"), telling_campaign(robot=without_masses()))
 
-    assert "torques of the joints are unknown" in CAUSES["compliance_nonlinear"].unseen(scene)
+    assert "torques of the joints are unknown" in english(CAUSES["compliance_nonlinear"].unseen(scene))
     assert CAUSES["compliance_nonlinear"].candidates(scene) == ()
 
 
@@ -330,7 +331,7 @@ def test_softness_is_told_relative_to_the_springs_of_the_model():
     assert shown.amplitude == pytest.approx(0.58)
     assert shown.standard_uncertainty == pytest.approx((1 / 0.09 + 1 / 0.01) ** -0.5)
     assert shown.unit == "1"
-    assert "58 % softer below about 2 N*m" in shown.sentence
+    assert "58 % softer below about 2 N*m" in english(shown.sentence)
 
 
 def test_lengths_grow_with_the_temperature_above_20_degrees_and_not_where_it_is_unknown():
@@ -365,7 +366,7 @@ def longer(row, factor):
 def test_growth_is_not_seen_at_one_temperature(temperature, reason):
     scene = with_stops(telling_scene(), temperature_c=temperature)
 
-    assert reason in CAUSES["thermal_growth"].unseen(scene)
+    assert reason in english(CAUSES["thermal_growth"].unseen(scene))
     assert CAUSES["thermal_growth"].candidates(scene) == ()
 
 
@@ -373,4 +374,4 @@ def test_growth_is_told_per_metre_and_kelvin():
     shown = CAUSES["thermal_growth"].shown("links", fitted(("growth", 1.8e-5), spread=1e-6), telling_scene())
 
     assert (shown.amplitude, shown.unit, shown.standard_uncertainty) == (1.8e-5, "1/K", 1e-6)
-    assert "18.0 um per metre and K" in shown.sentence
+    assert "18.0 um per metre and K" in english(shown.sentence)

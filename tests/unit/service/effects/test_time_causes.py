@@ -14,6 +14,7 @@ from truepose.effects.shapes.jumps import gaps
 from truepose.effects.shapes.rigid_motion import Motion, Widths, motion_specs
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
+from truepose.words.catalogue import english
 
 DRIFTS = ("base_drift", "instrument_drift")
 FIRST_S = ORIGIN_S - 10.0  # the first look at a fixed nest
@@ -46,7 +47,7 @@ def test_nothing_that_runs_in_time_is_seen_without_times(cause):
     for times in (None, np.full(24, np.nan), np.full(24, 7.0)):
         scene = with_stops(telling_scene(), time_s=times)
 
-        assert "record when each was taken" in CAUSES[cause].unseen(scene)
+        assert "record when each was taken" in english(CAUSES[cause].unseen(scene))
         assert CAUSES[cause].candidates(scene) == ()
 
 
@@ -122,7 +123,7 @@ def test_a_drift_is_shown_as_the_length_of_its_shift_per_hour(cause):
     assert shown.unit == "mm/h"
     rotation = next(detail for detail in shown.details if detail.name == "rotation")
     assert (rotation.value, rotation.unit) == (pytest.approx(np.rad2deg(5e-5)), "deg/h")
-    assert "0.090 mm/h" in shown.sentence
+    assert "0.090 mm/h" in english(shown.sentence)
 
 
 def test_a_settling_drift_is_shown_as_its_mean_rate_over_the_measurements():
@@ -133,7 +134,7 @@ def test_a_settling_drift_is_shown_as_its_mean_rate_over_the_measurements():
 
     way = 0.3 * 600.0 / 3600.0 * (1.0 - np.exp(-2.0))
     assert shown.amplitude == pytest.approx(way / (1200.0 / 3600.0), rel=1e-6)
-    assert "time constant of 10 min" in shown.sentence
+    assert "time constant of 10 min" in english(shown.sentence)
     assert next(d for d in shown.details if d.name == "time_constant").value == 600.0
 
 
@@ -160,14 +161,14 @@ def test_without_fixed_nests_a_moving_tracker_and_a_moving_base_name_each_other(
     ):
         fitted = six(prefix, [0.1, 0, 0, 0, 0, 0])
 
-        assert other in CAUSES[cause].shown("", fitted, alone).sentence
-        assert "looks the same" not in CAUSES[cause].shown("", fitted, telling_scene()).sentence
+        assert other in english(CAUSES[cause].shown("", fitted, alone).sentence)
+        assert "looks the same" not in english(CAUSES[cause].shown("", fitted, telling_scene()).sentence)
 
 
 def test_lengths_have_no_frame_that_could_drift():
     scene = replace(telling_scene(), legs=True)
 
-    assert "read positions" in CAUSES["instrument_drift"].unseen(scene)
+    assert "read positions" in english(CAUSES["instrument_drift"].unseen(scene))
     assert CAUSES["instrument_drift"].candidates(scene) == ()
 
 
@@ -216,7 +217,7 @@ def test_a_jump_is_shown_with_its_size_and_its_time_as_well_as_the_gap_tells_it(
     assert shown.amplitude == pytest.approx(0.08)
     assert (shown.details[0].name, shown.details[0].value) == ("time", 1105.0)
     assert shown.details[0].standard_uncertainty == pytest.approx(CADENCE_S / np.sqrt(12.0))
-    assert "115 s after the first reading" in shown.sentence
+    assert "115 s after the first reading" in english(shown.sentence)
 
 
 def test_of_two_jumps_the_larger_is_the_amplitude():
@@ -227,7 +228,7 @@ def test_of_two_jumps_the_larger_is_the_amplitude():
 
     assert shown.amplitude == pytest.approx(0.07)
     assert [detail.value for detail in shown.details if detail.name == "time"] == [1105.0, 1405.0]
-    assert "jumped 2 times" in shown.sentence
+    assert "jumped 2 times" in english(shown.sentence)
 
 
 def test_too_few_readings_show_no_jump():
@@ -241,7 +242,7 @@ def test_too_few_readings_show_no_jump():
         },
     )
 
-    assert "too few readings" in CAUSES["base_shift"].unseen(replace(scene, stops=few))
+    assert "too few readings" in english(CAUSES["base_shift"].unseen(replace(scene, stops=few)))
 
 
 def test_a_turn_moves_a_point_by_its_arm():

@@ -14,6 +14,7 @@ from truepose.effects.registry import CAUSES
 from truepose.effects.shapes.random_effects import deviations
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
+from truepose.words.catalogue import english
 
 SHIFT_MM, TURN_RAD = 0.15, 1.5e-3  # widths of the seats' priors
 WIDTHS = np.repeat([SHIFT_MM, TURN_RAD], 3)
@@ -59,7 +60,7 @@ def test_each_certified_nest_may_be_off_as_long_as_another_is_not():
 def test_a_single_certified_nest_tells_nothing_of_its_own_offset():
     scene = telling_scene(("base", "tool", "geometry", "compliance"), one_known_nest())
 
-    assert "read another nest" in CAUSES["nest_offset"].unseen(scene)
+    assert "read another nest" in english(CAUSES["nest_offset"].unseen(scene))
     assert CAUSES["nest_offset"].candidates(scene) == ()
     assert CAUSES["nest_offset"].specs(scene.setting) == ()
 
@@ -93,14 +94,14 @@ def test_an_offset_is_shown_as_its_length():
 
     assert (shown.amplitude, shown.unit) == (pytest.approx(0.06), "mm")
     assert [detail.value for detail in shown.details] == pytest.approx([0.02, -0.04, 0.04])
-    assert shown.sentence.startswith("Nest 2 of the tool is 0.060 mm away")
+    assert english(shown.sentence).startswith("Nest 2 of the tool is 0.060 mm away")
 
 
 @pytest.mark.parametrize("attachment", [None, np.ones(24, dtype=np.int64)])
 def test_one_mounting_tells_nothing_of_the_next(attachment):
     scene = telling_scene(campaign=mounted(attachment))
 
-    assert "mount it again" in CAUSES["tool_reseating"].unseen(scene)
+    assert "mount it again" in english(CAUSES["tool_reseating"].unseen(scene))
     assert CAUSES["tool_reseating"].candidates(scene) == ()
 
 
@@ -137,7 +138,7 @@ def test_seats_are_shown_as_a_standard_deviation_whatever_the_order_of_their_nam
 
     assert mixed.amplitude == pytest.approx(straight.amplitude)
     assert straight.unit == "mm"
-    assert "4 mountings" in straight.sentence
+    assert "4 mountings" in english(straight.sentence)
 
 
 def posterior(draws, noise, rng):
@@ -178,7 +179,7 @@ def test_swapped_labels_need_two_nests():
     campaign = telling_campaign()
     one = replace(telling_scene(), nest=np.ones(len(campaign.calibration), dtype=np.int64))
 
-    assert "nothing can be confused" in CAUSES["label_swap"].unseen(one)
+    assert "nothing can be confused" in english(CAUSES["label_swap"].unseen(one))
     assert CAUSES["label_swap"].unseen(telling_scene()) is None
 
 
@@ -186,7 +187,7 @@ def test_swapped_labels_are_counted_among_the_readings_of_their_two_nests():
     shown = CAUSES["label_swap"].shown(pair_subject(3, 1), share(0.25, 0.1), telling_scene())
 
     assert shown.subject == "nest 1, nest 3"
-    assert "Nests 1 and 3 were confused in 4 of their 16 readings" in shown.sentence
+    assert "Nests 1 and 3 were confused in 4 of their 16 readings" in english(shown.sentence)
 
 
 @pytest.mark.parametrize(
@@ -196,7 +197,7 @@ def test_bad_readings_are_counted_among_all(value, words):
     shown = CAUSES["outliers"].shown("readings", share(value, 0.02), telling_scene())
 
     assert (shown.amplitude, shown.standard_uncertainty) == (value, pytest.approx(0.02))
-    assert words in shown.sentence
+    assert words in english(shown.sentence)
 
 
 @pytest.mark.parametrize("cause", ["label_swap", "outliers"])
@@ -212,7 +213,7 @@ def test_a_scale_is_seen_on_fixed_nests_or_on_a_second_certified_nest():
     start = ("base", "tool", "geometry", "compliance")
     alone = replace(telling_scene(start, one_known_nest()), reference_s=np.zeros(0))
 
-    assert "fixed nests" in CAUSES["instrument_scale"].unseen(alone)
+    assert "fixed nests" in english(CAUSES["instrument_scale"].unseen(alone))
     assert CAUSES["instrument_scale"].candidates(alone) == ()
     assert CAUSES["instrument_scale"].unseen(replace(alone, reference_s=np.array([1.0]))) is None
     assert CAUSES["instrument_scale"].unseen(telling_scene()) is None
@@ -231,4 +232,4 @@ def test_a_scale_is_told_in_micrometres_per_metre(scale, word):
     shown = CAUSES["instrument_scale"].shown("tracker", fitted, telling_scene())
 
     assert (shown.amplitude, shown.standard_uncertainty) == (scale, pytest.approx(1e-6))
-    assert f"too {word}, by 20.0 um per metre" in shown.sentence
+    assert f"too {word}, by 20.0 um per metre" in english(shown.sentence)

@@ -24,6 +24,7 @@ from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import evaluate, rows_of
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import cross
+from truepose.words.catalogue import english
 
 UNNAMED = CAUSES["unnamed"]
 UP = np.array([0.0, 0.0, 1.0])
@@ -241,7 +242,7 @@ def test_fixed_nests_are_seen_under_their_own_azimuth():
 def test_a_jump_is_told_with_its_size_and_its_moment():
     told = shown([f"cell_jump_3_{ORIGIN_S + 345.0:.0f}_turn"], [np.deg2rad(-0.010)])
 
-    assert told.sentence == (
+    assert english(told.sentence) == (
         "The zero of joint 3 jumped by 0.0100 deg, 6 min after the first reading; nothing else moved then."
     )
     assert (told.subject, told.unit) == ("joint 3, time, jump", "deg")
@@ -282,7 +283,7 @@ def test_of_several_jumps_of_one_place_the_largest_is_told_and_all_are_listed():
     told = shown(names, np.deg2rad([0.004, -0.02]))
 
     assert told.amplitude == pytest.approx(-0.02)
-    assert "the largest of 2 such jumps" in told.sentence
+    assert "the largest of 2 such jumps" in english(told.sentence)
     assert [detail.name for detail in told.details] == ["time", "amplitude"] * 2
 
 
@@ -292,7 +293,7 @@ def test_a_tool_that_slipped_is_told_with_shift_and_turn():
     told = shown(names, [0.03, 0.0, 0.04, 0.0, 3e-4, 0.0])
 
     assert told.amplitude == pytest.approx(0.05)
-    assert "slipped in its seat by 0.050 mm and turned by 0.0172 deg" in told.sentence
+    assert "slipped in its seat by 0.050 mm and turned by 0.0172 deg" in english(told.sentence)
     assert [detail.name for detail in told.details] == ["time", "rotation"]
 
 
@@ -303,9 +304,9 @@ def test_every_kind_is_told_in_one_plain_sentence(kind):
 
     told = shown(candidate.names, values)
 
-    assert told.sentence[0].isupper()
-    assert told.sentence.endswith(".")
-    assert told.sentence.count(". ") == 0
+    assert english(told.sentence)[0].isupper()
+    assert english(told.sentence).endswith(".")
+    assert english(told.sentence).count(". ") == 0
     assert told.subject == candidate.subject
     assert abs(told.amplitude) > told.standard_uncertainty > 0.0
 

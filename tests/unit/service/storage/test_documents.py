@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from tests.helpers.ballbar.sessions import make_ballbar_plan
 from truepose.domain.ballbar import BallbarPlan, PlannedAway
+from truepose.domain.diagnosis import Noise, Remaining
 from truepose.domain.results import Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
+from truepose.domain.sentences import said, together
 from truepose.domain.session import (
     PlannedStop,
     PointTaken,
@@ -26,6 +28,27 @@ from truepose.storage.documents import from_document, to_document
 
 def through_json(value):
     return from_document(type(value), json.loads(json.dumps(to_document(value), allow_nan=False)))
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "In words of their own.",
+        said("message.unexplained"),
+        together(
+            said(
+                "causes.drift", rate_mm_per_h=0.1, settling=(said("span.seconds", seconds=5),), links=(2, 3)
+            ),
+            "Theirs.",
+        ),
+    ],
+)
+def test_what_was_said_survives_its_json_form_and_can_be_said_in_another_language(sentence):
+    left = Remaining(structure=True, depends_on=(), sentence=sentence)
+    noise = Noise(1.2, None, sentence)
+
+    assert through_json(left) == left
+    assert through_json(noise) == noise
 
 
 @given(

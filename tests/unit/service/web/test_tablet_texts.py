@@ -8,9 +8,11 @@ import pytest
 
 import truepose.sequencing
 import truepose.web.tablet
+from truepose.words.catalogue import LANGUAGES as SPOKEN
+from truepose.words.catalogue import TABLET, texts_file
 
 HERE = Path(truepose.web.tablet.__file__).parent
-LANGUAGES = {path.stem: json.loads(path.read_text("utf-8")) for path in (HERE / "texts").glob("*.json")}
+LANGUAGES = {name: json.loads(texts_file(name, TABLET).read_text("utf-8")) for name in SPOKEN}
 CODE = "".join(path.read_text("utf-8") for path in (HERE / "static").glob("*.js"))
 PAGES = "".join(path.read_text("utf-8") for path in (HERE / "templates").glob("*.html"))
 # Keys stand in the code as they are, never put together from parts: so each can be found.

@@ -18,6 +18,7 @@ from truepose.diagnosis.sentences import first_line, remaining_sentence
 from truepose.domain.diagnosis import HeldOutErrors, Remaining, Verdict, WorstPoint
 from truepose.domain.results import Statistics
 from truepose.identification.model.prediction import predict
+from truepose.words.catalogue import english
 
 GAP_DEG = (-40.0, 30.0)  # of joint 1
 # Two waves of which one stands for another in a gap, and a third that no whole order has.
@@ -122,7 +123,7 @@ def test_the_first_line_says_where_more_than_the_finding_makes_errors_smaller():
     rest, nothing = make_rest(make_described()), make_rest()
 
     beside, alone = (
-        first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, left)
+        english(first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, left))
         for left in (rest, nothing)
     )
 
@@ -137,7 +138,7 @@ def test_the_first_line_names_the_point_that_got_worse():
     statistics = Statistics(50, 0.5, 0.5, 0.1, 1.3, 0.02)
     remaining = Remaining(True, (), told, worse)
 
-    line = first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, remaining)
+    line = english(first_line(Verdict.PARTLY_EXPLAINED, (make_finding(),), statistics, statistics, remaining))
 
     assert replace(left, worse_at=worse).structure
     assert "configuration 31" in line

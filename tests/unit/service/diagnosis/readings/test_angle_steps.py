@@ -11,6 +11,7 @@ from tests.helpers.identification.synthetic import NOISE_MM, configurations, leg
 from truepose.diagnosis.readings.angle_steps import step_of
 from truepose.diagnosis.sentences import remaining_sentence
 from truepose.diagnosis.start import started
+from truepose.words.catalogue import english
 
 N = 100
 
@@ -67,7 +68,7 @@ def test_angles_that_were_rounded_scatter_the_tool_as_far_as_it_is_said(step_deg
     off_mm = np.linalg.norm(moved.calibration.position_mm - still.calibration.position_mm, axis=1)
     assert left.steps.scatter_mm == pytest.approx(np.sqrt(np.mean(off_mm**2)), rel=0.2)
     assert not left.structure
-    sentence = remaining_sentence(left, full=False)
+    sentence = english(remaining_sentence(left, full=False))
     assert f"given in steps of {step_deg:g} deg, and that alone scatters the tool by " in sentence
 
 
@@ -102,7 +103,7 @@ def test_lengths_are_scattered_too():
     left = left_beside(replace(exact, legs=replace(exact.legs, stops=written)), ("tool", "joint_offset"))
 
     assert left.steps.step_deg == 0.1
-    assert "that alone scatters the lengths by " in remaining_sentence(left, full=False)
+    assert "that alone scatters the lengths by " in english(remaining_sentence(left, full=False))
 
 
 @pytest.mark.parametrize("noise", [1.0, 2.0, 4.0])

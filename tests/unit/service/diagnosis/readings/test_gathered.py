@@ -7,6 +7,7 @@ import pytest
 
 from tests.helpers.diagnosis.point_scenes import telling_campaign, telling_scene
 from truepose.diagnosis.readings.gathered import gathered
+from truepose.words.catalogue import english
 
 N = 96
 
@@ -40,7 +41,7 @@ def test_a_nest_that_is_bad_in_one_mounting_is_told_with_both(scene):
 
     found = gathered(scene, bad)
 
-    assert found.sentence.startswith(
+    assert english(found.sentence).startswith(
         "6 of them were read at nest 2 in mounting 3 of the tool, as 8 of all were"
     )
     assert found.on.variable == "nest and attachment of the tool"
@@ -61,7 +62,9 @@ def test_bad_readings_in_one_part_of_a_joints_range_are_told_by_its_angle(scene)
     found = gathered(scene, bad)
 
     assert (found.on.variable, found.on.joint) == ("angle of joint 5", 4)
-    assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as 24 of all were" in found.sentence
+    assert f"with joint 5 between {ends[0]:.0f} and {ends[1]:.0f} deg, as 24 of all were" in english(
+        found.sentence
+    )
 
 
 def test_bad_readings_of_one_part_of_the_campaign_are_told_by_time(scene):
@@ -70,7 +73,7 @@ def test_bad_readings_of_one_part_of_the_campaign_are_told_by_time(scene):
     found = gathered(scene, some_of(scene.stops.time_s >= np.median(scene.stops.time_s), 12))
 
     assert found.on.kind == "time"
-    assert "between 24 min and 36 min after the first reading" in found.sentence
+    assert "between 24 min and 36 min after the first reading" in english(found.sentence)
 
 
 def test_what_the_readings_of_a_stop_share_counts_once(scene):

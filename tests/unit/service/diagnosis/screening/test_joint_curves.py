@@ -12,6 +12,7 @@ from truepose.diagnosis.screening.explained import screen
 from truepose.diagnosis.screening.selection import reselected
 from truepose.diagnosis.start import started
 from truepose.effects.registry import CAUSES
+from truepose.words.catalogue import english
 
 
 def lines(joint, count, seed, size_deg):
@@ -42,7 +43,7 @@ def test_a_joint_with_dozens_of_lines_is_found_as_one_curve(found):
         ("joint_harmonics", "joint 1")
     ]
     assert len(found.findings[0].parameters) == 120
-    assert "by a curve of its angle" in found.findings[0].sentence
+    assert "by a curve of its angle" in english(found.findings[0].sentence)
     assert not found.remaining.structure
 
 

@@ -1,0 +1,158 @@
+"""Catalogues: a sentence and its values in, words of one language out."""
+
+import json
+import re
+import string
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, Final
+
+from truepose.domain.sentences import Sentence, Text, Value
+
+_FOLDER: Final = Path(__file__).parent
+ENGLISH: Final = "en"  # the language of documents, records and the API
+LANGUAGES: Final = tuple(sorted(path.parent.name for path in _FOLDER.glob("*/names.json")))
+TABLET: Final = "tablet"  # its pages fill in their texts themselves
+_NAMES: Final = "names"
+_APART: Final = (TABLET, _NAMES)
+_OPEN: Final = "open"  # without its full stop
+_CAUSE: Final = "cause"  # the name of an effect
+_RAW: Final = "raw"  # a name as documents have it
+
+
+class Catalogue:
+    """What is said in one language."""
+
+    def __init__(self, language: str) -> None:
+        self.language = language
+        self._formatter = _Formatter(self)
+
+    @cached_property
+    def _texts(self) -> dict[str, str]:
+        files = (path for path in (_FOLDER / self.language).glob("*.json") if path.stem not in _APART)
+        return {key: text for path in files for key, text in _read(path).items()}
+
+    @cached_property
+    def _names(self) -> "Names":
+        return Names(_read(texts_file(self.language, _NAMES)))
+
+    def say(self, key: str, **values: Value) -> str:
+        """Return the text of a key, filled in."""
+        return self.spoken(Sentence(key, tuple(values.items())))
+
+    def spoken(self, text: Text) -> str:
+        """Return a text in this language; what is in somebody's own words stays as it is.
+
+        So does the key of what another version has stored and this one does not know.
+        """
+        if isinstance(text, str):
+            return text
+        return self._formatter.vformat(self._texts.get(text.key, text.key), (), dict(text.values))
+
+    def name(self, name: str, form: str = "") -> str:
+        """Return what a place, a variable, a shape or another name of documents is called here."""
+        return self._names.called(name, form)
+
+    def effect(self, effect: str) -> str:
+        """Return what an effect or a cause is called; one that a package brings, by its name."""
+        return self.name(effect if self._names.knows(effect) else effect.replace("_", " "))
+
+    def listed(self, values: Sequence[Value], joint: str) -> str:
+        """Return values as one phrase, as `list.<joint>` of the catalogue joins them."""
+        parts = [self._part(value) for value in values]
+        between, _, last = self._texts[f"list.{joint}"].partition("|")
+        return (last or between).join(filter(None, (between.join(parts[:-1]), *parts[-1:])))
+
+    def _part(self, value: Value) -> str:
+        return self._formatter.format_field(value, "")
+
+
+class Names:
+    """Names of documents in the words of a language: whole names, or patterns such as `joint {n}`."""
+
+    def __init__(self, table: Mapping[str, str | Mapping[str, str]]) -> None:
+        self._plain = {name: _formed(words) for name, words in table.items() if "{" not in name}
+        self._patterns = [(_pattern(name), _formed(words)) for name, words in table.items() if "{" in name]
+
+    def knows(self, name: str) -> bool:
+        """Whether there is a word for it."""
+        return self._found(name) is not None
+
+    def called(self, name: str, form: str = "") -> str:
+        """Return the word for a name, or for each of several after commas; the name where there is none."""
+        found = self._found(name)
+        if found is not None:
+            return found(form)
+        parts = [self._found(part) for part in name.split(", ")]
+        return ", ".join(part(form) for part in parts if part) if all(parts) else name
+
+    def _found(self, name: str) -> Callable[[str], str] | None:
+        if name in self._plain:
+            return self._plain[name]
+        for pattern, words in self._patterns:
+            match = pattern.fullmatch(name)
+            if match:
+                return lambda form: words(form).format(**match.groupdict())
+        return None
+
+
+def _formed(words: str | Mapping[str, str]) -> Callable[[str], str]:
+    """Return what gives a form of a word, its plain one where it has no other."""
+    forms = {"": words} if isinstance(words, str) else words
+    return lambda form: forms.get(form, forms[""])
+
+
+def _pattern(name: str) -> re.Pattern[str]:
+    escaped = re.escape(name).replace(r"\{", "{").replace(r"\}", "}")
+    return re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>\\w+)", escaped))
+
+
+class _Formatter(string.Formatter):
+    """Fills in a text: numbers as Python formats them, names and sentences in the catalogue's words."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self._catalogue = catalogue
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if isinstance(value, tuple):
+            return self._catalogue.listed(value, format_spec)
+        if not isinstance(value, (str, Sentence)):
+            return format(value, format_spec)
+        return self._word(value, format_spec)
+
+    def _word(self, value: Text, spec: str) -> str:
+        if isinstance(value, Sentence):
+            words = self._catalogue.spoken(value)
+        elif spec == _RAW:
+            words = value
+        elif spec == _CAUSE:
+            words = self._catalogue.effect(value)
+        else:
+            words = self._catalogue.name(value, spec.lower())
+        if spec == _OPEN:
+            return words.removesuffix(".")
+        return words[:1].upper() + words[1:] if spec[:1].isupper() else words
+
+
+@cache
+def catalogue(language: str) -> Catalogue:
+    """Return the catalogue of one of `LANGUAGES`."""
+    return Catalogue(language)
+
+
+IN_ENGLISH: Final = catalogue(ENGLISH)
+
+
+def english(text: Text) -> str:
+    """Return a text as documents hold it."""
+    return IN_ENGLISH.spoken(text)
+
+
+def texts_file(language: str, name: str) -> Path:
+    """Return where texts of a language are, for pages that fill them in themselves."""
+    return _FOLDER / language / f"{name}.json"
+
+
+def _read(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
