@@ -199,10 +199,10 @@ def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> S
 
     The factor is the evidence's: squared deviations per parameter that the data determine.
     """
-    chosen = np.array([owner in GEOMETRY_EFFECTS for owner in stated.owners])
-    widths = stated.prior_widths[chosen]
+    chosen = np.array([owner in GEOMETRY_EFFECTS for owner in stated.owners], dtype=bool)
     if not chosen.any():
         return stated
+    widths = stated.prior_widths[chosen]
     asked = float((((values - stated.prior_means)[chosen] / widths) ** 2).sum())
     determined = float(np.clip(1.0 - np.diag(covariance)[chosen] / widths**2, 0.0, 1.0).sum())
     factor = float(np.clip(np.sqrt(asked / max(determined, 1.0)), 1.0, _WIDEST))

@@ -154,3 +154,18 @@ def test_orientations_of_which_some_state_no_uncertainty_are_all_used():
 
     assert fit.solution.converged
     assert fit.blocks[1].component_variance() == pytest.approx(1e-6, rel=0.2)
+
+
+def test_a_model_without_parameters_is_judged_as_it_stands():
+    problem = build(campaign_of(), EFFECTS)
+    structure = problem.structure.without(problem.structure.effects)
+    exact = evaluate(structure, np.zeros(0), problem.blocks[0].targets).position_mm
+    block = replace(problem.blocks[0], measured_mm=exact + np.array([0.0, 0.0, 5.0]))
+
+    near = robust_fit(structure, (replace(block, measured_mm=exact),), np.zeros(0))
+    off = robust_fit(structure, (block,), np.zeros(0))
+
+    assert near.values.shape == (0,)
+    assert near.blocks[0].discrepancy == 0.0
+    assert not off.gross[0].any()  # all are off alike: it is the model
+    assert off.blocks[0].discrepancy == pytest.approx(5.0 / np.sqrt(3.0), rel=0.01)
