@@ -17,13 +17,14 @@ K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Prob
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
 
 _STEP_TOLERANCE = 1e-3  # of a standard uncertainty: what remains to go is invisible
+_SHORT = 1e-3  # squared step, of standard uncertainties: on such a way derivatives do not change visibly
 _LARGEST_DAMPING = 1e8
 _SMALLEST_PIVOT = 1e-6  # its square is what rounding leaves four good digits of
 # A step may raise the cost by this much, far less than one observation: the torques are balanced to a finite
@@ -43,6 +44,10 @@ class Linearised(Protocol):
     @property
     def jacobian(self) -> FloatArray:
         """Whitened derivatives of the prediction, shape (P, m)."""
+        ...
+
+    def with_derivatives_of(self, near: Self) -> Self:
+        """Return this point with the derivatives of another one, too near for them to differ."""
         ...
 
 
@@ -103,8 +108,11 @@ def solve(
         trial = linearise(values + step, current)
         trial_cost = _cost(trial, values + step - prior_means, precision)
         if trial_cost <= cost + _INVISIBLE:
-            values, current, cost = values + step, trial, trial_cost
-            normal = _Normal(current, precision)
+            values, cost = values + step, trial_cost
+            if remaining < _SHORT:
+                current = trial.with_derivatives_of(current)
+            else:
+                current, normal = trial, _Normal(trial, precision)
             damping = damping / 10.0 if damping > 1e-6 else 0.0
         elif remaining < _NOTHING_TO_GAIN:
             converged = True

@@ -7,7 +7,9 @@ or plans asks a block and never which kind it is: a further kind is a further cl
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import ClassVar, Self
 
 import numpy as np
@@ -25,11 +27,16 @@ class BlockResult:
     """One block at one point of the parameters: raw residuals and derivatives, n readings of d components."""
 
     residual: FloatArray  # (n, d)
-    jacobian: FloatArray  # (P, n, d)
+    derivatives: Callable[[], FloatArray]  # (P, n, d), worked out once somebody asks for them
     state: State
     whitening: Whitener
     direction: FloatArray | None = None  # (n, 3) of the legs
     lever_mm: FloatArray | None = None  # (n, J) of the legs: change of the length per angle of each joint
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """Derivatives of the prediction, shape (P, n, d)."""
+        return self.derivatives()
 
     @property
     def white_residual(self) -> FloatArray:
@@ -67,6 +74,10 @@ class Block(Table, ABC):
     @abstractmethod
     def derivatives(self, state: State) -> FloatArray:
         """Return what the terms of `state` do to the predictions, shape (P, n, d), not whitened."""
+
+    def differentiated(self, state: State) -> Callable[[], FloatArray]:
+        """Return what gives the derivatives at `state`: many a point is looked at for its residuals alone."""
+        return cache(partial(self.derivatives, state))
 
     @abstractmethod
     def covariance(self) -> FloatArray:
@@ -179,7 +190,20 @@ class Joint:
 
     results: tuple[BlockResult, ...]
     residual: FloatArray  # (m,) whitened
-    jacobian: FloatArray  # (P, m) whitened
+    derivatives: Callable[[], FloatArray]  # (P, m) whitened
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """Whitened derivatives of the predictions, shape (P, m)."""
+        return self.derivatives()
+
+    def with_derivatives_of(self, near: "Joint") -> "Joint":
+        """Return this point with the derivatives of another one, too near for them to differ."""
+        results = tuple(
+            replace(here, derivatives=there.derivatives)
+            for here, there in zip(self.results, near.results, strict=True)
+        )
+        return Joint(results, self.residual, near.derivatives)
 
 
 def linearise_blocks(
@@ -200,10 +224,10 @@ def reweighed(blocks: tuple[Block, ...], point: Joint) -> Joint:
 
 
 def _stacked(results: tuple[BlockResult, ...]) -> Joint:
-    if len(results) == 1:
-        return Joint(results, results[0].white_residual, results[0].white_jacobian)
-    return Joint(
-        results,
-        np.concatenate([result.white_residual for result in results]),
-        np.concatenate([result.white_jacobian for result in results], axis=1),
-    )
+    residual = np.concatenate([result.white_residual for result in results])
+    return Joint(results, residual, cache(partial(_stacked_derivatives, results)))
+
+
+def _stacked_derivatives(results: tuple[BlockResult, ...]) -> FloatArray:
+    each = [result.white_jacobian for result in results]
+    return each[0] if len(each) == 1 else np.concatenate(each, axis=1)

@@ -48,7 +48,7 @@ class ReferenceBlock(IndependentReadings):
         """Return residuals [mm] and derivatives."""
         state = self.evaluated(structure, values, previous)
         residual = self.measured_mm - state.seen(self._registered(state)[0])
-        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+        return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the motions of the predictions, shape (P, n, 3)."""

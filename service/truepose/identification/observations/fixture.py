@@ -48,7 +48,7 @@ class SideBlock(IndependentReadings):
         state = self.evaluated(structure, values, previous)
         distance = np.linalg.norm(self._joined(state), axis=1)
         residual = (self.length_mm - distance - excess_mm(state))[:, None]
-        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+        return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the changes of the predicted sides, shape (P, n, 1)."""
@@ -104,7 +104,7 @@ class ClampBlock(IndependentReadings):
         """Return how far each cup is from the ball [mm], shape (n, 3), and derivatives."""
         state = self.evaluated(structure, values, previous)
         residual = anchor_places(structure, values)[self.anchor] - state.position_mm
-        return BlockResult(residual, self.derivatives(state), state, self.whitening())
+        return BlockResult(residual, self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the motions of the ball away from the cups, shape (P, n, 3)."""

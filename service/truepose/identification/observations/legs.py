@@ -49,7 +49,7 @@ class LegBlock(Block):
         residual = (self.length_mm - distance - offset - excess_mm(state))[:, None]
         lever = np.einsum("jni,ni->nj", theta_gradient(state.chain, state.position_mm), direction)
         whitening = self._whitening(direction, lever)
-        return BlockResult(residual, self.derivatives(state), state, whitening, direction, lever)
+        return BlockResult(residual, self.differentiated(state), state, whitening, direction, lever)
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the changes of the predicted lengths, anchors and offset included, shape (P, n, 1)."""

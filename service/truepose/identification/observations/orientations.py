@@ -29,7 +29,7 @@ class OrientationBlock(IndependentReadings):
     def result(self, structure: Structure, values: FloatArray, previous: BlockResult | None) -> BlockResult:
         """Return residuals as rotation vectors in the world [rad] and derivatives."""
         state = self.evaluated(structure, values, previous)
-        return BlockResult(self._residual(state), self.derivatives(state), state, self.whitening())
+        return BlockResult(self._residual(state), self.differentiated(state), state, self.whitening())
 
     def derivatives(self, state: State) -> FloatArray:
         """Return the turns of the predictions as the residual sees them, shape (P, n, 3)."""

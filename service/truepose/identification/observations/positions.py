@@ -32,7 +32,7 @@ class PositionBlock(Block):
         """Return residuals [mm] and derivatives."""
         state = self.evaluated(structure, values, previous)
         residual = self.measured_mm - state.position_mm
-        return BlockResult(residual, self.derivatives(state), state, self._whitening())
+        return BlockResult(residual, self.differentiated(state), state, self._whitening())
 
     def rewhitened(self, result: BlockResult) -> BlockResult:
         """Return a result with this block's weights."""

@@ -1,6 +1,6 @@
 """Every analytic derivative of every effect against central differences, at a point away from zero."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -12,8 +12,10 @@ from truepose.domain.robot import Nest
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.orientations import OrientationBlock
+from truepose.identification.observations.positions import PositionBlock
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.frames import rotation_xyz
+from truepose.kinematics.gravity import gravity_torques
 
 JOINTS_7 = np.random.default_rng(7).uniform(-1.5, 1.5, (12, 7))
 
@@ -104,6 +106,39 @@ def test_that_a_torque_follows_the_deflection_is_left_out_and_is_small():
 
     # a_4: 7.7 kg * 9.81 m/s2 * 6e-7 rad/(N mm) * 300 mm is 0.014 of what the length itself moves
     compare(problem, displaced(problem), rel=0.02)
+
+
+@pytest.mark.parametrize("soft", [1.0, 10.0])  # ten times what is usual still converges
+def test_the_torques_in_force_are_those_at_the_deflected_arm(soft):
+    problem = build(nominal_campaign(12), ("base", "geometry", "compliance"))
+    springs = [name.startswith("c_") for name in problem.structure.names]
+    values = displaced(problem) + np.where(springs, (soft - 1.0) * problem.structure.prior_means, 0.0)
+    targets = problem.blocks[0].targets
+
+    cold = evaluate(problem.structure, values, targets)
+    near = evaluate(problem.structure, values + 1e-6 * displaced(problem), targets)
+    warm = evaluate(problem.structure, values, targets, near)
+
+    for state in (cold, warm):
+        balanced = gravity_torques(state.chain, IRB_120.masses, problem.structure.gravity_m_s2)
+        # documented: 1e-5 of the largest torque
+        assert state.torque_n_mm == pytest.approx(balanced, abs=1e-5 * np.abs(balanced).max())
+    assert warm.position_mm == pytest.approx(cold.position_mm, abs=1e-4)
+
+
+def test_who_asks_for_residuals_alone_has_nothing_differentiated():
+    class Undifferentiated(PositionBlock):
+        def derivatives(self, state):
+            raise AssertionError
+
+    campaign = nominal_campaign(12)
+    problem = build(campaign, ("base", "geometry"))
+    points = problem.blocks[0]
+    block = Undifferentiated(**{field.name: getattr(points, field.name) for field in fields(points)})
+
+    assert np.isfinite(block.result(problem.structure, problem.start, None).residual).all()
+    with pytest.raises(AssertionError):
+        _ = block.result(problem.structure, problem.start, None).jacobian
 
 
 def test_orientations():

@@ -1,6 +1,6 @@
 """The solver against closed forms: linear problems, curved valleys, priors, and ends it does not reach."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,9 @@ class Point:
 
     residual: np.ndarray
     jacobian: np.ndarray
+
+    def with_derivatives_of(self, near):
+        return replace(self, jacobian=near.jacobian)
 
 
 def linear(design, observed):
@@ -100,6 +103,22 @@ def test_where_a_full_step_overshoots_it_is_damped():
 
     assert solution.converged
     assert abs(solution.values[0]) < 1e-3 * np.sqrt(solution.covariance[0, 0])
+
+
+@pytest.mark.parametrize(("steps_away", "kept"), [(0.02, True), (10.0, False)])
+def test_after_a_short_step_the_derivatives_of_the_point_before_stand(steps_away, kept):
+    def curved(values, _previous):  # zero at the root of 1 = x + x^2 / 10
+        return Point(1e3 * (1.0 - values - values**2 / 10.0), 1e3 * (1.0 + values / 5.0)[None])
+
+    root = 5.0 * (np.sqrt(1.4) - 1.0)
+    uncertainty = 1e-3 / (1.0 + root / 5.0)
+    start = np.array([root + steps_away * uncertainty])
+
+    solution = solve(curved, start, np.zeros(1), np.array([1e6]))
+
+    assert solution.converged
+    assert solution.values == pytest.approx([root], abs=1e-3 * uncertainty)
+    assert (solution.final.jacobian == curved(start, None).jacobian) == kept
 
 
 def test_too_few_iterations_are_not_called_converged():
