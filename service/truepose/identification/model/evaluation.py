@@ -20,8 +20,10 @@ from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from truepose.kinematics.frames import turned_axes
 from truepose.kinematics.gravity import gravity_torques
 
-_MOST_PASSES = 4  # each brings the torques closer by a factor of about a thousand
+_MOST_PASSES = 4
 _BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right to 2e-8 rad
+# Each pass brings the torques closer by a factor of about a thousand: after such a change one more is enough.
+_NEARLY_BALANCED = 2e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,19 +96,18 @@ def evaluate(
     measured = targets.stops.torque_n_mm if structure.torques_measured else None
     unloaded = cache(partial(forward, nominal, structure.base_rotation, structure.base_origin_mm))
     rows = _rows(structure, targets, measured, unloaded)
-    if measured is not None or not _is_loaded(structure):
-        return _evaluate_loaded(structure, values, targets, nominal, rows)
-    chain = previous.chain if previous else unloaded()
-    torque = previous.torque_n_mm if previous else _gravity(structure, chain)
-    for _ in range(
-        2 if torque is None else _MOST_PASSES
-    ):  # without masses it is levers that follow the chain
-        rows = rows._replace(torque_n_mm=torque, frames=known_frames(chain))
-        state = _evaluate_loaded(structure, values, targets, nominal, rows)
-        chain, balanced = state.chain, _gravity(structure, state.chain)
-        if torque is not None and balanced is not None and _close(balanced, torque):
+    loaded = measured is None and _is_loaded(structure)
+    if loaded and previous:
+        rows = rows._replace(torque_n_mm=previous.torque_n_mm, frames=known_frames(previous.chain))
+    state = _evaluate_loaded(structure, values, targets, nominal, rows)
+    for _ in range(_MOST_PASSES if loaded else 0):
+        torque = _gravity(structure, state.chain)
+        change = _change(torque, state.torque_n_mm)
+        if change > _BALANCED:
+            rows = rows._replace(torque_n_mm=torque, frames=known_frames(state.chain))
+            state = _evaluate_loaded(structure, values, targets, nominal, rows)
+        if change <= _NEARLY_BALANCED:
             break
-        torque = balanced
     return state
 
 
@@ -114,9 +115,17 @@ def _is_loaded(structure: Structure) -> bool:
     return any("torque" in needs_of(name, structure.names_of(name)) for name in structure.effects)
 
 
-def _close(torque: FloatArray, before: FloatArray) -> bool:
+def _change(torque: FloatArray | None, before: FloatArray | None) -> float:
+    """Return by how much of the largest torque some torque has changed.
+
+    Without masses there are none: it is levers that follow the chain, and once is enough.
+    """
+    if torque is None:
+        return _NEARLY_BALANCED
+    if before is None:
+        return np.inf
     largest = float(np.abs(torque).max(initial=0.0))
-    return float(np.abs(torque - before).max(initial=0.0)) <= _BALANCED * largest
+    return float(np.abs(torque - before).max(initial=0.0)) / largest if largest else 0.0
 
 
 def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
