@@ -19,15 +19,17 @@ D. L. Pieper, The kinematics of manipulators under computer control, PhD thesis,
 J. J. Craig, Introduction to Robotics, 3rd ed., 2005, sections 4.4 to 4.6.
 """
 
+from collections.abc import Callable
 from itertools import product
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange, Robot
-from truepose.kinematics.frames import rotation_x, rotation_z
+from truepose.kinematics.chain import nominal_values
+from truepose.kinematics.frames import rotation_x
 from truepose.kinematics.inverse_search import BRANCHES, searched_branches
 
 BRANCH_NAMES: Final = tuple(
@@ -38,6 +40,9 @@ _STRUCTURE_RAD: Final = (
 )
 _STRUCTURE_MM: Final = 1e-9
 _STRETCHED: Final = 1e-12  # cosines may pass 1 by rounding where the arm is just stretched
+_NEARLY_STRAIGHT: Final = float(np.cos(np.deg2rad(5.0)))  # from a straight arm no step leads inwards
+_Vector: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]  # components
+_Ratio: TypeAlias = Callable[[FloatArray], FloatArray]  # what to do with cosines and sines beyond 1
 _LOCKED: Final = 1e-10  # sine of joint 5 below which joints 4 and 6 turn about the same line
 
 
@@ -54,7 +59,7 @@ def has_closed_form(robot: Robot) -> bool:
     return bool(right and parallel and meet and arm)
 
 
-def all_branches(robot: Robot, pose: FloatArray) -> FloatArray:
+def all_branches(robot: Robot, pose: FloatArray, *, reach_out: bool = False) -> FloatArray:
     """Return the joint angles of every branch that reaches a pose of the last frame.
 
     Parameters
@@ -63,6 +68,9 @@ def all_branches(robot: Robot, pose: FloatArray) -> FloatArray:
         The nominal one; angles are those of its controller, signs and offsets undone.
     pose : ndarray, shape (..., 4, 4)
         Of the frame of the last joint in the robot's base [mm].
+    reach_out : bool, optional
+        Where a branch does not exist, stretch or fold the arm towards the pose: somewhere to search from.
+        Arms without a closed form do not.
 
     Returns
     -------
@@ -79,8 +87,41 @@ def all_branches(robot: Robot, pose: FloatArray) -> FloatArray:
     if pose.shape[-2:] != (4, 4) or not np.all(np.isfinite(pose)):
         raise ConfigurationError("A pose is a 4 x 4 matrix with finite entries; check what was passed.")
     flat = pose.reshape(-1, 4, 4)
-    found = _closed_form(robot, flat) if has_closed_form(robot) else searched_branches(robot, flat)
+    closed = has_closed_form(robot)
+    found = _closed_form(robot, flat, reach_out) if closed else searched_branches(robot, flat)
     return found.reshape(*pose.shape[:-2], BRANCHES, robot.n_joints)
+
+
+def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
+    """Return the branch of configurations, numbered as those of `all_branches`.
+
+    Parameters
+    ----------
+    robot : Robot
+        With a closed form.
+    joints_rad : ndarray, shape (n, 6)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In 0..7; in a singularity the lower one of the two that meet there.
+
+    Raises
+    ------
+    ConfigurationError
+        The arm has no closed form, hence no numbered branches.
+    """
+    if not has_closed_form(robot):
+        raise ConfigurationError(f"{robot.name} has no numbered branches: its inverse has no closed form.")
+    theta = nominal_values(robot, joints_rad).theta_rad
+    length, angle = _forearm(robot)
+    bend = theta[:, 2] + angle
+    reach = robot.joints[1].a_mm + robot.joints[2].a_mm * np.cos(theta[:, 1])
+    reach += length * np.cos(theta[:, 1] + _same_way(robot) * bend)
+    back = reach < 0.0
+    down = back ^ (np.sin(bend) * _zero_bend(robot) < 0.0)
+    flip = np.sin(theta[:, 4]) * _positive_side(robot) < 0.0
+    return np.asarray(4 * back + 2 * down + flip, dtype=np.int64)
 
 
 def equivalents(joints_rad: FloatArray, limits: tuple[JointRange, ...]) -> FloatArray:
@@ -139,83 +180,112 @@ def _whole_turns(angle_rad: float, limit: JointRange) -> list[float]:
     return [angle_rad + 2 * np.pi * turn for turn in range(first, last + 1)]
 
 
-def _closed_form(robot: Robot, pose: FloatArray) -> FloatArray:
-    """Angles of the eight branches of n poses, shape (n, 8, 6)."""
-    first = robot.joints[0]
-    tilt = rotation_x(first.alpha_rad)
-    rotation = tilt.T @ pose[:, :3, :3]
-    wrist = pose[:, :3, 3] - robot.joints[5].d_mm * pose[:, :3, 2]
-    wrist = (wrist - np.array([first.a_mm, 0.0, 0.0])) @ tilt - np.array([0.0, 0.0, first.d_mm])
+def _closed_form(robot: Robot, pose: FloatArray, reach_out: bool) -> FloatArray:
+    """Angles of the eight branches of n poses, shape (n, 8, 6).
+
+    Below, branches come first (back, down, flip) and poses last: (2, 2, 2, n).
+    """
+    before_1 = rotation_x(robot.joints[0].alpha_rad)
+    x_axis, z_axis = (
+        _column(before_1.T @ pose[:, :3, k].T) for k in (0, 2)
+    )  # of the wanted frame, in front of joint 1
+    wrist = before_1.T @ (pose[:, :3, 3] - robot.joints[5].d_mm * pose[:, :3, 2]).T
+    wrist -= before_1.T @ np.array([[robot.joints[0].a_mm], [0.0], [0.0]])
+    wrist[2] -= robot.joints[0].d_mm
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
-        branches = [
-            _branch(robot, rotation, wrist, back, down, flip)
-            for back, down, flip in product((0, 1), repeat=3)
-        ]
-    return _controller_angles(robot, np.stack(branches, axis=1))
+        ratio = _within_reach if reach_out else _rounded
+        theta_1 = _column_angle(robot, wrist, ratio)
+        theta_2, theta_3 = _arm_angles(robot, _column(wrist), theta_1, ratio)
+        arm = (theta_1, theta_2, theta_3)
+        wrist_angles = _wrist_angles(
+            robot, _before_wrist(robot, x_axis, arm), _before_wrist(robot, z_axis, arm)
+        )
+    angles = np.broadcast_arrays(*arm, *wrist_angles)
+    return _controller_angles(robot, np.stack([angle.reshape(BRANCHES, -1).T for angle in angles], axis=2))
 
 
-def _branch(
-    robot: Robot, rotation: FloatArray, wrist: FloatArray, back: int, down: int, flip: int
-) -> FloatArray:
-    theta_1 = _column_angle(robot, wrist, back)
-    theta_2, theta_3 = _arm_angles(robot, wrist, theta_1, _bends_as_at_zero(back, down))
-    forearm = rotation_z(theta_1) @ rotation_x(robot.joints[1].alpha_rad) @ rotation_z(theta_2)
-    forearm = forearm @ rotation_x(robot.joints[2].alpha_rad) @ rotation_z(theta_3)
-    forearm = forearm @ rotation_x(robot.joints[3].alpha_rad)
-    wrist_angles = _wrist_angles(robot, np.swapaxes(forearm, 1, 2) @ rotation, flip)
-    return np.stack([theta_1, theta_2, theta_3, *wrist_angles], axis=1)
+def _column(planes: FloatArray) -> _Vector:
+    """Return the components (3, n) of vectors, each (1, 1, 1, n)."""
+    x, y, z = (plane[None, None, None] for plane in planes)
+    return x, y, z
 
 
-def _bends_as_at_zero(back: int, down: int) -> bool:
-    """Whether the elbow bends as at the zero position: over its head an arm hangs its elbow that way."""
-    return back == down
+def _turned_back(vector: _Vector, alpha_rad: float, theta_rad: FloatArray | float) -> _Vector:
+    """Return vectors as a frame sees them that RotX(alpha) RotZ(theta) turned."""
+    x, y, z = vector
+    c, s = float(np.cos(alpha_rad)), float(np.sin(alpha_rad))
+    y, z = c * y + s * z, c * z - s * y
+    cosine, sine = np.cos(theta_rad), np.sin(theta_rad)
+    return cosine * x + sine * y, cosine * y - sine * x, z
 
 
-def _column_angle(robot: Robot, wrist: FloatArray, back: int) -> FloatArray:
+def _before_wrist(robot: Robot, vector: _Vector, arm: tuple[FloatArray, FloatArray, FloatArray]) -> _Vector:
+    """Return a vector in front of joint 1 as the frame sees it that joint 4 turns."""
+    vector = _turned_back(vector, 0.0, arm[0])
+    vector = _turned_back(vector, robot.joints[1].alpha_rad, arm[1])
+    vector = _turned_back(vector, robot.joints[2].alpha_rad, arm[2])
+    return _turned_back(vector, robot.joints[3].alpha_rad, 0.0)
+
+
+def _column_angle(robot: Robot, wrist: FloatArray, ratio: _Ratio) -> FloatArray:
+    """Return theta_1, front and back, shape (2, 1, 1, n)."""
     upper, elbow, forearm = robot.joints[1:4]
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
     along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
-    distance = np.hypot(wrist[:, 0], wrist[:, 1])
+    distance = np.hypot(wrist[0], wrist[1])
     on_axis = (distance < _STRUCTURE_MM) & (abs(along_axis_2) < _STRUCTURE_MM)
     share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
-    aside = np.arcsin(_rounded(share))
-    direction = np.arctan2(wrist[:, 1], wrist[:, 0])
-    return np.asarray(direction - np.pi + aside if back else direction - aside)
+    aside, direction = np.arcsin(ratio(share)), np.arctan2(wrist[1], wrist[0])
+    return np.stack([direction - aside, direction - np.pi + aside])[:, None, None]
 
 
 def _arm_angles(
-    robot: Robot, wrist: FloatArray, theta_1: FloatArray, as_at_zero: bool
+    robot: Robot, wrist: _Vector, theta_1: FloatArray, ratio: _Ratio
 ) -> tuple[FloatArray, FloatArray]:
-    upper, elbow, forearm = robot.joints[1:4]
-    before_2 = rotation_z(theta_1) @ rotation_x(upper.alpha_rad)
-    reach = np.einsum("nji,nj->ni", before_2, wrist)[:, :2] - np.array([upper.a_mm, 0.0])
-    side = np.array([forearm.a_mm, -np.sin(forearm.alpha_rad) * forearm.d_mm])
-    length, angle = float(np.hypot(*side)), float(np.arctan2(side[1], side[0]))
-    cosine = (np.sum(reach**2, axis=1) - elbow.a_mm**2 - length**2) / (2 * elbow.a_mm * length)
-    bend = np.arccos(_rounded(cosine)) * (
-        _zero_bend(robot, angle) if as_at_zero else -_zero_bend(robot, angle)
-    )
-    turned = float(np.sign(np.cos(elbow.alpha_rad)))
-    inner = np.arctan2(turned * length * np.sin(bend), elbow.a_mm + length * np.cos(bend))
-    return np.arctan2(reach[:, 1], reach[:, 0]) - inner, bend - angle
+    """Return theta_2 and theta_3, shape (2, 2, 1, n)."""
+    upper, elbow = robot.joints[1:3]
+    x, y, _ = _turned_back(_turned_back(wrist, 0.0, theta_1), upper.alpha_rad, 0.0)
+    x = x - upper.a_mm
+    length, angle = _forearm(robot)
+    cosine = (x**2 + y**2 - elbow.a_mm**2 - length**2) / (2 * elbow.a_mm * length)
+    as_at_zero = np.arccos(ratio(cosine)) * _zero_bend(robot)
+    # over its head an arm hangs its elbow as it does at zero
+    bend = np.stack([np.stack([turn, -turn]) for turn in (as_at_zero[0, 0], -as_at_zero[1, 0])])
+    inner = np.arctan2(_same_way(robot) * length * np.sin(bend), elbow.a_mm + length * np.cos(bend))
+    return np.arctan2(y, x) - inner, bend - angle
 
 
-def _zero_bend(robot: Robot, forearm_angle: float) -> float:
+def _forearm(robot: Robot) -> tuple[float, float]:
+    """Return the length from axis 3 to the wrist [mm], and its direction in frame 3 [rad]."""
+    row = robot.joints[3]
+    across = -np.sin(row.alpha_rad) * row.d_mm
+    return float(np.hypot(row.a_mm, across)), float(np.arctan2(across, row.a_mm))
+
+
+def _same_way(robot: Robot) -> float:
+    """+1 where axes 2 and 3 point the same way, else -1."""
+    return float(np.sign(np.cos(robot.joints[2].alpha_rad)))
+
+
+def _zero_bend(robot: Robot) -> float:
     """Sign of the elbow's bend with joint 3 at zero; +1 for an arm that is straight there."""
-    return -1.0 if np.sin(robot.joints[2].theta_offset_rad + forearm_angle) < 0.0 else 1.0
+    return -1.0 if np.sin(robot.joints[2].theta_offset_rad + _forearm(robot)[1]) < 0.0 else 1.0
 
 
-def _wrist_angles(robot: Robot, left: FloatArray, flip: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _wrist_angles(
+    robot: Robot, x_axis: _Vector, z_axis: _Vector
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return theta_4 .. theta_6, shape (2, 2, 2, n), from axes as the frame sees them that joint 4 turns."""
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
-    side = _positive_side(robot) * (-1.0 if flip else 1.0)  # sign of sin(theta_5)
-    sine = np.hypot(left[:, 0, 2], left[:, 1, 2])
-    theta_5 = np.arctan2(side * sine, -left[:, 2, 2] / (s_5 * s_6))
-    theta_4 = np.arctan2(left[:, 1, 2] * side * s_6, left[:, 0, 2] * side * s_6)
+    side = _positive_side(robot) * np.array([1.0, -1.0])[:, None]  # sign of sin(theta_5), no flip first
+    sine = np.hypot(z_axis[0], z_axis[1])
+    theta_5 = np.arctan2(side * sine, -z_axis[2] / (s_5 * s_6))
+    theta_4 = np.arctan2(z_axis[1] * side * s_6, z_axis[0] * side * s_6)
     theta_4 = np.where(sine < _LOCKED, robot.joints[3].theta_offset_rad, theta_4)
-    done = rotation_z(theta_4) @ rotation_x(robot.joints[4].alpha_rad)
-    done = done @ rotation_z(theta_5) @ rotation_x(robot.joints[5].alpha_rad)
-    last = np.swapaxes(done, 1, 2) @ left
-    return theta_4, theta_5, np.arctan2(last[:, 1, 0], last[:, 0, 0])
+    last = _turned_back(x_axis, 0.0, theta_4)
+    last = _turned_back(last, robot.joints[4].alpha_rad, theta_5)
+    last = _turned_back(last, robot.joints[5].alpha_rad, 0.0)
+    return theta_4, theta_5, np.arctan2(last[1], last[0])
 
 
 def _positive_side(robot: Robot) -> float:
@@ -227,6 +297,11 @@ def _positive_side(robot: Robot) -> float:
 def _rounded(ratio: FloatArray) -> FloatArray:
     """Ratios that pass 1 by rounding alone, brought back to it."""
     return np.where(np.abs(np.abs(ratio) - 1.0) < _STRETCHED, np.sign(ratio), ratio)
+
+
+def _within_reach(ratio: FloatArray) -> FloatArray:
+    """Ratios of reachable poses as they are, others brought to an arm that is nearly straight or folded."""
+    return np.where(np.abs(ratio) < 1.0, ratio, np.sign(ratio) * _NEARLY_STRAIGHT)
 
 
 def _controller_angles(robot: Robot, theta_rad: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import (
     BRANCH_NAMES,
     all_branches,
+    branch_of,
     brought_within,
     equivalents,
     has_closed_form,
@@ -242,3 +243,34 @@ def test_a_row_may_be_built_by_hand():
     robot = replace(load_robot("abb-irb-120"), joints=rows)
 
     assert not has_closed_form(robot)
+
+
+@pytest.mark.parametrize("name", [*ARMS, *variants()])
+def test_the_branch_of_joints_is_the_one_that_leads_back_to_them(name):
+    robot = variants().get(name) or load_robot(name)
+    joints = random_joints(robot, 500)
+
+    branches = all_branches(robot, poses(robot, joints))
+
+    apart = np.abs(np.mod(branches - joints[:, None] + np.pi, 2 * np.pi) - np.pi).max(axis=2)
+    assert branch_of(robot, joints).tolist() == np.nanargmin(apart, axis=1).tolist()
+
+
+def test_an_arm_without_a_closed_form_has_no_numbered_branches():
+    with pytest.raises(ConfigurationError, match="no numbered branches"):
+        branch_of(SEVEN_AXES, np.zeros((1, 7)))
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_reaches_out_for_what_is_too_far_and_for_nothing_else(name):
+    robot = load_robot(name)
+    near = poses(robot, random_joints(robot, 50))
+    far = near.copy()
+    far[:, :3, 3] += 5000.0
+
+    exists = np.isfinite(all_branches(robot, near))
+    assert all_branches(robot, near, reach_out=True)[exists] == pytest.approx(
+        all_branches(robot, near)[exists]
+    )
+    assert np.isnan(all_branches(robot, far)).all()
+    assert np.isfinite(all_branches(robot, far, reach_out=True)).all()
