@@ -5,9 +5,12 @@ turn up to twice the gear's own cycle: a strain-wave gear has two waves per turn
 are looked for are whole; one that was found may lie between them, as the stages of a gear do.
 """
 
+from functools import lru_cache
+from typing import NamedTuple
+
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Detail, Spectrum
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.effects.causes import (
@@ -29,6 +32,7 @@ _HIGHEST_OF_UNKNOWN_GEAR = 12
 ONE_PERIOD_FROM = 6.0  # periods per turn; a faster wave is drawn, and measured again, over one of them
 _HIGHEST_OF_CURVE = 60.0  # per turn, of curves that no few waves describe
 _FEW_WAVES = 24  # that are told as waves; more are a curve
+_SHARE_OF_ORDERS = 0.5  # of all up to the highest, from which it pays to work out every one
 _TOLD = 5  # waves of a curve that are told, the largest ones
 _ANGLES = 2000  # at which a curve is looked at: dozens a period of its highest order
 
@@ -52,9 +56,13 @@ class JointHarmonics:
         """Turn the joint by its waves."""
         if not names:
             return []
-        joints = [joint_of_wave(name) for name in names]
-        weights = _weights(names, rows.turn_rad[:, joints].T)
-        return [Term(k, Port(PortKind.THETA, joint), weights[k]) for k, joint in enumerate(joints)]
+        table = _table(names)
+        found = []
+        for joint in np.unique(table.joint).tolist():
+            own = np.flatnonzero(table.joint == joint)
+            weights = _waves(table.order[own], table.sine[own], rows.turn_rad[:, joint])
+            found += [Term(k, Port(PortKind.THETA, joint), weights[i]) for i, k in enumerate(own.tolist())]
+        return found
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
@@ -192,13 +200,52 @@ def wave_specs(joint: int, order: float) -> tuple[ParameterSpec, ParameterSpec]:
     return ParameterSpec(sine, "rad", 0.0, _WIDTH_RAD), ParameterSpec(cosine, "rad", 0.0, _WIDTH_RAD)
 
 
+class _Table(NamedTuple):
+    """What the names of p parameters say."""
+
+    joint: IntArray  # (p,) 0-based
+    order: FloatArray  # (p,)
+    sine: BoolArray  # (p,) else the cosine
+
+
+@lru_cache
+def _table(names: tuple[str, ...]) -> _Table:
+    return _Table(
+        np.array([joint_of_wave(name) for name in names]),
+        np.array([order_of_wave(name) for name in names]),
+        np.array([name.endswith("_sin") for name in names]),
+    )
+
+
 def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
-    """Return the sines and cosines that parameters are of, at angles (n,) or (k, n), shape (k, n)."""
-    angle = np.array([order_of_wave(name) for name in names])[:, None] * turn_rad
-    sine = np.array([name.endswith("_sin") for name in names])
-    weights = np.empty_like(angle)
-    weights[sine], weights[~sine] = np.sin(angle[sine]), np.cos(angle[~sine])
-    return weights
+    """Return the sines and cosines that parameters of one joint are of, at angles (n,), shape (p, n)."""
+    table = _table(names)
+    return _waves(table.order, table.sine, turn_rad)
+
+
+def _waves(order: FloatArray, sine: BoolArray, turn_rad: FloatArray) -> FloatArray:
+    """Return sines and cosines of multiples (p,) of angles (n,), shape (p, n)."""
+    highest = int(order.max())
+    if len(order) < _SHARE_OF_ORDERS * highest or (order != np.round(order)).any():
+        angle = order[:, None] * turn_rad
+        return np.where(sine[:, None], np.sin(angle), np.cos(angle))
+    sines, cosines = _multiples(highest, turn_rad)
+    row = order.astype(np.int64)
+    return np.where(sine[:, None], sines[row], cosines[row])
+
+
+def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return sines and cosines of 0..highest times angles (n,), shape (highest + 1, n), by addition theorems.
+
+    A dozen times faster than a sine each; rounding grows to `highest` units of the last place.
+    """
+    sines, cosines = np.zeros((2, highest + 1, len(angle_rad)))
+    cosines[0] = 1.0
+    sine, cosine = np.sin(angle_rad), np.cos(angle_rad)
+    for k in range(highest):
+        sines[k + 1] = sines[k] * cosine + cosines[k] * sine
+        cosines[k + 1] = cosines[k] * cosine - sines[k] * sine
+    return sines, cosines
 
 
 def _fitted_waves(fitted: Fitted) -> list[_FittedWave]:
