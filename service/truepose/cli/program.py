@@ -29,6 +29,7 @@ _COMMANDS = {
     "diagnose": "diagnoses",
     "predict": "campaigns",
     "validate": "campaigns",
+    "correct": "corrections",
     "nightly": "cells",
     "inspect": "inspection",
     "verify": "records",

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Literal
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.robot import FramePlacement, Robot
+from truepose.domain.robot import FramePlacement, JointRange, Robot
 
 Unit = Literal[
     "mm",
@@ -95,6 +95,14 @@ class Anchor:
 
 
 @dataclass(frozen=True, slots=True)
+class MeasuredZone:
+    """Where the arm was when it was measured: outside of it a model extrapolates."""
+
+    joint_ranges: tuple[JointRange, ...]
+    extents_mm: tuple[float, ...]  # of the last frame's origin in the robot's base, along `zone.DIRECTIONS`
+
+
+@dataclass(frozen=True, slots=True)
 class Model:
     """An identified model: the nominal robot, its effects and their parameters; predicts any configuration.
 
@@ -120,6 +128,7 @@ class Model:
     origin_s: float = 0.0  # time from which drifts and warm-ups count
     nominal_leg_offset_mm: float = 0.0
     nominal_anchors: tuple[Anchor, ...] = ()
+    zone: MeasuredZone | None = None  # None: nobody said
     identified_from: dict[str, str | int | float] = field(default_factory=dict)
     program_version: str = ""
 

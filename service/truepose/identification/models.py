@@ -13,6 +13,7 @@ from truepose.identification.model.anchors import LEG_OFFSET, anchor_name
 from truepose.identification.model.missing import spanned
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import Structure, base_axes
+from truepose.identification.model.zone import measured_zone
 from truepose.kinematics.frames import angles_xyz, placement_of
 
 
@@ -48,6 +49,7 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         origin_s=structure.origin_s,
         nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
         nominal_anchors=_anchors(fits.nominal),
+        zone=measured_zone(structure.robot, fits.identified.blocks[0].targets.stops.joints_rad),
         identified_from=_origin(fits),
         program_version=program_version,
     )

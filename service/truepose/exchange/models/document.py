@@ -12,7 +12,8 @@ from typing import Final, get_args
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Anchor, Model, NestCentre, Parameter, Unit
+from truepose.domain.results import Anchor, MeasuredZone, Model, NestCentre, Parameter, Unit
+from truepose.domain.robot import JointRange, Robot
 from truepose.exchange.document import Node
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
 from truepose.exchange.json_text import Json, number_or_null
@@ -33,6 +34,7 @@ from truepose.exchange.keys import (
 )
 from truepose.exchange.models.covariance import covariance_document, read_covariance
 from truepose.exchange.robots.document import GRAVITY, PLACEMENT, ROBOT
+from truepose.identification.model.zone import DIRECTIONS
 
 FORMAT = "truepose-model"
 VERSION = 1
@@ -85,6 +87,17 @@ _ROTATION: Final = Form(
     lambda node: tuple(math.radians(angle) for angle in node.vector()),
     lambda angles_rad: [math.degrees(angle) for angle in angles_rad],
 )
+_SPAN: Final = Form(  # of a joint that stood still its ends are the same
+    lambda node: JointRange(*np.radians(node.numbers(2)).tolist()),
+    lambda span: [math.degrees(span.lower_rad), math.degrees(span.upper_rad)],
+)
+_ZONE: Final = record(
+    MeasuredZone,
+    [
+        Key("joint_ranges_deg", "joint_ranges", each(_SPAN)),
+        Key("flange_extents_mm", "extents_mm", each(NUMBER, len(DIRECTIONS))),
+    ],
+)
 _ORIGIN: Final = [
     Key("program_version", "program_version", Form(_read_version)),
     Key("identified_from", "identified_from", Form(_read_identified_from, dict)),
@@ -102,6 +115,8 @@ _MODEL: Final = [
     Key("torques_measured", "torques_measured", TRUTH),
     # Files from before there were drifts lack it; nothing in them counts from it.
     Key("origin_s", "origin_s", NUMBER, absent=0.0),
+    # Files from before targets were corrected lack it: nobody says where they extrapolate.
+    Key("measured_zone", "zone", _ZONE, absent=None),
 ]
 _NOMINAL: Final = [
     Key("base_in_world", "nominal_base", PLACEMENT),
@@ -149,8 +164,10 @@ def read_model_document(root: Node) -> Model:
     """Read the content of a model file; raises an InputFileError that names key and line."""
     _check_format(root)
     parameters = tuple(_read_parameter(entry) for entry in root.key("parameters").items())
+    fields = read_keys(root, [*_ORIGIN, *_MODEL])
+    _check_zone(root, fields["zone"], fields["robot"])
     return Model(
-        **read_keys(root, [*_ORIGIN, *_MODEL]),
+        **fields,
         **read_keys(root.key("nominal_fitted"), _NOMINAL),
         parameters=parameters,
         covariance=_read_covariance(root.key("covariance"), parameters),
@@ -167,6 +184,13 @@ def _check_format(root: Node) -> None:
         version.fail(
             f"the model file has version {number}, this program reads up to {VERSION}; update truepose",
             NewerVersionError,
+        )
+
+
+def _check_zone(root: Node, zone: MeasuredZone | None, robot: Robot) -> None:
+    if zone is not None and len(zone.joint_ranges) != robot.n_joints:
+        root.key("measured_zone").fail(
+            f"{len(zone.joint_ranges)} ranges are given for the {robot.n_joints} joints of the robot"
         )
 
 

@@ -208,8 +208,11 @@ def _beam_covariance(table: Table, tracker_mm: FloatArray) -> FloatArray:
 
 
 def _quaternion(table: Table) -> FloatArray | None:
-    if QUATERNION[0] not in table:
-        return None
+    return unit_quaternions(table) if QUATERNION[0] in table else None
+
+
+def unit_quaternions(table: Table) -> FloatArray:
+    """Return the orientations of a table that has them, shape (n, 4) w first; raises BadValueError."""
     quaternion = table.block(QUATERNION)
     length = np.linalg.norm(quaternion, axis=1)
     unit = np.abs(length - 1.0) <= _QUATERNION_TOLERANCE

@@ -30,14 +30,16 @@ def read_header(file: str, numbered: Iterator[Numbered]) -> list[str]:
     return header
 
 
-def parts(file: str, header: list[str], numbered: Iterator[Numbered]) -> Iterator[list[Numbered]]:
+def parts(
+    file: str, header: list[str], numbered: Iterator[Numbered], most_rows: int
+) -> Iterator[list[Numbered]]:
     """Yield the rows, every one as long as the header, some thousand at a time."""
     total = 0
     while part := list(itertools.islice(numbered, _ROWS_AT_A_TIME)):
         total += len(part)
-        if total > MOST_ROWS:
+        if total > most_rows:
             raise UnreadableFileError(
-                f"the file has more than {MOST_ROWS:,} rows, the most that is read", file=file
+                f"the file has more than {most_rows:,} rows, the most that is read", file=file
             )
         for line, row in part:
             if len(row) != len(header):

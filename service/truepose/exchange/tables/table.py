@@ -6,8 +6,8 @@ Columns that are arrays already keep to the same rules; NaN and None are their e
 """
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.exchange.errors import BadValueError, MissingEntryError, UnreadableFileError, WrongUnitError
 from truepose.exchange.plausible import limits_of
-from truepose.exchange.tables.rows import Numbered, numbered_rows, parts, read_header
+from truepose.exchange.tables.rows import MOST_ROWS, numbered_rows, parts, read_header
 from truepose.exchange.unit_suffix import in_other_unit, unit, unit_sentence
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -29,7 +29,7 @@ Arrays: TypeAlias = Mapping[str, npt.NDArray[np.generic]]  # columns of equal le
 TableData: TypeAlias = bytes | Arrays  # the text of a file, or what a program has in memory
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.generic]  # of one column
 Counted: TypeAlias = Literal["line", "row"]  # lines of a text from 1, rows of arrays from 0
-Converted: TypeAlias = tuple[IntArray, dict[str, FloatArray]]  # lines and columns of some rows
+Converted: TypeAlias = tuple[IntArray, Mapping[str, FloatArray]]  # lines and columns of some rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,18 +149,47 @@ def read_table(
     UnreadableFileError, MissingEntryError, WrongUnitError, BadValueError
         With file, line or row, and column of the first fault.
     """
+    found = list(table_parts(file, data, columns, together=together, passed_over=passed_over))
+    tables = [part.table for part in found]
+    wanted = list(tables[0].values)
+    lines, values = _joined(wanted, [(table.lines, table.values) for table in tables])
+    return replace(tables[0], lines=lines, values=values)
+
+
+@dataclass(frozen=True, slots=True)
+class TablePart:
+    """Some rows of a table, and their cells by column as they stood."""
+
+    table: Table
+    cells: Mapping[str, Cells]
+
+
+def table_parts(
+    file: str,
+    data: TableData,
+    columns: Sequence[Column],
+    *,
+    together: Sequence[Sequence[str]] = (),
+    passed_over: Collection[str] = (),
+    most_rows: int = MOST_ROWS,
+) -> Iterator[TablePart]:
+    """Read a table some thousand rows at a time and keep none; arguments and errors as of `read_table`."""
     if not isinstance(data, bytes):
-        return _table_of_arrays(file, data, columns, together, passed_over)
+        yield TablePart(_table_of_arrays(file, data, columns, together, passed_over), data)
+        return
     numbered = numbered_rows(file, data)
     header = read_header(file, numbered)
     _check_header(file, header, columns, together, line=1)
     wanted = [column for column in columns if column.name in header]
-    lines, values = _joined(
-        wanted, [_convert_rows(file, wanted, header, part) for part in parts(file, header, numbered)]
-    )
+    unlisted = _unlisted(header, columns, passed_over)
+    lines = np.zeros(0, np.int64)
+    for rows in parts(file, header, numbered, most_rows):
+        cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
+        lines = np.array([line for line, _ in rows], np.int64)
+        values = _convert(file, wanted, header, ("line", lines), cells)
+        yield TablePart(Table(file, lines, values, unlisted), cells)
     if not lines.size:
         raise UnreadableFileError("the file has a header and no rows", file=file)
-    return Table(file, lines, values, _unlisted(header, columns, passed_over))
 
 
 def _table_of_arrays(
@@ -227,14 +256,6 @@ def _check_absent(file: str, column: Column, present: set[str], line: int | None
         raise MissingEntryError(f"column {column.name} is missing; it is required", file=file, line=line)
 
 
-def _convert_rows(
-    file: str, columns: Sequence[Column], header: Sequence[str], rows: Sequence[Numbered]
-) -> Converted:
-    cells = dict(zip(header, zip(*(row for _, row in rows), strict=True), strict=True))
-    lines = np.array([line for line, _ in rows], np.int64)
-    return lines, _convert(file, columns, header, ("line", lines), cells)
-
-
 def _convert(
     file: str,
     columns: Sequence[Column],
@@ -265,15 +286,10 @@ def _bad_value(
     return BadValueError(sentence, file=file, row=number, column=column)
 
 
-def _joined(columns: Sequence[Column], parts: Sequence[Converted]) -> Converted:
+def _joined(columns: Sequence[str], parts: Sequence[Converted]) -> Converted:
     """Return what was converted part by part as whole columns."""
-    lines = np.concatenate([np.zeros(0, np.int64), *(lines for lines, _ in parts)])
-    nothing = np.zeros(0)
-    values = {
-        column.name: np.concatenate([nothing, *(values[column.name] for _, values in parts)])
-        for column in columns
-    }
-    return lines, values
+    lines = np.concatenate([lines for lines, _ in parts])
+    return lines, {name: np.concatenate([values[name] for _, values in parts]) for name in columns}
 
 
 def _numbers(column: Column, cells: Cells) -> tuple[FloatArray, tuple[int, str] | None]:

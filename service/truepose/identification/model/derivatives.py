@@ -22,12 +22,23 @@ from truepose.kinematics.frames import cross, turned_axes
 
 
 def position_jacobian(state: State) -> FloatArray:
-    """Differentiate the positions in the parameters.
+    """Differentiate the positions, as the instrument sees them, in the parameters.
 
     Returns
     -------
     ndarray, shape (P, n, 3)
         In mm per internal unit of each parameter; parameters of legs (anchors, offset) have zeros.
+    """
+    return seen_jacobian(state, state.unscaled_mm, place_jacobian(state))
+
+
+def place_jacobian(state: State) -> FloatArray:
+    """Differentiate where the nests are, whatever the instrument sees, in the parameters.
+
+    Returns
+    -------
+    ndarray, shape (P, n, 3)
+        In mm per internal unit of each parameter; those of the instrument have zeros.
     """
     gradients = _position_gradients(state)
     jacobian = np.zeros((len(state.structure.specs), len(state.targets), 3))
@@ -35,7 +46,7 @@ def position_jacobian(state: State) -> FloatArray:
         gradient = gradients.get(term.port)
         if gradient is not None:
             jacobian[term.parameter] += _weighted(term.weight, gradient)
-    return seen_jacobian(state, state.unscaled_mm, jacobian)
+    return jacobian
 
 
 def seen_jacobian(state: State, points_mm: FloatArray, jacobian: FloatArray) -> FloatArray:

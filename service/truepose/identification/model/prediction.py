@@ -7,7 +7,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model
 from truepose.identification.model.beyond import held, held_variance
-from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.derivatives import place_jacobian, position_jacobian, rotation_jacobian
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.missing import left_out, left_out_variance, span_of
@@ -45,6 +45,25 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
     variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
     total = variance + unknown_variance(model, state) + model.repeatability_mm**2 + model.discrepancy_mm**2
     return state.position_mm, np.sqrt(total)
+
+
+def placed_variance(model: Model, state: State) -> FloatArray:
+    """Return the variance per axis of where the nests are, mean of the three, shape (n,) [mm2].
+
+    As that of predictions, but for what only concerns the instrument: whoever sends a tool somewhere wants
+    it there, not seen there.
+    """
+    jacobian = place_jacobian(state)
+    variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
+    unknown = unknown_variance(model, state)
+    return np.asarray(variance + unknown + model.repeatability_mm**2 + model.discrepancy_mm**2)
+
+
+def turned_variance(model: Model, state: State) -> FloatArray:
+    """Return the variance per axis of the last frame's turn, of the parameters alone, shape (n,) [rad2]."""
+    jacobian = rotation_jacobian(state)
+    variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True)
+    return np.asarray(variance / 3.0)
 
 
 def unpredictable(model: Model, stops: Stops) -> tuple[str, ...]:

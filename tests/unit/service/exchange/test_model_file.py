@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.results import Anchor, Unit
+from truepose.domain.results import Anchor, MeasuredZone, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (
     BadValueError,
+    InputFileError,
     MissingEntryError,
     NewerVersionError,
     UnreadableFileError,
@@ -20,6 +21,9 @@ from truepose.exchange.errors import (
 )
 from truepose.exchange.models.file import model_from_text, model_text
 
+ZONE = MeasuredZone(
+    (JointRange(-1.0, 1.0 / 3), JointRange(0.0, 0.0), JointRange(-0.2, 0.7)), tuple(np.arange(26.0))
+)
 RELATIVE = 1e-12  # promised; two conversions of degrees and two roundings cost 4 * 1.1e-16
 
 
@@ -160,6 +164,25 @@ def test_another_kind_of_document_is_refused(text):
         read(text)
 
 
+def test_the_measured_zone_comes_back_and_may_be_absent():
+    model = dataclasses.replace(make_model(), zone=ZONE)
+    document = json.loads(model_text(model))
+    zone = read(json.dumps(document)).zone
+    del document["measured_zone"]
+
+    assert zone.extents_mm == ZONE.extents_mm
+    assert zone.joint_ranges[2].upper_rad == pytest.approx(ZONE.joint_ranges[2].upper_rad, rel=1e-15)
+    assert read(json.dumps(document)).zone is None
+
+
+def test_a_zone_of_another_arm_is_refused():
+    document = json.loads(model_text(dataclasses.replace(make_model(), zone=ZONE)))
+    document["measured_zone"]["joint_ranges_deg"].pop()
+
+    with pytest.raises(InputFileError, match="2 ranges are given for the 3 joints"):
+        read(json.dumps(document))
+
+
 def test_every_cut_of_the_file_is_refused():
     text = model_text(make_model()).rstrip()
 
@@ -169,7 +192,8 @@ def test_every_cut_of_the_file_is_refused():
 
 
 @pytest.mark.parametrize(
-    "key", sorted(json.loads(model_text(make_model())).keys() - {"format", "units", "origin_s"})
+    "key",
+    sorted(json.loads(model_text(make_model())).keys() - {"format", "units", "origin_s", "measured_zone"}),
 )
 def test_a_missing_key_is_named(key):
     document = json.loads(model_text(make_model()))

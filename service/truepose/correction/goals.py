@@ -1,0 +1,70 @@
+"""What a correction is asked for: where the tool shall be, and what is known of each stop."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray, Table
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import ConfigurationError
+
+FLANGE: Final = 0  # number of the "nest" that is the origin of the last frame
+_ORTHONORMAL: Final = 1e-6  # what a turn of 1 urad changes
+
+
+@dataclass(frozen=True, slots=True)
+class Goals(Table):
+    """Wanted poses of the last frame in the world; of the position, that of one of its nests; n rows.
+
+    `stops.joints_rad` are the angles that the search starts from, NaN where none are known.
+    """
+
+    stops: Stops
+    nest: IntArray  # (n,) from 1, whose position it is; FLANGE for the origin of the last frame
+    position_mm: FloatArray  # (n, 3)
+    rotation: FloatArray  # (n, 3, 3)
+
+    def __len__(self) -> int:
+        return len(self.nest)
+
+    def at(self, joints_rad: FloatArray) -> Stops:
+        """Return the stops with other joint angles, shape (n, J)."""
+        return replace(self.stops, joints_rad=joints_rad)
+
+
+def of_poses(pose: FloatArray, joints: int) -> Goals:
+    """Return goals of the last frame of which nothing else is known.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (n, 4, 4)
+        In the world [mm].
+    joints : int
+        Number of joints of the arm.
+
+    Raises
+    ------
+    ConfigurationError
+        A rotation is none.
+    """
+    n = len(pose)
+    check_rotations(pose[:, :3, :3])
+    stops = Stops(np.arange(n), np.full((n, joints), np.nan))
+    return Goals(stops, np.full(n, FLANGE), pose[:, :3, 3], pose[:, :3, :3])
+
+
+def check_rotations(rotation: FloatArray) -> None:
+    """Refuse what is no rotation, shape (n, 3, 3); raises ConfigurationError that names the first row."""
+    wrong = np.abs(rotation @ np.swapaxes(rotation, 1, 2) - np.eye(3)).max(axis=(1, 2)) > _ORTHONORMAL
+    if wrong.any():
+        raise ConfigurationError(
+            f"The orientation of row {int(np.argmax(wrong))} is no rotation: its axes are not of length 1 "
+            "and at right angles."
+        )
+    mirrored = np.linalg.det(rotation) < 0.0
+    if mirrored.any():
+        raise ConfigurationError(
+            f"The orientation of row {int(np.argmax(mirrored))} is left-handed: "
+            "one of its axes points the wrong way."
+        )

@@ -1,0 +1,102 @@
+"""Corrected joint targets: for every goal the joint angles at which the real tool is there, or why not.
+
+The controller keeps its nominal model; it is handed joint angles for which its own model is wrong by just as
+much as the robot is (thesis of A. Nubiola, 2014, section 1.5).
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from truepose.correction.branches import attain_any_branch
+from truepose.correction.corrections import ANY_BRANCH, Corrections, joined, judged
+from truepose.correction.goals import FLANGE, Goals
+from truepose.correction.inverse import Attained, attain, merged, replaced
+from truepose.correction.starts import NominalArm, attain_branch
+from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.last_moves import told_moves
+from truepose.domain.results import Model
+from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
+from truepose.identification.model.evaluation import Targets
+from truepose.kinematics.inverse import branch_of, has_closed_form
+
+_AT_ONCE: Final = 10_000  # goals; their derivatives take some tens of megabytes
+
+
+def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corrections:
+    """Find joint angles at which the identified robot reaches its goals.
+
+    Parameters
+    ----------
+    model : Model
+    goals : Goals
+        n poses. Where their stops tell joint angles, the answer is the one near these; direction of
+        approach, time, temperature and mounting are taken from them too.
+    branch : ndarray, shape (n,), optional
+        Asked for, as in `kinematics.inverse`; ANY_BRANCH for the one in which the robot was measured most.
+
+    Returns
+    -------
+    Corrections
+        Every row is judged: solved within 1 um and 1 urad, or why not.
+
+    Raises
+    ------
+    ConfigurationError
+        Another number of joints, an unknown nest, or measured torques that the model needs are missing.
+    """
+    asked = np.full(len(goals), ANY_BRANCH) if branch is None else branch
+    check_targets(model, Targets(goals.stops, np.where(goals.nest == FLANGE, 1, goals.nest)))
+    estimate = _with_flange(identified_estimate(model))
+    stops, nest = told_moves(goals.stops), _numbered(model, goals.nest)
+    numbered = replace(goals, stops=stops, nest=nest)
+    rows = np.arange(len(goals))
+    parts = [
+        _correct(model, estimate, numbered.taken(some), asked[some])
+        for some in np.split(rows, range(_AT_ONCE, len(rows), _AT_ONCE))
+    ]
+    return joined(parts)
+
+
+def in_world(model: Model, goals: Goals) -> Goals:
+    """Return goals that are meant in the robot's own base, where the model knows it to stand."""
+    return NominalArm(identified_estimate(model)).in_world(goals)
+
+
+def _with_flange(estimate: Estimate) -> Estimate:
+    """Return an estimate with one more nest, the origin of the last frame."""
+    structure = estimate.structure
+    nests = np.vstack([structure.nests_mm, np.zeros(3)])
+    return replace(estimate, structure=replace(structure, nests_mm=nests))
+
+
+def _numbered(model: Model, nest: IntArray) -> IntArray:
+    return np.where(nest == FLANGE, len(model.nests) + 1, nest)
+
+
+def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) -> Corrections:
+    told = np.asarray(np.isfinite(goals.stops.joints_rad).all(axis=1))
+    found = _from_told(estimate, goals, told)
+    rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
+    found = replaced(found, rows, attain_branch(estimate, goals.taken(rows), asked[rows]))
+    rows = np.flatnonzero(~told & (asked == ANY_BRANCH))
+    found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows)))
+    return judged(model, estimate, goals, found, told)
+
+
+def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> Attained:
+    """Search from the joints that are told, and where that fails from the nominal answer in their branch."""
+    found = attain(estimate, goals, goals.stops.joints_rad)
+    left = np.flatnonzero(told & ~found.arrived)
+    robot = estimate.structure.robot
+    if not len(left) or not has_closed_form(robot):
+        return found
+    start = goals.stops.joints_rad[left]
+    again = attain_branch(estimate, goals.taken(left), branch_of(robot, start))
+    return merged(found, left, replace(again, joints_rad=_turned_to(again.joints_rad, start)))
+
+
+def _turned_to(joints_rad: FloatArray, near_rad: FloatArray) -> FloatArray:
+    """Return angles with as many whole turns as bring them nearest to others."""
+    return np.asarray(joints_rad - 2 * np.pi * np.round((joints_rad - near_rad) / (2 * np.pi)))

@@ -1,0 +1,24 @@
+"""Joint limits of the controller, as far as they are known."""
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.robot import JointRange
+from truepose.kinematics.inverse import brought_within
+
+
+def turned_within(
+    limits: tuple[JointRange, ...] | None, joints_rad: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Turn joints (n, J) by whole turns into their limits, and say which rows are within; all if unknown."""
+    if limits is None:
+        return joints_rad, np.ones(len(joints_rad), dtype=bool)
+    return brought_within(joints_rad, limits)
+
+
+def beyond(limits: tuple[JointRange, ...] | None, joints_rad: FloatArray) -> FloatArray:
+    """Return by how much each joint is beyond its limits, shape (n, J) [rad]."""
+    if limits is None:
+        return np.zeros_like(joints_rad)
+    low, high = (np.array(ends) for ends in zip(*((r.lower_rad, r.upper_rad) for r in limits), strict=True))
+    return np.asarray(np.maximum(np.maximum(low - joints_rad, joints_rad - high), 0.0))

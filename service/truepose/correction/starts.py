@@ -1,0 +1,97 @@
+"""Where a search for joint angles begins: the closed-form answer of the nominal arm, on the identified base.
+
+Where the search from there fails, the pose is shifted by what was left of the error, and the arm asked again:
+unlike a step of Newton's, that turns joint 4 by whatever a singular wrist takes (thesis of A. Nubiola, 2014,
+section 1.5, pose shift). At a singularity the branch beside the one that was asked for may be the answer.
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from truepose.correction.goals import Goals
+from truepose.correction.inverse import Attained, attain, merged
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.identification.model.estimates import Estimate
+from truepose.identification.model.evaluation import Targets, evaluate, nest_centres
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.inverse import all_branches
+
+_SHIFTS: Final = 3  # each leaves a few per cent of the error
+_HOPELESS_MM: Final = 50.0  # several times what any arm is off: the goal is out of reach
+_BESIDE: Final = (1, 2, 3, 4)  # exclusive or with the branch: other wrist, other elbow, both, other side
+
+
+class NominalArm:
+    """The arm of the controller, standing where the identified one stands."""
+
+    def __init__(self, estimate: Estimate) -> None:
+        self._estimate = estimate
+        robot = estimate.structure.robot
+        at_zero = Targets(
+            Stops(np.zeros(1, dtype=np.int64), np.zeros((1, robot.n_joints))), np.ones(1, dtype=np.int64)
+        )
+        state = evaluate(estimate.structure, estimate.values, at_zero)
+        self._rotation, self._origin = state.chain.base_rotation[0], state.chain.base_origin[0]
+        self._centres = nest_centres(estimate.structure, state.moved)
+
+    def flange(self, goals: Goals) -> FloatArray:
+        """Return where goals put the last frame, in the robot's base, shape (n, 4, 4)."""
+        origin = goals.position_mm - np.einsum("nij,nj->ni", goals.rotation, self._centres[goals.nest - 1])
+        return self._in_base(goals.rotation, origin)
+
+    def attained(self, goals: Goals, joints_rad: FloatArray) -> FloatArray:
+        """Return where the identified arm has its last frame, in the robot's base, shape (n, 4, 4)."""
+        targets = Targets(goals.at(joints_rad), np.ones(len(goals), dtype=np.int64))
+        chain = evaluate(self._estimate.structure, self._estimate.values, targets).chain
+        return self._in_base(chain.end_rotation, chain.end_origin)
+
+    def branches(self, flange: FloatArray, *, reach_out: bool = True) -> FloatArray:
+        """Return the joint angles of every branch, shape (n, 8, J)."""
+        return all_branches(self._estimate.structure.robot, flange, reach_out=reach_out)
+
+    def commanded(self, joints_rad: FloatArray) -> FloatArray:
+        """Return where the controller believes its last frame to be, in the robot's base, shape (n, 4, 4)."""
+        chain = nominal_chain(self._estimate.structure.robot, joints_rad)
+        return _poses(chain.end_rotation, chain.end_origin)
+
+    def in_world(self, goals: Goals) -> Goals:
+        """Return goals that are meant in the robot's base."""
+        position = goals.position_mm @ self._rotation.T + self._origin
+        return replace(goals, position_mm=position, rotation=self._rotation @ goals.rotation)
+
+    def _in_base(self, rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
+        return _poses(self._rotation.T @ rotation, (origin_mm - self._origin) @ self._rotation)
+
+
+def _poses(rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
+    pose = np.zeros((len(rotation), 4, 4))
+    pose[:, :3, :3], pose[:, :3, 3], pose[:, 3, 3] = rotation, origin_mm, 1.0
+    return pose
+
+
+def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attained:
+    """Search goals in one branch each of the nominal arm, shape (n,), numbered as in `kinematics.inverse`."""
+    arm = NominalArm(estimate)
+    wanted = arm.flange(goals)
+    found = _from_branch(estimate, goals, arm.branches(wanted), branch)
+    for beside in (0,) * _SHIFTS + _BESIDE:
+        left = np.flatnonzero(~found.arrived & (found.error_mm < _HOPELESS_MM))
+        if not len(left):
+            break
+        rows = goals.taken(left)
+        again = _shifted(arm, rows, wanted[left], found.joints_rad[left])
+        found = merged(found, left, _from_branch(estimate, rows, arm.branches(again), branch[left] ^ beside))
+    return found
+
+
+def _from_branch(estimate: Estimate, goals: Goals, branches: FloatArray, branch: IntArray) -> Attained:
+    return attain(estimate, goals, branches[np.arange(len(goals)), branch])
+
+
+def _shifted(arm: NominalArm, goals: Goals, wanted: FloatArray, joints_rad: FloatArray) -> FloatArray:
+    """Return what to ask of the nominal arm where it was at some joints, so that the error is made up for."""
+    left = wanted @ np.linalg.inv(arm.attained(goals, joints_rad))
+    return np.asarray(left @ arm.commanded(joints_rad))

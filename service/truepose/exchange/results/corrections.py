@@ -1,0 +1,44 @@
+"""What a table of corrected targets came to, as a document."""
+
+from pydantic import Field
+
+from truepose.correction import Summary
+from truepose.exchange.json_text import Json
+from truepose.exchange.outgoing import Quantity
+from truepose.exchange.results.document import Document
+
+
+class FailedTarget(Document):
+    """A target that was not corrected, and why."""
+
+    target: str
+    status: str = Field(examples=["out_of_reach"])
+
+
+class CorrectionDocument(Document):
+    """Counts and extremes of a table of targets; errors are the model's, uncertainties those of the robot."""
+
+    targets: int
+    corrected: int
+    statuses: dict[str, int] = Field(examples=[{"ok": 998, "out_of_reach": 2}])
+    not_corrected: list[FailedTarget] = Field(description="The first hundred.")
+    largest_error_mm: Quantity
+    mean_u_mm: Quantity = Field(description="Standard, per axis.")
+    largest_u_mm: Quantity
+    outside: int | None = Field(description="Corrected ones outside the measured zone; null: it is unknown.")
+    farthest_outside_mm: Quantity | None
+
+
+def correction_document(summary: Summary) -> dict[str, Json]:
+    """Return what `truepose correct --json` prints."""
+    return CorrectionDocument(
+        targets=summary.targets,
+        corrected=summary.solved,
+        statuses=dict(summary.statuses),
+        not_corrected=[FailedTarget(target=name, status=status) for name, status in summary.failed],
+        largest_error_mm=summary.largest_error_mm,
+        mean_u_mm=summary.mean_uncertainty_mm,
+        largest_u_mm=summary.largest_uncertainty_mm,
+        outside=summary.outside if summary.zone_known else None,
+        farthest_outside_mm=summary.farthest_outside_mm if summary.zone_known else None,
+    ).printed()

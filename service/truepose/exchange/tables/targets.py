@@ -1,0 +1,173 @@
+"""Tables of targets to correct, and of what became of them; of any length, some thousand rows at a time."""
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, TextIO
+
+import numpy as np
+
+from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.exchange.input_file import read_bytes
+from truepose.exchange.tables.fields import ANGLE, Field, columns_of, read_fields, table_text
+from truepose.exchange.tables.points import POSITION_FIELD, QUATERNION, ignored_columns, unit_quaternions
+from truepose.exchange.tables.stops import joint_names, stop_fields, torque_names
+from truepose.exchange.tables.table import WHOLE, Column, Table, TableData, TablePart, one_of, table_parts
+from truepose.kinematics.frames import rotation_from_quaternion
+from truepose.kinematics.inverse import BRANCH_NAMES
+
+_MOST_ROWS: Final = 10_000_000
+_NAME: Final = "target"
+_BRANCH: Final = "branch"
+_NUMBERS: Final = tuple(str(number) for number in range(len(BRANCH_NAMES)))
+_OF_A_STOP: Final = ("direction", "torque_n_mm", "time_s", "temperature_c", "attachment")
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """Some rows of a table of targets."""
+
+    names: tuple[str, ...]  # (n,) as they stood
+    goals: Goals  # in the frame that the table is meant in
+    branch: IntArray  # (n,) asked for, ANY_BRANCH where nobody asks
+    ignored: tuple[str, ...]  # one sentence for every column not understood
+    share: float  # of the table that has been read with them, 0 to 1
+
+
+def read_targets(file: Path, n_joints: int, nests: Collection[int]) -> Iterator[Targets]:
+    """Read the file of a table as `targets_of` does; raises InputFileError."""
+    return targets_of(file.name, read_bytes(file), n_joints, nests)
+
+
+def targets_of(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> Iterator[Targets]:
+    """Yield targets some thousand at a time, numbered on from row to row.
+
+    Parameters
+    ----------
+    name : str
+        Of the table, for error messages.
+    data : bytes or mapping of str to ndarray
+        `target`, the position, the quaternion, and what else is known: joints, branch, nest, stop.
+    n_joints : int
+    nests : collection of int
+        Numbers of the tool nests that the model knows.
+
+    Raises
+    ------
+    InputFileError
+        With name, line or row, and column.
+    """
+    fields = _fields(n_joints, nests)
+    together = [joint_names(n_joints), torque_names(n_joints)]
+    columns = columns_of(fields)
+    lines = data.count(b"\n") if isinstance(data, bytes) else 0
+    first = 0
+    for part in table_parts(
+        name, data, columns, together=together, passed_over={_NAME}, most_rows=_MOST_ROWS
+    ):
+        first += len(part.table.lines)
+        share = min(1.0, int(part.table.lines[-1]) / lines) if lines else 1.0
+        yield _targets(part, n_joints, fields, first - len(part.table.lines), share)
+
+
+def _fields(n_joints: int, nests: Collection[int]) -> list[Field]:
+    known = (WHOLE, one_of({FLANGE, *nests}, "the tool nests (0 is the flange)"))
+    joints = tuple(Column(name, required=False, blank=math.nan) for name in joint_names(n_joints))
+    branch = Column(_BRANCH, required=False, words=(*BRANCH_NAMES, *_NUMBERS), blank=ANY_BRANCH)
+    return [
+        POSITION_FIELD,
+        Field("quaternion", tuple(Column(name) for name in QUATERNION), ".9f"),
+        Field("nest", Column("nest", required=False, rules=known, blank=FLANGE)),
+        Field("branch", branch),
+        Field("joints_rad", joints, ANGLE, np.radians, np.degrees),
+        *(field for field in stop_fields(n_joints) if field.name in _OF_A_STOP),
+    ]
+
+
+def _targets(part: TablePart, n_joints: int, fields: Sequence[Field], first: int, share: float) -> Targets:
+    table = part.table
+    said, n = read_fields(table, fields), len(part.table.lines)
+    rotation = rotation_from_quaternion(unit_quaternions(table))
+    _require_whole_rows(table, said["joints_rad"])
+    nest, branch, joints = (said.pop(name) for name in ("nest", "branch", "joints_rad"))
+    stops = Stops(
+        np.arange(first, first + n),
+        np.full((n, n_joints), np.nan) if joints is None else joints,
+        **{name: said[name] for name in _OF_A_STOP},
+    )
+    goals = Goals(stops, np.full(n, FLANGE) if nest is None else nest, said["position_mm"], rotation)
+    return Targets(
+        names=_names(part, first),
+        goals=goals,
+        branch=np.full(n, ANY_BRANCH)
+        if branch is None
+        else np.where(branch < 0, branch, branch % len(BRANCH_NAMES)),
+        share=share,
+        ignored=tuple(f"{table.file}: {clause}." for clause in ignored_columns(table)),
+    )
+
+
+def _require_whole_rows(table: Table, joints_rad: FloatArray | None) -> None:
+    if joints_rad is not None:
+        known = np.isfinite(joints_rad)
+        table.require(
+            np.asarray(known.all(axis=1) | ~known.any(axis=1)),
+            joint_names(joints_rad.shape[1])[0],
+            "some joints are given and some are empty: give all of them, or none",
+        )
+
+
+def _names(part: TablePart, first: int) -> tuple[str, ...]:
+    """Return what targets are called: as they stand, else by their numbers from 1."""
+    if _NAME in part.cells:
+        return tuple(str(name).strip() for name in part.cells[_NAME])
+    return tuple(str(first + row) for row in range(1, len(part.table.lines) + 1))
+
+
+def correction_cells(names: Sequence[str], found: Corrections) -> dict[str, list[str]]:
+    """Return the cells of corrected targets by column."""
+    joints = np.degrees(found.joints_rad)
+    columns = zip(joint_names(joints.shape[1]), joints.T, strict=True)
+    ok = found.solved  # joints that do not lead to the target must not find their way into a program
+    return {
+        _NAME: [_quoted(name) for name in names],
+        _BRANCH: [
+            BRANCH_NAMES[number] if good and number != ANY_BRANCH else ""
+            for number, good in zip(found.branch.tolist(), ok.tolist(), strict=True)
+        ],
+        **{name: _written(np.where(ok, values, np.nan), ".9f") for name, values in columns},
+        "error_mm": _written(found.error_mm, ".6f"),
+        "u_mm": _written(np.where(ok, found.uncertainty_mm, np.nan), ".6g"),
+        "status": found.status.tolist(),
+        "error_deg": _written(np.degrees(found.error_rad), ".8f"),
+        "u_deg": _written(np.where(ok, np.degrees(found.uncertainty_rad), np.nan), ".6g"),
+        "outside_mm": _written(found.outside_mm, ".3f"),
+        "outside_deg": _written(np.degrees(found.outside_rad.max(axis=1)), ".4f"),
+        "beyond_limit_deg": _written(np.degrees(found.beyond_limit_rad.max(axis=1)), ".4f"),
+    }
+
+
+def _written(values: FloatArray, form: str) -> list[str]:
+    return [format(value, form) if np.isfinite(value) else "" for value in values.tolist()]
+
+
+def _quoted(name: str) -> str:
+    quoted = name.replace('"', '""')
+    return f'"{quoted}"' if set(name) & set(',"\r\n') else name
+
+
+class CorrectionWriter:
+    """A table of corrected targets that grows part by part."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._begun = False
+
+    def write(self, names: Sequence[str], found: Corrections) -> None:
+        """Append rows in their order."""
+        text = table_text(correction_cells(names, found))
+        self._stream.write(text.partition("\n")[2] if self._begun else text)
+        self._begun = True

@@ -1,0 +1,237 @@
+"""Corrected joint targets against the forward model, whose own truth is the simulator's affair."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import (
+    EXTENSIONS,
+    LOADED_SEVEN_AXES,
+    extended,
+    model_of,
+    parameters_of,
+    plain_parameters,
+)
+from tests.helpers.identification.synthetic import configurations
+from truepose.correction import FLANGE, Goals, correct, of_poses
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange
+from truepose.identification.model.estimates import structure_of, values_of
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.prediction import predict
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import vector_from_rotation
+from truepose.kinematics.inverse import branch_of
+
+UM, URAD = 1e-3, 1e-6
+LIMITED = replace(IRB_120, joint_limits=tuple(JointRange(-3.2, 3.2) for _ in range(6)))
+
+
+def reached(model, stops, nest):
+    """Where the tool is: of nest 0 the last frame itself."""
+    structure = structure_of(model)
+    structure = replace(structure, nests_mm=np.vstack([structure.nests_mm, np.zeros(3)]))
+    numbered = np.where(nest == FLANGE, len(structure.nests_mm), nest)
+    state = evaluate(structure, values_of(model), Targets(stops, numbered))
+    return state.unscaled_mm, state.chain.end_rotation
+
+
+def goals_at(model, stops, nest, start_rad=None):
+    position, rotation = reached(model, stops, nest)
+    unknown = np.full_like(stops.joints_rad, np.nan) if start_rad is None else start_rad
+    return Goals(replace(stops, joints_rad=unknown), nest, position, rotation)
+
+
+def plain_goals(model, n=40, seed=0, start_rad=None):
+    stops = Stops(np.arange(n), configurations(n, seed))
+    return goals_at(model, stops, np.arange(n) % 3, start_rad)
+
+
+def assert_there(model, goals, found):
+    position, rotation = reached(model, goals.at(found.joints_rad), goals.nest)
+    assert np.abs(position - goals.position_mm).max() < UM
+    assert np.abs(vector_from_rotation(rotation @ np.swapaxes(goals.rotation, 1, 2))).max() < URAD
+
+
+def test_a_robot_without_errors_is_sent_where_its_controller_would_go():
+    joints = configurations(50)
+    chain = nominal_chain(IRB_120, joints)
+    pose = np.tile(np.eye(4), (50, 1, 1))
+    pose[:, :3, :3], pose[:, :3, 3] = chain.end_rotation, chain.end_origin
+
+    nothing = model_of(IRB_120, base=model_of().nominal_base, effects=())
+    found = correct(nothing, of_poses(pose, 6), branch_of(IRB_120, joints))
+
+    assert found.joints_rad == pytest.approx(joints, abs=1e-9)
+
+
+@pytest.mark.parametrize("effect", sorted(EXTENSIONS))
+def test_every_effect_is_made_up_for(effect):
+    model = extended(IRB_120, effect)
+    rng = np.random.default_rng(3)
+    stops = Stops(
+        np.arange(30),
+        configurations(30, 4),
+        direction=rng.choice([-1, 1], (30, 6)),
+        time_s=np.linspace(500.0, 4000.0, 30),
+        temperature_c=rng.uniform(18.0, 30.0, 30),
+        attachment=rng.integers(1, 3, 30),
+    )
+    goals = goals_at(model, stops, np.arange(30) % 3)
+
+    found = correct(model, goals)
+
+    assert found.solved.all()
+    assert_there(model, goals, found)
+
+
+def test_all_branches_of_a_goal_are_reached_where_they_are_within_the_limits():
+    model = model_of(LIMITED, *plain_parameters(LIMITED))
+    one = plain_goals(model, 1, seed=5)
+    goals = one.taken(np.zeros(8, dtype=np.int64))
+
+    found = correct(model, goals, np.arange(8))
+
+    assert found.solved.all()
+    assert found.branch.tolist() == list(range(8))
+    assert_there(model, goals, found)
+
+
+def test_without_a_wish_the_branch_is_that_of_the_calibration():
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+
+    found = correct(model, plain_goals(model, 200))
+
+    assert found.solved.all()
+    low, high = (
+        np.array(ends)
+        for ends in zip(*((r.lower_rad, r.upper_rad) for r in IRB_120.calibration_ranges), strict=True)
+    )
+    within = ((found.joints_rad > low - 0.1) & (found.joints_rad < high + 0.1)).all(axis=1)
+    assert within.mean() > 0.95
+
+
+def test_near_a_singular_wrist_the_goal_is_reached_all_the_same():
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+    joints = configurations(300, 6)
+    joints[:, 4] = np.random.default_rng(7).uniform(-2e-3, 2e-3, 300)
+    goals = goals_at(model, Stops(np.arange(300), joints), np.zeros(300, dtype=np.int64))
+
+    found = correct(model, goals)
+
+    assert found.solved.mean() > 0.99
+    some = np.flatnonzero(found.solved)
+    assert_there(model, goals.taken(some), found.taken(some))
+
+
+def test_the_answer_stays_near_the_joints_that_are_told_whole_turns_included():
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+    told = configurations(30, 8)
+    told[:, 5] += 2 * np.pi
+    goals = plain_goals(model, 30, seed=8, start_rad=told + 2e-3)
+
+    found = correct(model, goals)
+
+    assert found.solved.all()
+    assert np.abs(found.joints_rad - told).max() < 0.1
+
+
+def test_an_arm_of_seven_axes_is_corrected_from_the_joints_that_are_told():
+    model = model_of(LOADED_SEVEN_AXES, *plain_parameters(LOADED_SEVEN_AXES))
+    joints = np.random.default_rng(9).uniform(0.3, 1.2, (20, 7))
+    goals = goals_at(model, Stops(np.arange(20), joints), np.ones(20, dtype=np.int64), joints + 5e-3)
+
+    found = correct(model, goals)
+
+    assert found.solved.all()
+    assert_there(model, goals, found)
+    assert np.abs(found.joints_rad - joints).max() < 0.05
+
+
+def test_a_goal_out_of_reach_is_told_apart_from_one_at_a_limit():
+    limited = replace(IRB_120, joint_limits=tuple(JointRange(-0.5, 0.5) for _ in range(6)))
+    model = model_of(limited, *plain_parameters(limited))
+    joints = np.tile([0.2, 0.3, -0.2, 0.4, 0.45, 0.1], (3, 1))
+    joints[1, 0] = 0.7
+    goals = goals_at(model, Stops(np.arange(3), joints), np.zeros(3, dtype=np.int64))
+    goals.position_mm[2] += [2000.0, 0.0, 0.0]
+
+    found = correct(model, goals)
+
+    assert found.status.tolist() == ["ok", "joint_limit", "out_of_reach"]
+    assert found.beyond_limit_rad[1, 0] == pytest.approx(0.2, abs=0.02)
+    assert found.error_mm[2] > 500.0
+
+
+def test_a_gap_is_made_up_for_by_the_direction_of_approach():
+    model = model_of(IRB_120, *parameters_of("backlash", [("gap_2", 5e-4, "rad")]))
+    joints = np.array([0.2, 0.3, -0.2, 0.4, 0.8, 0.1]) + 0.1 * np.arange(5)[:, None]
+    ways = [Stops(np.arange(5), joints, direction=np.full((5, 6), sign)) for sign in (-1, 1)]
+    nest = np.ones(5, dtype=np.int64)
+    same = goals_at(model, ways[0], nest)
+
+    down, up = (
+        correct(model, replace(same, stops=replace(way, joints_rad=joints))).joints_rad for way in ways
+    )
+
+    assert np.abs(up - down)[:, 1] == pytest.approx(np.full(5, 5e-4), rel=1e-3)
+
+
+def test_an_instrument_that_reads_too_long_leaves_the_targets_alone():
+    plain = model_of(IRB_120, *plain_parameters(IRB_120))
+    scaled = extended(IRB_120, "instrument_scale")
+    goals = plain_goals(plain)
+
+    assert correct(scaled, goals).joints_rad == pytest.approx(correct(plain, goals).joints_rad, abs=1e-12)
+
+
+def test_the_uncertainty_is_that_of_the_prediction_and_the_turn_that_of_the_parameters():
+    known = model_of(
+        IRB_120,
+        *parameters_of("geometry", [("a_3", 0.2, "mm"), ("theta_2", 1e-3, "rad")]),
+        covariance=np.diag([0.02**2, 1e-4**2]),
+        discrepancy_mm=0.03,
+    )
+    goals = plain_goals(known)
+    goals = goals.taken(np.flatnonzero(goals.nest != FLANGE))
+
+    found = correct(known, goals)
+
+    _, expected = predict(known, goals.at(found.joints_rad), goals.nest)
+    assert found.uncertainty_mm == pytest.approx(expected, rel=1e-9)
+    assert found.uncertainty_rad == pytest.approx(np.full(len(goals), 1e-4 / np.sqrt(3.0)), rel=1e-6)
+
+
+def test_more_goals_than_are_taken_at_once_come_back_in_order(monkeypatch):
+    monkeypatch.setattr("truepose.correction.joint_targets._AT_ONCE", 7)
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+    goals = plain_goals(model, 20)
+
+    found = correct(model, goals)
+
+    assert_there(model, goals, found)
+
+
+def test_no_goal_is_no_row():
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+
+    assert len(correct(model, plain_goals(model, 3).taken(np.zeros(0, dtype=np.int64)))) == 0
+
+
+@pytest.mark.parametrize("nest", [-1, 9])
+def test_a_nest_that_the_model_does_not_know_is_refused(nest):
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+
+    with pytest.raises(ConfigurationError, match=f"Nest {nest} is unknown"):
+        correct(model, replace(plain_goals(model, 3), nest=np.full(3, nest)))
+
+
+def test_a_frame_of_the_wrong_hand_is_refused_with_its_row():
+    pose = np.tile(np.eye(4), (3, 1, 1))
+    pose[1, 2, 2] = -1.0
+
+    with pytest.raises(ConfigurationError, match=r"row 1 is left-handed"):
+        of_poses(pose, 6)
