@@ -1,5 +1,6 @@
 """Templates to a file: everything a page needs goes into it, and user text is escaped."""
 
+import functools
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -44,6 +45,7 @@ def verdict_shape(look: str) -> Markup:
     return rendered("shape.html", look=look)
 
 
+@functools.cache  # it keeps the templates that it has compiled
 def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("truepose.reports"),

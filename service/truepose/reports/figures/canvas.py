@@ -10,12 +10,14 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from textwrap import shorten, wrap
-from typing import Final
+from typing import Any, Final
 
 import matplotlib as mpl
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 INK, MUTED, GRID = "#010203", "#020304", "#030405"
@@ -53,6 +55,7 @@ PLAIN: Final = Colours("#16202b", "#5c6975", "#dde3e8", "#d9822b", "#1f7a8c", "#
 # Matplotlib's settings belong to the process: a second thread would draw in a style half put back.
 _SETTINGS: Final = threading.Lock()
 _LONGEST_UNIT = 16  # letters
+_PIXELS_PER_IN: Final = 150  # of a matrix, which is drawn as pixels within the SVG
 _STYLE = {
     "svg.fonttype": "none",  # text stays text: readable by machines, and in the font of the page
     "svg.hashsalt": "truepose",  # the same figure gives the same ids
@@ -122,7 +125,7 @@ def new_figure(width_in: float, height_in: float) -> Drawing:
 def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     """Return the figure as an inline `<svg>`; `prefix` keeps its ids apart from other figures'."""
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
+    _write_svg(figure, buffer)
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     for colour, variable in _VARIABLES.items():
@@ -136,6 +139,15 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img" stroke-linejoin="round"', text, count=1)
     text = text.replace(">", f' aria-label="{Markup.escape(description)}">', 1)
     return Markup(text)
+
+
+def _write_svg(figure: Figure, buffer: io.StringIO) -> None:
+    # `savefig` draws all of it twice. Only axes in space need that: their titles have no room the first time.
+    figure.set_dpi(_PIXELS_PER_IN)
+    in_space = any(axes.name == "3d" for axes in figure.axes)
+    canvas: Any = FigureCanvasSVG(figure)  # its stub has no types
+    write = partial(canvas.print_figure, format="svg") if in_space else canvas.print_svg
+    write(buffer, metadata={"Date": None, "Creator": None})
 
 
 def _as_attributes(style: re.Match[str]) -> str:
