@@ -46,6 +46,7 @@ STATES = {
     "unstable": sample("unstable", 300.1),
     "no_signal": sample("no_signal", None),
 }
+UNSEEN = ["planned", "finished", "aborted", "failed"]  # screens without a picture
 LAYOUTS = [(PORTRAIT, "en"), (PORTRAIT, "fr"), (LANDSCAPE, "en"), (LANDSCAPE, "fr")]
 BLOCKS = ".top, .notices, .ask, .picture, .panel, .last, .gauge, .caution, .actions, .dock"
 # Blocks that lie on another one, and blocks whose content is larger than they are (a list may scroll).
@@ -112,14 +113,17 @@ def boxes(page, selector):
 
 
 def shown(page, desk, screen):
-    """Bring the page to a screen and wait until it is there."""
+    """Bring the page to a screen and wait until it is there with its picture."""
+    if page.locator("body").get_attribute("data-screen") == screen:
+        shown(page, desk, next(other for other in SCREENS if other != screen))
     moving = screen in {"move", "moving"}
     desk.scene = scene(before=ARM_BEFORE if moving else None)
     dull = {"state": "running", "step": leg(), "suspicion": None, "robot_moving": False}
     dull["ballbar_in_question"] = None
     desk.show(**{**dull, **SCREENS[screen]})
     page.locator(f"body[data-screen={screen}]").wait_for()
-    page.wait_for_timeout(120)  # the picture is fetched after the words
+    if screen not in UNSEEN:  # the geometry of a step is fetched after its words
+        page.locator("#picture:not([hidden])").wait_for(state="attached")
 
 
 def looked_at(page):
