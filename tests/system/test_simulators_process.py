@@ -2,7 +2,6 @@
 
 import json
 import os
-import random
 import signal
 import socket
 import subprocess
@@ -12,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from tests.helpers.ports import free_block
 
 # Starting costs an interpreter and numpy; a busy machine may take ten times as long as a quiet one.
 START_S = 10.0
@@ -112,7 +113,7 @@ def test_an_interrupted_cell_ends_cleanly_even_with_clients(start, number):
 
 
 def test_ports_follow_each_other_from_the_port_base(start):
-    base = random.randrange(20_000, 30_000)  # below the ports that the system hands out to other tests
+    base = free_block(len(ANNOUNCED))
 
     cell = start("--pace", "0", "--port-base", str(base))
 

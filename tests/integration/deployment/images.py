@@ -7,9 +7,7 @@ the checkout itself, installed there as editable, cannot be imported.
 import contextlib
 import json
 import os
-import random
 import shutil
-import socket
 import subprocess
 import sys
 import sysconfig
@@ -19,7 +17,7 @@ from pathlib import Path
 from tests.integration.deployment.deployment_files import CHECKOUT
 
 _ENDS_IN_S = 15.0
-_CONSECUTIVE_PORTS = 5
+CONSECUTIVE_PORTS = 5
 
 
 def copy_sources(dockerfile, folder):
@@ -98,25 +96,6 @@ def on_this_interpreter(command, programs=None):
     return [str(programs / command[0]), *command[1:]]
 
 
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
-
-
-def free_block():
-    """Return the first of as many free consecutive ports as a simulated cell takes.
-
-    Below those that the system gives to whoever asks for any: tests beside this one do so all the time.
-    """
-    for _ in range(50):
-        first = random.randrange(20_000, 30_000)
-        with contextlib.suppress(OSError), contextlib.ExitStack() as stack:
-            for offset in range(_CONSECUTIVE_PORTS):
-                stack.enter_context(socket.create_server(("127.0.0.1", first + offset)))
-            return first
-    raise AssertionError("this machine has no free ports in a row")
-
-
 def announced(stdout, count=1):
     """Return so many JSON lines from a program's standard output."""
     lines = [stdout.readline() for _ in range(count)]
@@ -138,7 +117,7 @@ def networked_cell(folder, first_port):
     """Write the cell file of the compose network as it looks from this machine; returns its path."""
     text = (CHECKOUT / "docs" / "examples" / "networked-cell.toml").read_text(encoding="utf-8")
     text = text.replace('host = "cell"', 'host = "127.0.0.1"')
-    for offset in range(_CONSECUTIVE_PORTS):
+    for offset in range(CONSECUTIVE_PORTS):
         text = text.replace(f"port = {7000 + offset}\n", f"port = {first_port + offset}\n")
     path = Path(folder) / "cell.toml"
     path.write_text(text, encoding="utf-8")

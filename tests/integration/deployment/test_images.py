@@ -7,13 +7,13 @@ import httpx
 import numpy as np
 import pytest
 
+from tests.helpers.ports import free_block, free_port
 from tests.integration.deployment.deployment_files import CHECKOUT, compose_file, dockerfiles
 from tests.integration.deployment.images import (
+    CONSECUTIVE_PORTS,
     announced,
     copy_sources,
     environment,
-    free_block,
-    free_port,
     healthy,
     install,
     networked_cell,
@@ -45,14 +45,16 @@ def programs(tmp_path_factory):
 @pytest.fixture
 def running_cell(cell_image):
     """The cell as the compose file starts it; yields its first port and what it announced."""
-    first = free_block()
+    first = free_block(CONSECUTIVE_PORTS)
     command = replaced(_SERVICES["cell"]["command"], {_ANYWHERE: _HERE, "7000": str(first)})
     with running(on_this_interpreter(command), cell_image, environment()) as stdout:
         yield first, announced(stdout, len(_ENDPOINTS))
 
 
 def test_the_simulators_image_runs_without_the_service(cell_image):
-    command = replaced(dockerfiles()["cell"].command(), {_ANYWHERE: _HERE, "7000": str(free_block())})
+    command = replaced(
+        dockerfiles()["cell"].command(), {_ANYWHERE: _HERE, "7000": str(free_block(CONSECUTIVE_PORTS))}
+    )
 
     with running(on_this_interpreter(command), cell_image, environment()) as stdout:
         endpoints = announced(stdout, len(_ENDPOINTS))

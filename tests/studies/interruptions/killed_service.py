@@ -9,7 +9,6 @@ import contextlib
 import json
 import os
 import signal
-import socket
 import sys
 import time
 from collections.abc import AsyncIterator, Mapping
@@ -18,6 +17,7 @@ from typing import Final
 
 import httpx
 
+from tests.helpers.ports import free_port
 from truepose.demo.errors import ServiceFailedError
 
 _START_S: Final = 90.0  # two seconds on an idle machine
@@ -74,7 +74,7 @@ class KilledService:
         self._cell_file = cell_file
         self._database = database
         self._log = log
-        self._port = _free_port()
+        self._port = free_port()
         self._process: asyncio.subprocess.Process | None = None
 
     @property
@@ -122,8 +122,3 @@ async def _answers(http: httpx.AsyncClient) -> bool:
         return (await http.get("/health")).is_success
     except httpx.TransportError:
         return False
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return int(listener.getsockname()[1])

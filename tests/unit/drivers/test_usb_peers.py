@@ -2,11 +2,11 @@
 
 import asyncio
 import contextlib
-import socket
 
 import pytest
 
 from tests.helpers.ballbar.length_sources import FakeBar, electronics
+from tests.helpers.ports import free_port
 from truepose_drivers.ballbar_hid.driver import PLUGIN as BALLBAR_HID
 from truepose_drivers.ballbar_hid.protocol import (
     BarIdentity,
@@ -35,9 +35,7 @@ FEATURE = 3
 @contextlib.contextmanager
 def plugged(made):
     """Serve a device of the independent implementation; yields its port."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     with made.plug(via=usbip.USBIP("127.0.0.1", port)):
         yield port
 
