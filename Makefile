@@ -17,19 +17,19 @@ $(VENV)/.installed: pyproject.toml
 demo: setup
 	$(BIN)/truepose demo --out out/demo
 
-# A file of tests at a time, so that what a module sets up is set up once; in the order of the folders, so that
-# the long files (browser, system) do not come last, when there is nothing left to do beside them. Two processes on
-# two cores: with three, tests that look for free ports met each other. One thread of linear algebra each: the
-# matrices are small, and two threads wait for each other on busy cores. Compiled modules are kept, also where the
-# environment says otherwise: a hundred commands are started, and each would compile the service anew.
+# A file of tests at a time, so that what a module sets up is set up once; long files first (`tests/conftest.py`), so
+# that there is something to do beside them. Four processes on two cores: files of tests wait for half of their time,
+# for a browser, a process, a cell; unit tests do not. One thread of linear algebra each: the matrices are small, and
+# two threads wait for each other on busy cores. Compiled modules are kept, also where the environment says
+# otherwise: a hundred commands are started, and each would compile the service anew.
 PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest \
-  --numprocesses 2 --dist loadfile --no-loadscope-reorder
+  --dist loadfile --no-loadscope-reorder
 
 test: setup
-	$(PYTEST)
+	$(PYTEST) --numprocesses 4
 
 unit: setup
-	$(PYTEST) tests/unit
+	$(PYTEST) --numprocesses 2 tests/unit
 
 check: setup
 	$(BIN)/ruff check .

@@ -8,10 +8,20 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.helpers.machine import MEASURED_DATA, what_was_untested
+from tests.helpers.order import spread
+
+_TESTS = Path(__file__).parent
 
 # How long an example takes says how busy the machine is, not whether the code is right.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("any machine")
+
+
+def pytest_collection_modifyitems(items):
+    """Let files that wait run beside files that compute."""
+    files = {item.path: item.path.relative_to(_TESTS).as_posix() for item in items}
+    ranks = spread(list(files.values()))
+    items.sort(key=lambda item: ranks[files[item.path]])
 
 
 def pytest_collection_finish():
