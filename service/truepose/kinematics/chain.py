@@ -139,7 +139,7 @@ def forward(
         np.add(origins_before[i], _column(values.a_mm, i) * x, out=middle[i])
         y, z = alphas.turned(y, z, i)
         z, x = betas.turned(z, x, i)
-        axes[i + 1, 0], axes[i + 1, 1] = thetas.turned(x, y, i)
+        thetas.turn(x, y, i, axes[i + 1, :2])
         axes[i + 1, 2] = z
         np.add(middle[i], _column(values.d_mm, i) * z, out=origins[i + 1])
     end_axes, end_origin = _moved(axes[-1], origins[-1], motions.get(joints))
@@ -162,14 +162,23 @@ class _Angles:
     def __init__(self, angles_rad: FloatArray) -> None:
         angles = np.ascontiguousarray(angles_rad.T)
         self._cosine, self._sine = np.cos(angles), np.sin(angles)
-        self._still = not angles.any() if angles.ndim == 1 else False
+        self._still = np.equal(angles, 0.0).tolist() if angles.ndim == 1 else [False] * len(angles)
 
     def turned(self, first: FloatArray, second: FloatArray, joint: int) -> tuple[FloatArray, FloatArray]:
         """Return two axes (3, n) turned about the third; x, y, z follow each other in a circle."""
-        if self._still:
+        if self._still[joint]:
             return first, second
+        axes = np.empty((2, *first.shape))
+        self.turn(first, second, joint, axes)
+        return axes[0], axes[1]
+
+    def turn(self, first: FloatArray, second: FloatArray, joint: int, axes: FloatArray) -> None:
+        """Write two axes (3, n) turned about the third into `axes` (2, 3, n)."""
         c, s = self._cosine[joint], self._sine[joint]
-        return c * first + s * second, c * second - s * first
+        np.multiply(c, first, out=axes[0])
+        axes[0] += s * second
+        np.multiply(c, second, out=axes[1])
+        axes[1] -= s * first
 
 
 def _by_row(planes: FloatArray) -> FloatArray:
