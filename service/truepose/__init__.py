@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from truepose.domain.errors import TrueposeError
     from truepose.exchange.errors import InputFileError
     from truepose.notebook.campaign import Campaign, read_campaign
+    from truepose.notebook.correction import Corrections, correct
     from truepose.notebook.diagnosis import Diagnosis, diagnose
     from truepose.notebook.identification import Identification, identify
     from truepose.notebook.model import Model, read_model
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Campaign",
+    "Corrections",
     "Diagnosis",
     "Identification",
     "InputFileError",
@@ -30,6 +32,7 @@ __all__ = [
     "TrueposeError",
     "Validation",
     "__version__",
+    "correct",
     "diagnose",
     "identify",
     "plan",
@@ -41,6 +44,7 @@ __all__ = [
 
 _HOMES = {
     "Campaign": "notebook.campaign",
+    "Corrections": "notebook.correction",
     "Diagnosis": "notebook.diagnosis",
     "Identification": "notebook.identification",
     "InputFileError": "exchange.errors",
@@ -49,6 +53,7 @@ _HOMES = {
     "Predictions": "notebook.prediction",
     "TrueposeError": "domain.errors",
     "Validation": "notebook.validation",
+    "correct": "notebook.correction",
     "diagnose": "notebook.diagnosis",
     "identify": "notebook.identification",
     "plan": "notebook.plan",

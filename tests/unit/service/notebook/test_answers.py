@@ -179,3 +179,33 @@ def test_what_rows_do_not_tell_is_remarked(model):
     assert tp.predict(model, {"config": [1], "joints_deg": [[0.0] * 6], "shift": ["late"]}).remarks == (
         "points: column shift is not part of the format and is ignored.",
     )
+
+
+def test_corrected_targets_are_read_back_as_they_were_saved(model, tmp_path):
+    poses = {
+        "target": ["a", "b"],
+        "position_mm": [[350, 100, 400], [9000, 0, 0]],
+        "qw": 0,
+        "qx": 0,
+        "qy": 1,
+        "qz": 0,
+    }
+
+    corrected = tp.correct(model, poses)
+    corrected.save(tmp_path / "out.csv")
+
+    assert corrected.status == ["ok", "out_of_reach"]
+    assert np.isfinite(corrected.joints_deg[0]).all()
+    assert np.isnan(corrected.joints_deg[1]).all()
+    assert repr(corrected) == "1 of 2 targets corrected."
+    rows = (tmp_path / "out.csv").read_text().splitlines()
+    assert [row.split(",")[0] for row in rows] == ["target", "a", "b"]
+    assert "out_of_reach" in corrected._repr_html_()
+
+
+def test_targets_in_the_robots_base_go_where_the_model_has_it(model):
+    pose = {"position_mm": [[350.0, 100.0, 400.0]], "qw": 0.0, "qx": 0.0, "qy": 1.0, "qz": 0.0}
+
+    world, base = (tp.correct(model, pose, frame=frame).joints_deg for frame in ("world", "base"))
+
+    assert np.abs(world - base).max() > 1e-4

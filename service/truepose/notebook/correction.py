@@ -1,0 +1,160 @@
+"""Corrected targets in a notebook."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from truepose.correction import Corrections as Found
+from truepose.correction import Summary, in_world, joined
+from truepose.correction import correct as correct_goals
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.exchange.tables.targets import CorrectionWriter, targets_of
+from truepose.judgement.cautions import prediction_cautions
+from truepose.kinematics.inverse import BRANCH_NAMES
+from truepose.notebook import html
+from truepose.notebook.frames import frame
+from truepose.notebook.model import Model, model_given
+from truepose.notebook.tables import TableOrFile, named_data
+from truepose.reports.corrections import correction_sentences
+from truepose.words.catalogue import english
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Corrections:
+    """Joint targets that make the real tool arrive; n targets of J joints.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the targets, in their order.
+    found : truepose.correction.Corrections
+        Joints in rad, errors, uncertainties and status of every target.
+    remarks : tuple of str
+        How many were corrected and how well, what was ignored in the table, what the model leaves out.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> model = tp.identify(tp.read_campaign("docs/examples/campaign")).model
+    >>> pose = {"position_mm": [[350.0, 100.0, 400.0]], "qw": 0.0, "qx": 0.0, "qy": 1.0, "qz": 0.0}
+    >>> corrected = tp.correct(model, pose)
+    >>> corrected.joints_deg.shape, corrected.solved.tolist()
+    ((1, 6), [True])
+    """
+
+    names: tuple[str, ...]
+    found: Found
+    remarks: tuple[str, ...]
+
+    @property
+    def solved(self) -> BoolArray:
+        """Which targets were corrected, shape (n,)."""
+        return self.found.solved
+
+    @property
+    def status(self) -> list[str]:
+        """Of each target `ok`, else why not: `joint_limit`, `out_of_reach` or `singular`."""
+        return [str(status) for status in self.found.status]
+
+    @property
+    def joints_deg(self) -> FloatArray:
+        """What to send to the controller [deg], shape (n, J); NaN where a target was not corrected."""
+        return np.where(self.solved[:, None], np.degrees(self.found.joints_rad), np.nan)
+
+    @property
+    def standard_uncertainty_mm(self) -> FloatArray:
+        """Of where the tool will really be, per axis, shape (n,)."""
+        return self.found.uncertainty_mm
+
+    def to_frame(self) -> "DataFrame":
+        """Return one row per target: `target, branch, q1_deg.., error_mm, u_mm, status`.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        joints = {f"q{k}_deg": angles for k, angles in enumerate(self.joints_deg.T, start=1)}
+        return frame({
+            "target": list(self.names),
+            "branch": [BRANCH_NAMES[k] if k >= 0 else "" for k in self.found.branch.tolist()],
+            **joints,
+            "error_mm": self.found.error_mm,
+            "u_mm": self.found.uncertainty_mm,
+            "status": self.status,
+        })
+
+    def save(self, file: str | Path) -> None:
+        """Write the rows as CSV, as `truepose correct --out` does; raises OSError."""
+        with Path(file).open("w", encoding="utf-8", newline="\n") as stream:
+            CorrectionWriter(stream).write(self.names, self.found)
+
+    def __repr__(self) -> str:
+        return self.remarks[0]
+
+    def _repr_html_(self) -> str:
+        joints = range(1, self.found.joints_rad.shape[1] + 1)
+        rows = [
+            (name, status, *(f"{angle:.4f}" for angle in angles), f"{u:.4f}")
+            for name, status, angles, u in zip(
+                self.names, self.status, self.joints_deg.tolist(), self.found.uncertainty_mm, strict=True
+            )
+        ]
+        head = ("target", "status", *(f"q{k}, deg" for k in joints), "u, mm")
+        return html.page(html.paragraphs(self.remarks), html.first_rows(head, rows))
+
+
+def correct(
+    model: Model | str | Path, targets: TableOrFile, *, frame: Literal["world", "base"] = "world"
+) -> Corrections:
+    """Find joint targets at which the real tool is where it shall be.
+
+    Parameters
+    ----------
+    model : Model or path
+    targets : table or path
+        n rows of `x_mm, y_mm, z_mm, qw, qx, qy, qz`: position and orientation of the last frame, or with a
+        `nest` the position of that nest. Optional: `target` (a name), `branch` (`front/up/no flip`), joint
+        angles near which the answer shall be (`q1_deg`.. or `joints_deg`), `dir1`.., `temperature_C`.
+    frame : {"world", "base"}
+        What targets are given in: the frame of the readings, or the robot's own base.
+
+    Returns
+    -------
+    Corrections
+
+    Raises
+    ------
+    InputFileError
+        The table cannot be used: with file and line, or row (from 0), and column.
+    ConfigurationError
+        The model needs measured joint torques that the rows do not give.
+
+    Examples
+    --------
+    >>> import truepose as tp
+    >>> model = tp.identify(tp.read_campaign("docs/examples/campaign")).model
+    >>> far = {"position_mm": [[2500.0, 0.0, 0.0]], "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
+    >>> tp.correct(model, far).status
+    ['out_of_reach']
+    """
+    data = model_given(model).data
+    nests = [nest.nest for nest in data.nests]
+    names: list[str] = []
+    parts: list[Found] = []
+    remarks: list[str] = []
+    summary = Summary()
+    for part in targets_of(*named_data(targets, "targets"), data.robot.n_joints, nests):
+        goals = in_world(data, part.goals) if frame == "base" else part.goals
+        found = correct_goals(data, goals, part.branch)
+        if not parts:
+            remarks += [*part.ignored, *prediction_cautions(data, goals.at(found.joints_rad))]
+        names += part.names
+        parts.append(found)
+        summary.add(part.names, found)
+    return Corrections(tuple(names), joined(parts), (*map(english, correction_sentences(summary)), *remarks))
