@@ -15,6 +15,7 @@ from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.last_moves import with_last_moves
 from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Scene
+from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.registry import CAUSES
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.verdict.reach import within_reach
@@ -54,7 +55,7 @@ def diagnose(
     tell = progress or _silent
     tell(0.02, "fitting the present model")
     reached = within_reach(with_last_moves(campaign))
-    start = started(reached.campaign, effects, relabel="label_swap" not in without)
+    start = started(reached.campaign, effects, relabel=LABEL_SWAP not in without)
     if not isinstance(start, Start):
         return unanswerable(campaign, effects or (), start)
 

@@ -16,7 +16,9 @@ from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain
 from truepose.domain.sentences import together
 from truepose.effects.causes import Candidate, Fitted, Shown
 from truepose.effects.cells import cell_of
+from truepose.effects.readings.label_swap import NAME as LABEL_SWAP
 from truepose.effects.readings.label_swap import pair_subject
+from truepose.effects.readings.outliers import NAME as OUTLIERS
 from truepose.effects.registry import CAUSES
 from truepose.identification.distributions import chi2_exceeded
 from truepose.identification.fit.robust import fit
@@ -43,8 +45,8 @@ def _swaps(start: Start, selected: Selected) -> tuple[Finding, ...]:
     for first, second in sorted(pairs):
         of_pair = np.isin(written.nest, (first, second)) & np.isin(right.nest, (first, second))
         swapped = int((changed & of_pair).sum())
-        shown = _shown("label_swap", pair_subject(first, second), swapped, int(of_pair.sum()), start)
-        found.append(_finding("label_swap", shown, 1e-12, _swap_gain(start, selected)))
+        shown = _shown(LABEL_SWAP, pair_subject(first, second), swapped, int(of_pair.sum()), start)
+        found.append(_finding(LABEL_SWAP, shown, 1e-12, _swap_gain(start, selected)))
     return tuple(found)
 
 
@@ -67,12 +69,12 @@ def _bad(start: Start, selected: Selected, left: Left, judged: Improvement) -> t
     bad = left.tails.bad
     if not bad.any():
         return ()
-    shown = _shown("outliers", "readings", int(bad.sum()), len(bad), start)
-    finding = _finding("outliers", shown, _chance(selected, bad), _bad_gain(start, selected, judged))
+    shown = _shown(OUTLIERS, "readings", int(bad.sum()), len(bad), start)
+    finding = _finding(OUTLIERS, shown, _chance(selected, bad), _bad_gain(start, selected, judged))
     far = float(np.linalg.norm(selected.fit.results[0].residual[bad], axis=1).max()) >= _FAR_MM
     if not (far or left.structure):
         return (finding,)
-    swapped = tuple(Cause("label_swap", subject) for subject in _pairs(start)) if far else ()
+    swapped = tuple(Cause(LABEL_SWAP, subject) for subject in _pairs(start)) if far else ()
     shared = gathered(start.scene, bad)
     sentence = together(finding.sentence, shared.sentence) if shared else finding.sentence
     doubted = replace(finding, sentence=sentence, confidence=Confidence.LIKELY, confusable_with=swapped)

@@ -4,10 +4,11 @@ from truepose.diagnosis.evidence.structure_left import Left
 from truepose.domain.diagnosis import Cause, Finding, Noise, Remaining, Verdict
 from truepose.domain.results import Statistics
 from truepose.domain.sentences import Sentence, Text, leading_key, said, together
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 
 _AS_STATED = "remaining.as_stated"
 _CONTRADICTED = "remaining.contradicted"
-_OF_READINGS = ("label_swap", "outliers")  # causes that lie in the readings, not in the robot
 
 
 def first_line(
@@ -24,7 +25,7 @@ def first_line(
     if not findings:
         return together(said("message.unexplained"), remaining.sentence)
     explained = verdict is Verdict.EXPLAINED
-    if findings[0].effect in _OF_READINGS:
+    if findings[0].effect in effects_with(Trait.OF_READINGS):
         wrong = said("message.readings_wrong", sentence=findings[0].sentence)
         return together(wrong, "" if explained else remaining.sentence)
     return together(_lacking(findings, before, after, remaining), "" if explained else _beside(remaining))

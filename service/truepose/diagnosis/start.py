@@ -12,14 +12,15 @@ from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
 from truepose.domain.sentences import Text, together
 from truepose.effects.causes import Scene
-from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.effects.tool.tool_certificate import NAME as CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.fit.robust import RobustFit, counted_fit, robust_fit
 from truepose.identification.problem.build import Problem, automatic_effects, build
 from truepose.identification.verdict import status as verdict
 
-NUISANCE = (REFERENCE, CERTIFICATE)  # effects that a diagnosis needs and no model keeps
+NUISANCE = effects_with(Trait.NUISANCE)  # a diagnosis needs them, no model keeps them
 _UNUSABLE = (Status.WRONG_NOMINAL_MODEL, Status.OUTLIERS_DOMINATE, Status.TOO_FEW_DATA)
 
 

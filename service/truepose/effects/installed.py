@@ -12,7 +12,7 @@ from typing import ParamSpec, TypeVar, get_args
 from truepose.domain.errors import ConfigurationError, InstalledCauseError, TrueposeError
 from truepose.domain.sentences import Text
 from truepose.effects.causes import Candidate, Cause, Fitted, NamedCause, Scene, Shown
-from truepose.effects.ports import Effect, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import Effect, Need, ParameterSpec, Rows, Setting, Telling, Term, Trait
 from truepose.effects.unnamed.kinds import Kind
 
 GROUP = "truepose.causes"
@@ -114,6 +114,7 @@ class _GuardedEffect:
         self._effect = effect
         self.name = effect.name
         self.needs = effect.needs
+        self.traits: frozenset[Trait] = effect.traits if isinstance(effect, Telling) else frozenset()
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         return _asked(self.name, lambda: tuple(self._effect.specs(setting)))

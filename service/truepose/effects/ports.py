@@ -117,6 +117,19 @@ Need = Literal["torque", "direction", "move", "time", "temperature", "attachment
 NOTHING: frozenset[Need] = frozenset()
 
 
+class Trait(StrEnum):
+    """What an effect tells of itself beside its parameters: what others have to know of it, not its name."""
+
+    PLACING = "placing"  # where robot and tool are: it is fitted around the nominal model too
+    GEOMETRY = "geometry"  # the parameters of the nominal table
+    SPRINGS = "springs"  # each yields the way it is loaded, so that the torque of every row must be known
+    NUISANCE = "nuisance"  # what certificates leave open: nobody asks for it, and no model keeps it
+    SEARCHED = "searched"  # only a search in the data tells what it is like: a time, a pair of nests
+    OF_LENGTHS = "of lengths"  # positions do not know of it
+    ON_FIXED_NESTS = "on fixed nests"  # it moves readings of fixed nests too, or stands for these
+    OF_READINGS = "of readings"  # it lies in single readings, not in the robot
+
+
 class Effect(Protocol):
     """A physical source of error."""
 
@@ -145,4 +158,23 @@ class Drifting(Protocol):
 
     def goes_on(self, names: tuple[str, ...]) -> bool:
         """Return whether one of these parameters does."""
+        ...
+
+
+@runtime_checkable
+class Telling(Protocol):
+    """An effect with traits."""
+
+    @property
+    def traits(self) -> frozenset[Trait]:
+        """What is so of it."""
+        ...
+
+
+@runtime_checkable
+class Automatic(Protocol):
+    """An effect that is identified where nobody says which ones are."""
+
+    def automatic(self, setting: Setting) -> bool:
+        """Return whether it is in that setting."""
         ...

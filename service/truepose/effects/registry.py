@@ -1,6 +1,7 @@
 """The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
 
 from collections.abc import Sequence
+from functools import cache
 
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
 from truepose.effects.base.base_compliance import BaseCompliance
@@ -25,7 +26,7 @@ from truepose.effects.links.geometry import Geometry, JointOffset
 from truepose.effects.links.link_bending import LinkBending
 from truepose.effects.links.link_mass import LinkMasses
 from truepose.effects.links.thermal_growth import ThermalGrowth
-from truepose.effects.ports import Drifting, Effect, Need
+from truepose.effects.ports import Automatic, Drifting, Effect, Need, Setting, Telling, Trait
 from truepose.effects.readings.label_swap import LabelSwap
 from truepose.effects.readings.outliers import Outliers
 from truepose.effects.tool.nest_offset import NestOffset
@@ -107,6 +108,23 @@ def goes_on(effect: str, names: tuple[str, ...]) -> bool:
     """Return whether these parameters of an effect move things ever further in time."""
     found = effect_named(effect)
     return isinstance(found, Drifting) and found.goes_on(names)
+
+
+@cache
+def effects_with(trait: Trait) -> tuple[str, ...]:
+    """Return the names of the effects of which that is so."""
+    return tuple(
+        name for name, effect in EFFECTS.items() if isinstance(effect, Telling) and trait in effect.traits
+    )
+
+
+def automatic_in(setting: Setting) -> tuple[str, ...]:
+    """Return the names of the effects that are identified where nobody says which ones are."""
+    return tuple(
+        name
+        for name, effect in EFFECTS.items()
+        if isinstance(effect, Automatic) and effect.automatic(setting)
+    )
 
 
 def effect_named(name: str) -> Effect:

@@ -14,7 +14,8 @@ from truepose.domain.results import (
     PureError,
     Status,
 )
-from truepose.effects.registry import chosen_effects
+from truepose.effects.ports import Trait
+from truepose.effects.registry import chosen_effects, effects_with
 from truepose.identification.fit.considered import considered
 from truepose.identification.fit.cross_validation import held_out_residuals
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
@@ -23,7 +24,6 @@ from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import NOMINAL_EFFECTS
 from truepose.identification.models import Fits, model_of
 from truepose.identification.problem.build import (
-    NUISANCE,
     Problem,
     automatic_effects,
     build,
@@ -136,7 +136,7 @@ def _answer(
     return Identification(
         status=status,
         message=message,
-        effects=tuple(name for name in problem.structure.effects if name not in NUISANCE),
+        effects=tuple(name for name in problem.structure.effects if name not in effects_with(Trait.NUISANCE)),
         counts=_counts(problem, identified, len(gross)),
         parameters=model.parameters,
         not_identifiable=named,

@@ -45,7 +45,7 @@ def model_of(fits: Fits, *, discrepancy_mm: float, program_version: str) -> Mode
         nominal_base=nominal_base,
         nominal_nests=nominal_nests,
         instrument_mm=campaign.tracker_position_mm,
-        torques_measured="compliance" in structure.effects and structure.torques_measured,
+        torques_measured=structure.torques_measured and structure.has_springs,
         origin_s=structure.origin_s,
         nominal_leg_offset_mm=_value(fits.nominal, LEG_OFFSET),
         nominal_anchors=_anchors(fits.nominal),

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from truepose.domain.campaign import Readings, Stops
 from truepose.domain.results import Model
+from truepose.effects.base.base_frame import NAME as BASE
 from truepose.identification import unpredictable, unpredictable_readings
 
 
@@ -23,7 +24,7 @@ def validation_cautions(model: Model, readings: Readings) -> Iterator[str]:
 
 def _unseen_base(model: Model) -> Iterator[str]:
     """Say of a model of lengths that its positions stand or fall with the stated base."""
-    if model.nominal_anchors and "base" not in model.effects:
+    if model.nominal_anchors and BASE not in model.effects:
         yield (
             "The model was made from lengths, which do not see where the robot stands: positions are those "
             "of the base as the campaign states it, and their uncertainty does not contain its error."

@@ -83,10 +83,10 @@ class Guard:
         await asking.end(self.runner, "Eva")
 
     async def resume(self):
-        await self._allow(self.runner.resume)
+        await self._allow(asking.resume)
 
     async def confirm(self):
-        await self._allow(self.runner.confirm)
+        await self._allow(asking.confirm)
 
     async def _allow(self, go_on):
         allowed_before = self.stop_asked, self.confirmed_since_fault
@@ -94,7 +94,7 @@ class Guard:
         self.stop_asked = self.stop_asked and self.runner.state is SessionState.RUNNING
         self.confirmed_since_fault = True
         try:
-            await go_on("Eva")
+            await go_on(self.runner, "Eva")
         except NotNowError:
             self.stop_asked, self.confirmed_since_fault = allowed_before
             raise

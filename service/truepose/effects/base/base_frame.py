@@ -1,6 +1,6 @@
 """Where the robot stands: six parameters of its base in the world."""
 
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "base"
 PARAMETERS = ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz")
@@ -16,6 +16,11 @@ class Base:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.PLACING})
+
+    def automatic(self, setting: Setting) -> bool:
+        """Positions say where the robot stands; lengths do not."""
+        return not setting.lengths
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the six parameters."""

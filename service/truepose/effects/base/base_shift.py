@@ -8,7 +8,7 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
-from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, motion_port
+from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term, Trait, motion_port
 from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
 from truepose.effects.shapes.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
 from truepose.effects.shapes.times import spoken, without_times
@@ -25,6 +25,7 @@ class BaseShift:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"time"})
+    traits = frozenset({Trait.SEARCHED})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: when it jumped is not known beforehand."""

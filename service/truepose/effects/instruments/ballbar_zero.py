@@ -10,7 +10,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.effects.shapes.times import SECONDS_PER_HOUR, hours_since
 
 NAME = "ballbar_zero"
@@ -24,6 +24,7 @@ class BallbarZero:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"initialisation"})
+    traits = frozenset({Trait.OF_LENGTHS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return one constant per initialisation."""

@@ -4,7 +4,7 @@ The world frame was fitted to readings of the fixed nests at the start, and thei
 to an uncertainty. Neither moves anything that the arm reaches: no port of the chain, no cause to look for.
 """
 
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 from truepose.effects.shapes.rigid_motion import Widths, motion_specs
 
 NAME = "reference"
@@ -17,6 +17,7 @@ class Reference:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.NUISANCE, Trait.ON_FIXED_NESTS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: `reference_specs` has them."""

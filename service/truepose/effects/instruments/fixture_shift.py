@@ -10,7 +10,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, varied
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.effects.shapes.jumps import Gap, around, gaps, jump_terms, jump_time_s, tried
 from truepose.effects.shapes.rigid_motion import Motion, Widths, fitted_motion, motion_specs, split_motion
 from truepose.effects.shapes.times import spoken, without_times
@@ -26,6 +26,7 @@ class FixtureShift:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"time"})
+    traits = frozenset({Trait.SEARCHED, Trait.OF_LENGTHS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: when a fixture moved is not known beforehand."""

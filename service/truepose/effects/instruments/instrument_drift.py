@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.effects.shapes.drifts import (
     LINEAR,
     drift_candidates,
@@ -28,6 +28,7 @@ class InstrumentDrift:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"time"})
+    traits = frozenset({Trait.ON_FIXED_NESTS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the rates of an even drift."""

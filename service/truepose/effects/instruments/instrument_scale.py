@@ -8,7 +8,7 @@ import numpy as np
 
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "instrument_scale"
 _WIDTH = 1e-4  # ten times what a tracker in a workshop without weather station would show
@@ -21,6 +21,7 @@ class InstrumentScale:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.ON_FIXED_NESTS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the relative scale error."""

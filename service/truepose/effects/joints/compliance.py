@@ -13,7 +13,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.names import joint_name, joint_of, joint_subject
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 from truepose.kinematics.chain import Chain
 from truepose.kinematics.gravity import moment_regressor
 
@@ -31,6 +31,11 @@ class Compliance:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"torque"})
+    traits = frozenset({Trait.SPRINGS})
+
+    def automatic(self, setting: Setting) -> bool:
+        """Where masses or torques are known."""
+        return setting.torque_source != "unknown"
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the springs, or their products with the mass moments where the masses are unknown."""

@@ -12,9 +12,8 @@ import numpy as np
 
 from truepose.domain.robot import Robot
 from truepose.effects.names import joint_name, joint_of
-from truepose.effects.ports import NOTHING, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
-GEOMETRY_EFFECTS = ("geometry", "geometry_dhm", "joint_offset")
 LENGTH_WIDTH_MM = 1.0
 ANGLE_WIDTH_RAD = 5e-3
 # Below this angle the common normal moves by more than 30 mm per mm of axis offset: treated as parallel.
@@ -46,10 +45,15 @@ class Geometry:
     """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too."""
 
     needs = NOTHING
+    traits = frozenset({Trait.GEOMETRY})
 
     def __init__(self, name: str, *, tilt: bool) -> None:
         self.name = name
         self._tilt = tilt
+
+    def automatic(self, setting: Setting) -> bool:
+        """With all that the table may be wrong by."""
+        return self._tilt
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return alpha, a, theta and d of every row, d replaced by beta where axes are parallel."""
@@ -72,6 +76,7 @@ class JointOffset:
 
     name = "joint_offset"
     needs = NOTHING
+    traits = frozenset({Trait.GEOMETRY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return theta of rows 2..J."""

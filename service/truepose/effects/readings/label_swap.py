@@ -9,7 +9,7 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 
 NAME = "label_swap"
 _SEVERAL = 2
@@ -25,6 +25,7 @@ class LabelSwap:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: a wrong label is no property of the robot."""

@@ -9,7 +9,7 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 
 NAME = "outliers"
 _FEWEST = 10  # readings among which one can stand out
@@ -20,6 +20,7 @@ class Outliers:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: a bad reading is no property of the robot."""

@@ -4,7 +4,7 @@ An identification holds certified nests and carries their uncertainty afterwards
 within it, so that what a certificate allows is never named a nest that is out of place.
 """
 
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "tool_certificate"
 
@@ -14,6 +14,7 @@ class ToolCertificate:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.NUISANCE})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return none: `certificate_specs` has them."""

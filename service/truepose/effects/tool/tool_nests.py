@@ -1,7 +1,7 @@
 """The tool as far as it is unknown: nests in the last frame, and its orientation where poses are measured."""
 
 from truepose.effects.names import nest_name, nest_port_index
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "tool"
 # About the start that was found from the data; see `base`.
@@ -15,6 +15,11 @@ class Tool:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.PLACING})
+
+    def automatic(self, setting: Setting) -> bool:
+        """As far as it is unknown."""
+        return bool(setting.unknown_nests) or setting.has_orientations
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return three coordinates per unknown nest, three rotations where orientations were measured."""

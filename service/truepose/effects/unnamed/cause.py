@@ -12,7 +12,7 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said, together
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 from truepose.effects.unnamed.kinds import Key, Kind, Part, Place, Size, key_of
 from truepose.effects.unnamed.table import KINDS
 
@@ -25,6 +25,7 @@ class Unnamed:
     """Every cell of the table."""
 
     name = NAME
+    traits = frozenset({Trait.SEARCHED})
     needs: frozenset[Need] = NOTHING  # in general; `needs_of` tells those of single cells
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:

@@ -28,7 +28,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.effects.links.geometry import GEOMETRY_EFFECTS
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.identification.distributions import chi2_limit, chi2_median
 from truepose.identification.fit.crossing import crossing
 from truepose.identification.fit.solver import Solution, solve
@@ -199,7 +200,7 @@ def _widened(stated: Structure, values: FloatArray, covariance: FloatArray) -> S
 
     The factor is the evidence's: squared deviations per parameter that the data determine.
     """
-    chosen = np.array([owner in GEOMETRY_EFFECTS for owner in stated.owners], dtype=bool)
+    chosen = np.array([owner in effects_with(Trait.GEOMETRY) for owner in stated.owners], dtype=bool)
     if not chosen.any():
         return stated
     widths = stated.prior_widths[chosen]

@@ -15,8 +15,8 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import Robot
-from truepose.effects.ports import Need
-from truepose.effects.registry import needs_of
+from truepose.effects.ports import Need, Trait
+from truepose.effects.registry import effects_with, needs_of
 from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
@@ -31,7 +31,6 @@ _COLUMNS: dict[Need, str] = {
 }
 _ANY_RANGE_RAD = np.pi  # of joints whose ranges are not stated
 _STEPS = 8  # temperatures that stand for the whole of their range
-_LENGTHS_ONLY = frozenset({"ballbar_zero", "fixture_shift"})  # effects that positions do not know of
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +123,7 @@ def left_out_variance(
 
 def _asked(structure: Structure, targets: Targets) -> list[tuple[str, Need]]:
     """Effects of the model with what each needs; joint torques are asked for before any prediction."""
-    idle = _LENGTHS_ONLY if targets.length_mm is None else frozenset()
+    idle = effects_with(Trait.OF_LENGTHS) if targets.length_mm is None else ()
     return [
         (effect, need)
         for effect in structure.effects

@@ -9,10 +9,11 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import Robot
-from truepose.effects.ports import ParameterSpec
+from truepose.effects.ports import ParameterSpec, Trait
+from truepose.effects.registry import effects_with
 from truepose.kinematics.frames import rotation_xyz
 
-NOMINAL_EFFECTS = ("base", "tool")  # what is fitted around the nominal model
+NOMINAL_EFFECTS = effects_with(Trait.PLACING)  # what is fitted around the nominal model
 
 
 @dataclass(frozen=True)  # without slots: what follows from the parameters is kept once it was asked for
@@ -37,6 +38,11 @@ class Structure:
     torques_measured: bool = False  # springs are loaded by measured torques, not by gravity's
     origin_s: float = 0.0  # time from which drifts and warm-ups count
     last_s: float | None = None  # of the readings that a model was made from; None while it is made
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether an effect of it yields to the torque on each joint."""
+        return not set(effects_with(Trait.SPRINGS)).isdisjoint(self.effects)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

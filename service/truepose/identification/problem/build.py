@@ -7,9 +7,10 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings, Quantity, Stops
 from truepose.domain.errors import ConfigurationError
-from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
-from truepose.effects.ports import Setting
-from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.base.base_frame import NAME as BASE
+from truepose.effects.ports import Setting, Trait
+from truepose.effects.registry import automatic_in, effects_with
+from truepose.effects.tool.tool_nests import NAME as TOOL
 from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.observations.blocks import Block
 from truepose.identification.observations.fixed_nests import reference_block, with_reference_parameters
@@ -18,8 +19,8 @@ from truepose.identification.observations.positions import position_block
 from truepose.identification.problem.legs import leg_structure
 from truepose.identification.problem.placement import Placement, place
 from truepose.identification.problem.setting import (
-    has_orientations,
     known_placement,
+    outline,
     setting_of,
     torque_source,
     unknown_nests,
@@ -31,13 +32,6 @@ from truepose.kinematics.frames import (
     rotation_from_vector,
     vector_from_rotation,
 )
-
-NUISANCE = (
-    REFERENCE,
-    TOOL_CERTIFICATE,
-)  # what certificates leave open: nobody asks for it
-# Effects that move the readings of fixed nests too, and the one that stands for these readings.
-_SEEN_ON_FIXED_NESTS = frozenset({"instrument_drift", "instrument_scale", "reference"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +52,7 @@ class Problem:
 
 def automatic_effects(campaign: Campaign) -> tuple[str, ...]:
     """Return what `auto` stands for: base, unknown tool, geometry, compliance where torques are known."""
-    names: list[str] = ["base"] if campaign.calibration is not None else []
-    if unknown_nests(campaign) or has_orientations(campaign):
-        names.append("tool")
-    names.append("geometry")
-    if torque_source(campaign) != "unknown":
-        names.append("compliance")
-    return tuple(names)
+    return automatic_in(outline(campaign))
 
 
 def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool = False) -> Problem:
@@ -99,7 +87,7 @@ def build(campaign: Campaign, effects: tuple[str, ...], *, with_reference: bool 
         raise ConfigurationError(
             f"Nothing is unknown that {', '.join(effects)} could say: add effects, e.g. base,geometry."
         )
-    if with_reference or _SEEN_ON_FIXED_NESTS & set(effects):
+    if with_reference or set(effects_with(Trait.ON_FIXED_NESTS)) & set(effects):
         problem = _with_reference(campaign, problem)
     return replace(problem, structure=replace(problem.structure, origin_s=_first_s(campaign, readings.stops)))
 
@@ -122,24 +110,25 @@ def _first_s(campaign: Campaign, stops: Stops) -> float:
 
 
 def _check(campaign: Campaign, stops: Stops, effects: tuple[str, ...]) -> None:
-    if campaign.calibration is not None and campaign.base_nominal is None and "base" not in effects:
+    if campaign.calibration is not None and campaign.base_nominal is None and BASE not in effects:
         raise ConfigurationError("The campaign does not know the base: add `base` to the effects.")
     unknown = unknown_nests(campaign)
-    if unknown and "tool" not in effects:
+    if unknown and TOOL not in effects:
         raise ConfigurationError(f"The campaign does not know nest {unknown[0]}: add `tool` to the effects.")
-    if "compliance" in effects and torque_source(campaign) == "measured" and stops.torque_n_mm is not None:
+    springs = [name for name in effects_with(Trait.SPRINGS) if name in effects]
+    if springs and torque_source(campaign) == "measured" and stops.torque_n_mm is not None:
         gaps = ~np.isfinite(stops.torque_n_mm).all(axis=1)
         if gaps.any():
             raise ConfigurationError(
                 f"Configuration {int(stops.config[gaps][0])} lacks a measured joint torque: give all of "
-                "tau1_Nm.., remove these columns, or leave `compliance` out of the effects."
+                "tau1_Nm.., remove these columns, or leave `{springs[0]}` out of the effects."
             )
 
 
 def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str, ...]) -> Problem:
     chain = nominal_chain(campaign.robot, points.stops.joints_rad)
     known = known_placement(campaign)
-    search = replace(known, base=None) if "base" in effects else known
+    search = replace(known, base=None) if BASE in effects else known
     placement = place(chain, points.nest, points.position_mm, search)
     found = placement.rotation if campaign.base_nominal is None else None
     setting = setting_of(campaign, points.stops, found)
@@ -147,7 +136,7 @@ def _point_problem(campaign: Campaign, points: PointReadings, effects: tuple[str
     structure, start = started_structure(campaign, effects, placement, tool, setting)
     positions: Block = position_block(points, campaign.scatter_mm)
     # Without the tool's orientation as a parameter, measured orientations say nothing.
-    orientations = orientation_block(points) if "tool" in effects else None
+    orientations = orientation_block(points) if TOOL in effects else None
     blocks = (positions,) if orientations is None else (positions, orientations)
     return Problem(structure, blocks, start, placement.residual_mm, setting)
 

@@ -8,6 +8,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, FixtureLengths, LegReadings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
+from truepose.effects.base.base_frame import NAME as BASE
 from truepose.effects.ports import ParameterSpec, Setting
 from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
 from truepose.effects.tool.tool_certificate import certificate_specs
@@ -49,7 +50,7 @@ def leg_structure(
     ConfigurationError
         The base is to be identified, which legs between unknown base points do not see.
     """
-    if "base" in effects:
+    if BASE in effects:
         raise ConfigurationError(
             "Legs between unknown base points do not see where the base stands: "
             "leave `base` out of the effects."

@@ -40,6 +40,18 @@ def known_placement(campaign: Campaign) -> Known:
     return Known((placement_rotation(base), placement_translation(base)), centres, unknown)
 
 
+def outline(campaign: Campaign) -> Setting:
+    """Return what a campaign knows before a look at its columns."""
+    return Setting(
+        robot=campaign.robot,
+        unknown_nests=unknown_nests(campaign),
+        has_orientations=has_orientations(campaign),
+        torque_source=torque_source(campaign),
+        largest_torque_n_mm=np.zeros(campaign.robot.n_joints),
+        lengths=campaign.calibration is None,
+    )
+
+
 def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | None = None) -> Setting:
     """Return what effects choose their parameters from.
 
@@ -51,8 +63,8 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
         Of the base as found from the data, which says where gravity points; without it the campaign's,
         and the world's where the campaign has none.
     """
-    source = torque_source(campaign)
-    largest = np.zeros(campaign.robot.n_joints)
+    known = outline(campaign)
+    source, largest = known.torque_source, known.largest_torque_n_mm
     if source == "measured" and stops.torque_n_mm is not None:
         largest = np.nanmax(np.abs(stops.torque_n_mm), axis=0)
     elif source == "masses":
@@ -64,16 +76,11 @@ def setting_of(campaign: Campaign, stops: Stops, base_rotation: FloatArray | Non
         chain = nominal_chain(campaign.robot, stops.joints_rad)
         largest = np.abs(gravity_torques(chain, campaign.robot.masses, gravity)).max(axis=0)
     legs = campaign.legs if campaign.calibration is None else None
-    return Setting(
-        robot=campaign.robot,
-        unknown_nests=unknown_nests(campaign),
-        has_orientations=has_orientations(campaign),
-        torque_source=source,
+    return known._replace(
         largest_torque_n_mm=largest,
         certified_nests=_certified_nests(campaign),
         attachments=_numbers(stops.attachment),
         initialisations=_numbers(None if legs is None else legs.initialisation),
-        lengths=legs is not None,
     )
 
 

@@ -5,15 +5,14 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.errors import ConfigurationError
-from truepose.effects.ports import ParameterSpec, Setting
-from truepose.effects.registry import effect_named
-from truepose.identification.model.structure import Structure
+from truepose.effects.ports import ParameterSpec, Setting, Trait
+from truepose.effects.registry import effect_named, effects_with
+from truepose.effects.tool.tool_nests import NAME as TOOL
+from truepose.identification.model.structure import NOMINAL_EFFECTS, Structure
 from truepose.identification.problem.placement import Placement
 from truepose.identification.problem.setting import known_placement
 from truepose.kinematics.frames import angles_xyz
 
-# What these are like only a search in the data tells: a time, a pair of nests, single readings.
-_FOUND_BY_SEARCH = frozenset({"base_shift", "fixture_shift", "label_swap", "outliers", "unnamed"})
 _GIMBAL_RAD = np.deg2rad(80.0)  # beyond it the angles RotX RotY RotZ about the start lose their meaning
 
 
@@ -73,7 +72,7 @@ def _about_start(
     specs: tuple[ParameterSpec, ...], owners: tuple[str, ...], start: FloatArray, *, base_found: bool
 ) -> tuple[ParameterSpec, ...]:
     """Put the priors of what was found from the data about where it was found."""
-    found = ("base", "tool") if base_found else ("tool",)
+    found = NOMINAL_EFFECTS if base_found else (TOOL,)
     return tuple(
         spec._replace(prior_mean=float(value)) if owner in found else spec
         for spec, owner, value in zip(specs, owners, start, strict=True)
@@ -113,7 +112,7 @@ def _specs(effects: tuple[str, ...], setting: Setting) -> tuple[tuple[ParameterS
     specs: list[ParameterSpec] = []
     owners: list[str] = []
     for name in effects:
-        if name in _FOUND_BY_SEARCH:
+        if name in effects_with(Trait.SEARCHED):
             raise ConfigurationError(
                 f"Effect {name!r} has no parameters until it is found in the data: "
                 "leave it out of the effects, `diagnose` looks for it."

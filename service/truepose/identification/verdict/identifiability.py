@@ -83,7 +83,7 @@ def _by_construction(structure: Structure, setting: Setting) -> list[NotIdentifi
             for joint in range(1, robot.n_joints)
             if is_parallel_to_previous(robot, joint)
         ]
-    if "compliance" in structure.effects:
+    if structure.has_springs:
         entries += _springs(structure, setting)
     return entries
 

@@ -6,11 +6,11 @@ from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
 from truepose.effects.base.base_frame import WIDTH_MM as BASE_WIDTH_MM
 from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
-from truepose.effects.links.geometry import GEOMETRY_EFFECTS
-from truepose.effects.registry import effect_named
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effect_named, effects_with
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.structure import NOMINAL_EFFECTS
-from truepose.identification.problem.build import NUISANCE, Problem
+from truepose.identification.problem.build import Problem
 from truepose.identification.problem.setting import known_placement, setting_of
 from truepose.identification.verdict.conventions import Evidence, change_that_fits, plausible_mm, reach_mm
 from truepose.kinematics.chain import nominal_chain
@@ -127,7 +127,8 @@ def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit)
     if identified.blocks[0].discrepancy > 0.0:
         return None  # it is the model that says little of them
     structure = problem.structure
-    asked = [name for name in structure.effects if name not in (*NOMINAL_EFFECTS, *NUISANCE)]
+    unasked = (*NOMINAL_EFFECTS, *effects_with(Trait.NUISANCE))
+    asked = [name for name in structure.effects if name not in unasked]
     wanted = np.isin(structure.owners, asked or list(NOMINAL_EFFECTS))
     left = np.diag(identified.solution.covariance) / identified.structure.prior_widths**2
     learnt = float(np.clip(1.0 - left[wanted], 0.0, 1.0).sum())
@@ -198,7 +199,7 @@ def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None
         problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
     ):
         certain = abs(value) - 3.0 * u > _IMPLAUSIBLE_WIDTHS * spec.prior_width
-        if owner in GEOMETRY_EFFECTS and certain:
+        if owner in effects_with(Trait.GEOMETRY) and certain:
             shown = f"{np.rad2deg(value):.2f} deg" if spec.unit == "rad" else f"{value:.1f} mm"
             return f"{spec.name} = {shown}"
     return None
@@ -249,7 +250,7 @@ def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
         for spec, owner, value, u in zip(
             problem.structure.specs, problem.structure.owners, identified.values, uncertainty, strict=True
         )
-        if owner == "compliance" and "*" not in spec.name and value < -_CERTAINLY_NEGATIVE * u
+        if owner in effects_with(Trait.SPRINGS) and "*" not in spec.name and value < -_CERTAINLY_NEGATIVE * u
     ]
 
 

@@ -9,6 +9,8 @@ from markupsafe import Markup
 
 from truepose.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, Worth
 from truepose.effects.cells import amplitude_of
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.reports.causes import (
     cause_words,
     confidence_meaning,
@@ -24,7 +26,6 @@ from truepose.reports.rounding import MINUS, interval, millimetres, p_value, wit
 
 _COVERAGE_95 = 1.96  # of a normal distribution
 _WAYS = frozenset({"order", "source joint"})  # a finding may have several, each with its own amplitude
-_OF_SINGLE_READINGS = frozenset({"outliers", "label_swap"})  # their far readings are the finding itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,5 +152,5 @@ def _curve(number: int, finding: Finding) -> CurveFigure | None:
         finding.curve,
         f"finding-{number}",
         line="fitted effect",
-        whole=finding.effect in _OF_SINGLE_READINGS,
+        whole=finding.effect in effects_with(Trait.OF_READINGS),  # its far readings are the finding itself
     )

@@ -12,6 +12,7 @@ from truepose.domain.errors import ConfigurationError, InstalledCauseError
 from truepose.effects.causes import CellRow, NamedCause
 from truepose.effects.installed import GROUP, load_installed
 from truepose.effects.joints.joint_gain import JointGain
+from truepose.effects.ports import Trait
 from truepose.effects.unnamed.table import OWN
 
 CELL = CellRow("{subject}", "angle of {subject}", "line")
@@ -19,6 +20,10 @@ CELL = CellRow("{subject}", "angle of {subject}", "line")
 
 class Acme(JointGain):
     name = "acme"
+
+
+class Floating(Acme):
+    traits = frozenset({Trait.ON_FIXED_NESTS})
 
 
 class Failing(Acme):
@@ -56,6 +61,13 @@ def test_an_effect_a_cause_and_a_kind_are_told_apart(brought):
     assert (set(named.effects), set(named.causes)) == ({"acme"}, {"acme"})
     assert named.causes["acme"].cell == CELL
     assert plain.broken == named.broken == {}
+
+
+def test_what_is_brought_tells_its_traits_and_no_others(brought):
+    silent, telling = brought(acme=Acme()), brought(acme=Floating())
+
+    assert silent.effects["acme"].traits == frozenset()
+    assert telling.effects["acme"].traits == Floating.traits
 
 
 def test_what_is_brought_does_what_it_does_at_home(brought):

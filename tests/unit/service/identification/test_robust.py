@@ -10,7 +10,8 @@ from scipy.stats import chi2
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.synthetic import drawn, measured, nominal_campaign, shifted
-from truepose.effects.links.geometry import GEOMETRY_EFFECTS
+from truepose.effects.ports import Trait
+from truepose.effects.registry import effects_with
 from truepose.identification.fit.robust import robust_fit
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import build
@@ -103,7 +104,7 @@ def test_priors_of_the_geometry_widen_together_where_the_data_ask_for_it():
     fit, problem = fitted(campaign_of(share=4.0))
 
     ratio = fit.structure.prior_widths / problem.structure.prior_widths
-    geometric = np.array([owner in GEOMETRY_EFFECTS for owner in fit.structure.owners])
+    geometric = np.array([owner in effects_with(Trait.GEOMETRY) for owner in fit.structure.owners])
     assert np.ptp(ratio[geometric]) < 1e-9
     # 19 draws of width 4 know their own width to 16 %, three times that
     assert ratio[geometric][0] == pytest.approx(4.0, rel=0.5)

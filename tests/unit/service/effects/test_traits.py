@@ -1,0 +1,48 @@
+"""What effects tell of themselves: whoever treats them differently asks for it, and knows no names."""
+
+import pytest
+
+from truepose.effects.ports import Telling, Trait
+from truepose.effects.registry import EFFECTS, automatic_in, effects_with
+from truepose.exchange.campaigns.path import read_campaign_at
+from truepose.identification.problem.build import automatic_effects
+from truepose.identification.problem.setting import outline, setting_of
+
+
+@pytest.mark.parametrize("trait", Trait)
+def test_of_some_effects_it_is_so_and_of_others_not(trait):
+    told = effects_with(trait)
+
+    assert 0 < len(told) < len(EFFECTS)
+    assert set(told) <= set(EFFECTS)
+
+
+def test_an_effect_that_tells_nothing_has_no_trait():
+    silent = [name for name, effect in EFFECTS.items() if not isinstance(effect, Telling)]
+
+    assert "backlash" in silent
+    assert not [name for trait in Trait for name in effects_with(trait) if name in silent]
+
+
+def test_what_is_only_found_by_a_search_brings_no_parameters(example_campaign):
+    setting = setting_of(example_campaign, example_campaign.calibration.stops)
+
+    assert {name: EFFECTS[name].specs(setting) for name in effects_with(Trait.SEARCHED)} == dict.fromkeys(
+        ("base_shift", "fixture_shift", "label_swap", "outliers", "unnamed"), ()
+    )
+
+
+def test_what_is_identified_where_nobody_says_depends_on_what_is_known(example_campaign):
+    setting = outline(example_campaign)
+    bare = setting._replace(unknown_nests=(), has_orientations=False, torque_source="unknown")
+
+    assert automatic_in(bare) == ("base", "geometry")
+    assert automatic_in(bare._replace(lengths=True)) == ("geometry",)
+    assert automatic_in(bare._replace(unknown_nests=(2,))) == ("base", "tool", "geometry")
+    assert automatic_in(bare._replace(torque_source="masses")) == ("base", "geometry", "compliance")
+    assert automatic_effects(example_campaign) == automatic_in(setting)
+
+
+@pytest.fixture(scope="module")
+def example_campaign(request):
+    return read_campaign_at(request.config.rootpath / "docs" / "examples" / "campaign")
