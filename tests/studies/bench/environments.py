@@ -19,6 +19,7 @@ class Peer(NamedTuple):
 
 PEERS: Final = (
     Peer("pybotics", "pybotics_peer.py", ("pybotics", "numpy<2", "scipy")),
+    Peer("figaroh", "figaroh_peer.py", ("figaroh",)),
     Peer("roboticstoolbox-python", "roboticstoolbox_peer.py", ("roboticstoolbox-python", "numpy<2")),
 )
 
