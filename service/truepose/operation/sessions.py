@@ -16,7 +16,7 @@ from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import readable_name
 from truepose.domain.session import SessionState
 from truepose.operation.devices import Rack
-from truepose.operation.one_at_a_time import UNDER_WAY, refuse_beside_another
+from truepose.operation.errors import DeviceInUseError
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
@@ -25,13 +25,16 @@ from truepose.operation.watching import Watching
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.engine.halts import ENDED_AT_REST
 from truepose.sequencing.engine.runner import SessionRunner
-from truepose.sequencing.engine.states import has_ended
+from truepose.sequencing.engine.states import has_ended, words
 from truepose.storage.measurement.ledger import LedgerRepository
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import ActAnswer, RequestKey, SessionRecord
 
 _LOG: Final = logging.getLogger(__name__)
 _END_ASKED_FOR: Final = "The end was asked for; nothing was in motion."
+_UNDER_WAY: Final = tuple(
+    state for state in SessionState if state is not SessionState.PLANNED and not has_ended(state)
+)
 _KEPT_BEFORE: Final = "That was kept before the service was restarted."
 
 
@@ -92,7 +95,7 @@ class SessionDesk:
             _LOG.warning("what is under way was left as it is: %s", error)
 
     async def _left(self) -> list[tuple[SessionKind[Any], SessionRecord]]:
-        records = await self.sessions.in_state(*UNDER_WAY)
+        records = await self.sessions.in_state(*_UNDER_WAY)
         return [(kind, record) for record in records for kind in self._kinds if kind.owns(record)]
 
     async def act(
@@ -124,14 +127,10 @@ class SessionDesk:
 
     async def _do(self, kind: SessionKind[Any], session_id: int, act: Act) -> ActAnswer:
         act = await self._judged(act)
-        async with self.turn:
-            under_way = self.under_way(session_id)
-            if under_way is None:
-                record = await kind.get(session_id)
-                if act.name is ActName.ABORT and not has_ended(record.state):
-                    return await self._end_unstarted(session_id, act)
-                kind.require_startable(record, act)
-                under_way = await self.start(kind, record)
+        # A halt does not wait for somebody's turn.
+        under_way = self.under_way(session_id) or await self._taken_up(kind, session_id, act)
+        if isinstance(under_way, ActAnswer):
+            return under_way
         try:
             await kind.prepare(session_id, act)
             done = await under_way.runner.ask(act)
@@ -139,6 +138,18 @@ class SessionDesk:
             await self._give_back_unstarted(under_way)
             raise
         return ActAnswer(done.sentence, done.entry)
+
+    async def _taken_up(self, kind: SessionKind[Any], session_id: int, act: Act) -> UnderWay | ActAnswer:
+        """Have a session run as an act asks for; an answer where the act ends it as it stands."""
+        async with self.turn:
+            under_way = self.under_way(session_id)
+            if under_way is not None:
+                return under_way
+            record = await kind.get(session_id)
+            if act.name is ActName.ABORT and not has_ended(record.state):
+                return await self._end_unstarted(session_id, act)
+            kind.require_startable(record, act)
+            return await self.start(kind, record)
 
     async def _judged(self, act: Act) -> Act:
         """Return the act under the name that is kept; raises what keeps it from being done.
@@ -179,7 +190,11 @@ class SessionDesk:
 
         Raises DeviceInUseError, MissingDeviceError, PlanRefusedError.
         """
-        await refuse_beside_another(self.sessions, record.id)
+        for other in await self.sessions.in_state(*_UNDER_WAY):
+            if other.id != record.id:
+                raise DeviceInUseError(
+                    f"Session {other.id} is {words(other.state)}; one session runs at a time, end it first."
+                )
         if record.state is SessionState.PLANNED:
             self.present.require_same_robot((await self.sessions.setup(record.id)).cell)
         return await self.take_up(kind, record)

@@ -154,6 +154,17 @@ async def test_an_act_whose_tablet_is_gone_is_done_all_the_same(scene):
     assert scene.runners[0].acts == 2
 
 
+async def test_an_act_of_a_session_that_runs_does_not_wait_for_what_others_prepare(scene):
+    """As long as configurations are judged that somebody adds to another session, say."""
+    session_id = await scene.planned()
+    await scene.act(session_id, key="k1")
+
+    async with scene.desk.turn, asyncio.timeout(5):
+        stopped = await scene.act(session_id, ActName.STOP, key="k2")
+
+    assert stopped.sentence == "Done 2 times."
+
+
 async def test_an_entry_without_its_answer_is_not_made_again(scene):
     """As a service leaves it that is killed between the two."""
     session_id = await scene.planned()
