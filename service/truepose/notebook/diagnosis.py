@@ -1,6 +1,6 @@
 """Diagnosis in a notebook."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from truepose.exchange.results.diagnosis import diagnosis_document
 from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.frames import frame
+from truepose.notebook.given import Progress, effects_given
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change_of, counted, finding_texts, rows_of
 from truepose.words.catalogue import english
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-Progress = Callable[[float, str], None]
 _COLUMNS = (
     "effect", "subject", "amplitude", "unit", "amplitude_standard_uncertainty", "p_value", "confidence",
     "where", "over", "shape", "sentence",
@@ -191,6 +191,5 @@ def diagnose(
     >>> tp.diagnose(campaign)  # or at once tp.diagnose("docs/examples/campaign")
     Diagnosis of ABB IRB 120, simulated: consistent, no finding; held-out RMS 0.0... -> 0.0... mm
     """
-    names = (effects,) if isinstance(effects, str) else effects
-    chosen = None if names is None else tuple(names)
-    return Diagnosis(diagnose_campaign(campaign_given(campaign).data, chosen, progress))
+    data = campaign_given(campaign).data
+    return Diagnosis(diagnose_campaign(data, effects_given(effects), progress))

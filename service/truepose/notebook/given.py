@@ -1,12 +1,13 @@
 """What a function is given: the thing that it works on, or the file or folder that this is read from."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 from truepose.domain.errors import ConfigurationError
 
 T = TypeVar("T")
+Progress: TypeAlias = Callable[[float, str], None]
 
 
 def read_if_path(given: T | str | Path, kind: type[T], read: Callable[[str | Path], T], advice: str) -> T:
@@ -29,6 +30,11 @@ def path_of(given: str | Path, what: str, advice: str) -> Path:
     if isinstance(given, str | Path):
         return Path(given)
     raise ConfigurationError(_refusal(given, what, advice))
+
+
+def effects_given(given: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Return the names of effects; a single one may stand without a list."""
+    return (given,) if isinstance(given, str) else None if given is None else tuple(given)
 
 
 def _refusal(given: object, what: str, advice: str) -> str:

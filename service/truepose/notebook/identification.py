@@ -1,6 +1,6 @@
 """Identification in a notebook."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,14 +13,13 @@ from truepose.identification import identify as identify_campaign
 from truepose.notebook import html
 from truepose.notebook.campaign import Campaign, campaign_given
 from truepose.notebook.frames import frame
+from truepose.notebook.given import Progress, effects_given
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change, counted, parameter_table, rows_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -175,7 +174,5 @@ def identify(
     ...
     truepose.domain.errors.ConfigurationError: A list is no campaign: give a folder, ... tp.read_campaign...
     """
-    measured_data = campaign_given(campaign).data
-    names = (effects,) if isinstance(effects, str) else effects
-    chosen = None if names is None else tuple(names)
-    return Identification(identify_campaign(measured_data, chosen, progress), measured_data)
+    data = campaign_given(campaign).data
+    return Identification(identify_campaign(data, effects_given(effects), progress), data)
