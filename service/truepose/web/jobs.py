@@ -1,8 +1,8 @@
 """Jobs: watch and cancel."""
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 
-from truepose.web.context import Here
+from truepose.web.context import Context, Here
 from truepose.web.parameters import Id, PageQuery
 from truepose.web.problems import problems
 from truepose.web.schemas.jobs import JobReply, job_reply
@@ -27,3 +27,9 @@ async def cancel_job(here: Here, id: Id) -> JobReply:
     """End a job and its worker process; refused where the job has ended already."""
     await here.job_desk.cancel(id)
     return job_reply(await here.jobs.get(id))
+
+
+async def queued(here: Context, number: int, response: Response) -> JobReply:
+    """Return a job that was queued just now, and say where it is watched."""
+    response.headers["Location"] = f"/api/v1/jobs/{number}"
+    return job_reply(await here.jobs.get(number))

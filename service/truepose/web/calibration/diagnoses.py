@@ -7,7 +7,8 @@ from fastapi import APIRouter, Query, Response, status
 from truepose.analysis.comparison import compare_over_time
 from truepose.effects.registry import chosen_effects
 from truepose.storage.records import RequestKey
-from truepose.web.context import Context, Here
+from truepose.web.context import Here
+from truepose.web.jobs import queued
 from truepose.web.parameters import Id, OptionalKey, PageQuery
 from truepose.web.problems import problems
 from truepose.web.schemas.comparisons import ComparisonReply, comparison_reply
@@ -19,7 +20,7 @@ from truepose.web.schemas.diagnoses import (
     diagnosis_reply,
     diagnosis_summary_reply,
 )
-from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.jobs import JobReply
 
 router = APIRouter(tags=["diagnoses"])
 _ASKED = problems(400, 404, 409, 413, 415, 422, 503)
@@ -43,7 +44,7 @@ async def diagnose(here: Here, wanted: DiagnosisRequest, response: Response, key
     """Diagnose a campaign in a worker process; the job's result is the diagnosis."""
     effects = _named(wanted.effects)
     number = await here.job_desk.diagnose(wanted.campaign_id, effects, wanted.measured_on, key)
-    return await _queued(here, number, response)
+    return await queued(here, number, response)
 
 
 @router.post("/sessions/{id}/diagnosis", status_code=status.HTTP_202_ACCEPTED, responses=_ASKED)
@@ -59,7 +60,7 @@ async def diagnose_session(
     # A client's key has no blank, so this one belongs to the campaign of the same request and no other.
     campaign_key = None if key is None else RequestKey(f"{key.key} campaign", key.fingerprint)
     campaign_id = await here.campaign_desk.from_sessions(name, id, wanted.validation_session_id, campaign_key)
-    return await _queued(here, await here.job_desk.diagnose(campaign_id, effects, key=key), response)
+    return await queued(here, await here.job_desk.diagnose(campaign_id, effects, key=key), response)
 
 
 @router.get("/diagnoses", responses=problems(422, 503))
@@ -86,8 +87,3 @@ async def get_diagnosis(here: Here, id: Id) -> DiagnosisReply:
 def _named(effects: list[str] | None) -> tuple[str, ...] | None:
     """Return the effects to start from; raises UnknownEffectError."""
     return None if effects is None else chosen_effects(effects)
-
-
-async def _queued(here: Context, number: int, response: Response) -> JobReply:
-    response.headers["Location"] = f"/api/v1/jobs/{number}"
-    return job_reply(await here.jobs.get(number))

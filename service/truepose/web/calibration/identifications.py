@@ -4,9 +4,10 @@ from fastapi import APIRouter, Response, status
 
 from truepose.effects.registry import chosen_effects
 from truepose.web.context import Here
+from truepose.web.jobs import queued
 from truepose.web.parameters import Id, OptionalKey, PageQuery
 from truepose.web.problems import problems
-from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import IdentificationReply, IdentificationRequest, identification_reply
 
 router = APIRouter(prefix="/identifications", tags=["identifications"])
@@ -19,8 +20,7 @@ async def identify(
     """Identify a campaign in a worker process; the job's result is the identification."""
     effects = None if wanted.effects is None else chosen_effects(wanted.effects)
     number = await here.job_desk.identify(wanted.campaign_id, effects, key)
-    response.headers["Location"] = f"/api/v1/jobs/{number}"
-    return job_reply(await here.jobs.get(number))
+    return await queued(here, number, response)
 
 
 @router.get("", response_model_exclude_unset=True, responses=problems(422, 503))

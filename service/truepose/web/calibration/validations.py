@@ -3,9 +3,10 @@
 from fastapi import APIRouter, Response, status
 
 from truepose.web.context import Here
+from truepose.web.jobs import queued
 from truepose.web.parameters import Id, OptionalKey, PageQuery
 from truepose.web.problems import problems
-from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.results import ValidationReply, ValidationRequest, validation_reply
 
 router = APIRouter(prefix="/validations", tags=["validations"])
@@ -15,8 +16,7 @@ router = APIRouter(prefix="/validations", tags=["validations"])
 async def validate(here: Here, wanted: ValidationRequest, response: Response, key: OptionalKey) -> JobReply:
     """Judge a model in a worker process; the job's result is the validation."""
     number = await here.job_desk.validate(wanted.model_id, wanted.campaign_id, wanted.limit_mm, key)
-    response.headers["Location"] = f"/api/v1/jobs/{number}"
-    return job_reply(await here.jobs.get(number))
+    return await queued(here, number, response)
 
 
 @router.get("", responses=problems(422, 503))

@@ -13,11 +13,12 @@ from truepose.sequencing.engine.acts import Act, ActName
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
+from truepose.web.jobs import queued
 from truepose.web.parameters import Id, OptionalKey, PageQuery
 from truepose.web.problems import problems
 from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
 from truepose.web.schemas.identities import identity_reply
-from truepose.web.schemas.jobs import JobReply, job_reply
+from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.sessions import (
     ActionReply,
     AnswerRequest,
@@ -72,8 +73,7 @@ async def plan_session(
     task = PlanTask(setup, plan, wanted.plan.configurations, wanted.plan.seed)
     number = await here.job_desk.plan(wanted.name, task, key)
     response.status_code = status.HTTP_202_ACCEPTED
-    response.headers["Location"] = f"/api/v1/jobs/{number}"
-    return job_reply(await here.jobs.get(number))
+    return await queued(here, number, response)
 
 
 @router.get("", responses=problems(422, 503))

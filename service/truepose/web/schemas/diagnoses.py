@@ -62,8 +62,8 @@ class SessionDiagnosisRequest(Request):
     effects: StartEffects = None
 
 
-class DiagnosisReply(Reply):
-    """A stored diagnosis; its extended model is a model like any other."""
+class StoredDiagnosis(Reply):
+    """Whose diagnosis it is, and when it was made."""
 
     id: RecordId
     recorded_at: RecordedAt
@@ -74,6 +74,11 @@ class DiagnosisReply(Reply):
     session_id: RecordId | None = Field(description="Whose readings it is of; null: of an upload.")
     model_id: RecordId | None = Field(description="Null where nothing could be fitted.")
     robot_serial_number: str | None = Field(description="As the cell file said.", examples=["120-500123"])
+
+
+class DiagnosisReply(StoredDiagnosis):
+    """A stored diagnosis; its extended model is a model like any other."""
+
     document: DiagnosisDocument
 
 
@@ -88,19 +93,10 @@ class FindingReply(Reply):
     confidence: Confidence
 
 
-class DiagnosisSummaryReply(Reply):
+class DiagnosisSummaryReply(StoredDiagnosis):
     """A stored diagnosis in a list: its first line and its findings."""
 
-    id: RecordId
-    recorded_at: RecordedAt
-    measured_at: MeasuredAt
-    simulated: Simulated
-    job_id: RecordId
-    campaign_id: RecordId
-    session_id: RecordId | None
-    model_id: RecordId | None
     robot: str = Field(examples=["ABB IRB 120"])
-    robot_serial_number: str | None
     verdict: Verdict
     message: Spoken
     findings: list[FindingReply]
