@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from truepose_simulators.physics.rigid import FloatArray, motion
+from truepose_simulators.physics.rigid import FloatArray, cross_matrix, motion
 
 Vector = tuple[float, float, float]
 
@@ -62,6 +62,12 @@ class Arm:
     def seats(self) -> FloatArray:
         """Seats of all joints at the zero configuration, shape (J, 4, 4)."""
         return np.array([_frame(joint.point_mm, joint.normal, joint.direction) for joint in self.joints])
+
+    @cached_property
+    def axis_crosses(self) -> tuple[FloatArray, FloatArray]:
+        """K of all axes with K b = axis x b, and K K, at the zero configuration, shape (J, 3, 3) each."""
+        k = cross_matrix(self.seats[:, :3, 2])
+        return k, k @ k
 
     @cached_property
     def flange(self) -> FloatArray:

@@ -16,7 +16,6 @@ from truepose_simulators.physics.arm import Arm
 from truepose_simulators.physics.rigid import (
     FloatArray,
     apply,
-    cross_matrix,
     inverse,
     motion,
     move,
@@ -36,12 +35,11 @@ class Bodies:
 
 def screw_rotations(arm: Arm, angles_rad: FloatArray) -> FloatArray:
     """exp(S_i theta_i) of every joint, shape (n, J) -> (n, J, 4, 4)."""
-    directions = arm.seats[:, :3, 2]
     points = arm.seats[:, :3, 3]
-    k = cross_matrix(directions)
+    k, k_k = arm.axis_crosses
     sine = np.sin(angles_rad)[..., np.newaxis, np.newaxis]
     versine = 1.0 - np.cos(angles_rad)[..., np.newaxis, np.newaxis]
-    rotations = np.eye(3) + sine * k + versine * (k @ k)
+    rotations = np.eye(3) + sine * k + versine * k_k
     return motion(points - apply(rotations, points), rotations)
 
 
