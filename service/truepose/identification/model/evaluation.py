@@ -25,6 +25,11 @@ _BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right
 # Each pass brings the torques closer by a factor of about a thousand: after such a change one more is enough.
 _NEARLY_BALANCED = 2e-3
 
+# glibc learns from the largest block that was freed, of 32 MB at most, how much freed memory to keep. Before
+# that, frames of 10,000 stops go back to the system after each step and are taken again page by page, which
+# can take as long as to fill them (mallopt(3), M_MMAP_THRESHOLD). This block is never touched, so it is free.
+np.empty(2**25 - 2**13, dtype=np.uint8)
+
 
 @dataclass(frozen=True, slots=True)
 class Targets(Table):
