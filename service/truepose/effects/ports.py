@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
-from truepose.domain.results import Unit
+from truepose.domain.results import NotIdentifiable, Unit
 from truepose.domain.robot import Robot
 from truepose.kinematics.chain import Chain
 
@@ -177,4 +177,13 @@ class Automatic(Protocol):
 
     def automatic(self, setting: Setting) -> bool:
         """Return whether it is in that setting."""
+        ...
+
+
+@runtime_checkable
+class LeavesOpen(Protocol):
+    """An effect that by its construction has no parameter where somebody may expect one."""
+
+    def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
+        """Return what it leaves open beside the parameters `names` of a whole model, and why."""
         ...

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import cache
 
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
+from truepose.domain.results import NotIdentifiable
 from truepose.effects.base.base_compliance import BaseCompliance
 from truepose.effects.base.base_drift import BaseDrift
 from truepose.effects.base.base_frame import Base
@@ -26,7 +27,7 @@ from truepose.effects.links.geometry import Geometry, JointOffset
 from truepose.effects.links.link_bending import LinkBending
 from truepose.effects.links.link_mass import LinkMasses
 from truepose.effects.links.thermal_growth import ThermalGrowth
-from truepose.effects.ports import Automatic, Drifting, Effect, Need, Setting, Telling, Trait
+from truepose.effects.ports import Automatic, Drifting, Effect, LeavesOpen, Need, Setting, Telling, Trait
 from truepose.effects.readings.label_swap import LabelSwap
 from truepose.effects.readings.outliers import Outliers
 from truepose.effects.tool.nest_offset import NestOffset
@@ -125,6 +126,15 @@ def automatic_in(setting: Setting) -> tuple[str, ...]:
         for name, effect in EFFECTS.items()
         if isinstance(effect, Automatic) and effect.automatic(setting)
     )
+
+
+def left_open_by(
+    effects: Sequence[str], names: tuple[str, ...], setting: Setting
+) -> tuple[NotIdentifiable, ...]:
+    """Return what effects leave open by their construction beside the parameters of a whole model."""
+    chosen = (effect for name, effect in EFFECTS.items() if name in effects)
+    openly = (effect.left_open(names, setting) for effect in chosen if isinstance(effect, LeavesOpen))
+    return tuple(entry for entries in openly for entry in entries)
 
 
 def effect_named(name: str) -> Effect:

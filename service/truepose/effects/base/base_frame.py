@@ -1,5 +1,6 @@
 """Where the robot stands: six parameters of its base in the world."""
 
+from truepose.domain.results import NotIdentifiable
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "base"
@@ -31,3 +32,11 @@ class Base:
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on the base port, one to one."""
         return [Term(k, Port(PortKind.BASE, PARAMETERS.index(name)), 1.0) for k, name in enumerate(names)]
+
+    def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
+        """Return row 1 of the table beside the base."""
+        of_table = ("d_", "theta_", "alpha_")
+        if "base_z" not in names or not any(name.startswith(of_table) for name in names):
+            return []
+        reason = "row 1 of the table acts as the base does: only the base is a parameter"
+        return [NotIdentifiable(("d_1", "theta_1", "base_z", "base_rz"), reason)]

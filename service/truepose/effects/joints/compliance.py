@@ -10,6 +10,7 @@ Source: thesis of A. Nubiola, 2014, annex I.
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.results import NotIdentifiable
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import SPRING, Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.names import joint_name, joint_of, joint_subject
@@ -24,6 +25,10 @@ VISIBLE_RAD = 1e-5  # a joint that never deflects by this much has no spring tha
 _GRAVITY_M_S2 = 9.81
 _FIRST_WRIST_FRAME = 3  # 0-based; beyond it links are light
 _MOMENT_DEFLECTION_RAD = 5e-3
+_ONLY_PRODUCTS = (
+    "the masses are unknown: only the products of compliance and mass moment are seen, "
+    "never a compliance itself"
+)
 
 
 class Compliance:
@@ -47,6 +52,16 @@ class Compliance:
             ParameterSpec(joint_name("c", j), "rad/(N*mm)", float(means[j]), float(widths[j]))
             for j in np.flatnonzero(loaded).tolist()
         )
+
+    def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
+        """Return the springs that carry nothing; all where only their products with moments are seen."""
+        joints = range(setting.robot.n_joints)
+        if setting.torque_source == "unknown":
+            return [NotIdentifiable(tuple(joint_name("c", joint) for joint in joints[1:]), _ONLY_PRODUCTS)]
+        _, widths = compliance_prior(setting)
+        largest_rad = setting.largest_torque_n_mm * widths
+        idle = (joint for joint in joints if joint_name("c", joint) not in names)
+        return [_idle_spring(joint, float(largest_rad[joint])) for joint in idle]
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Turn each joint by its spring times its torque."""
@@ -151,3 +166,12 @@ def known_torque(rows: Rows, joint: int) -> FloatArray:
 def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:
     spring, _, moment = name.partition("*")
     return moment_regressor(chain, joint_of(spring), joint_of(moment), "xy".index(moment[1]), gravity_m_s2)
+
+
+def _idle_spring(joint: int, largest_rad: float) -> NotIdentifiable:
+    why = "axis 1 is parallel to gravity" if joint == 0 else "it hardly carries torque"
+    reason = (
+        f"the spring of joint {joint + 1} is never loaded, {why}: "
+        f"it would turn by {largest_rad:.1g} rad at most"
+    )
+    return NotIdentifiable((joint_name("c", joint),), reason)

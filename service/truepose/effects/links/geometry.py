@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from truepose.domain.results import NotIdentifiable
 from truepose.domain.robot import Robot
 from truepose.effects.names import joint_name, joint_of
 from truepose.effects.ports import NOTHING, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
@@ -69,6 +70,20 @@ class Geometry:
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Act on the link's own quantity, one to one."""
         return list(link_terms(names))
+
+    def left_open(self, names: tuple[str, ...], setting: Setting) -> list[NotIdentifiable]:
+        """Return the offsets along parallel axes."""
+        if "d_2" not in names and "alpha_2" not in names:
+            return []
+        return [
+            NotIdentifiable(
+                (f"d_{joint}", f"d_{joint + 1}"),
+                f"axes {joint} and {joint + 1} are parallel: only the sum of their d is seen, "
+                f"so d_{joint + 1} is no parameter",
+            )
+            for joint in range(1, setting.robot.n_joints)
+            if is_parallel_to_previous(setting.robot, joint)
+        ]
 
 
 class JointOffset:

@@ -10,15 +10,19 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.results import NotIdentifiable
-from truepose.effects.instruments.fixed_nests import NAME as REFERENCE
-from truepose.effects.joints.compliance import compliance_prior
-from truepose.effects.links.geometry import is_parallel_to_previous
-from truepose.effects.ports import Setting
-from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.base.base_frame import PARAMETERS as BASE
+from truepose.effects.ports import Setting, Trait
+from truepose.effects.registry import effects_with, left_open_by
 from truepose.identification.model.structure import Structure
 
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
+
+_BASE_OF_CUPS = NotIdentifiable(
+    BASE,
+    "lengths to cups of unknown place do not see where the arm stands: positions are in the world of "
+    "base_in_world_nominal, and the cups are found there",
+)
 
 
 def not_identifiable(
@@ -49,67 +53,16 @@ def not_identifiable(
     """
     built_in = _by_construction(structure, setting)
     # What the readings leave open of a place within its certificate is nobody's question.
-    certificates = (REFERENCE, TOOL_CERTIFICATE)
+    certificates = effects_with(Trait.NUISANCE)
     own = np.array([owner not in certificates for owner in structure.owners], dtype=bool)
     found = _by_data(structure.without(certificates), covariance[np.ix_(own, own)], jacobian[own], moved)
     return (*built_in, *found)
 
 
-def _by_construction(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
-    robot, names = structure.robot, structure.names
-    entries = []
-    if "base_z" in names and any(name.startswith(("d_", "theta_", "alpha_")) for name in names):
-        entries.append(
-            NotIdentifiable(
-                ("d_1", "theta_1", "base_z", "base_rz"),
-                "row 1 of the table acts as the base does: only the base is a parameter",
-            )
-        )
-    if structure.anchors:
-        entries.append(
-            NotIdentifiable(
-                ("base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz"),
-                "lengths to cups of unknown place do not see where the arm stands: positions are in the "
-                "world of base_in_world_nominal, and the cups are found there",
-            )
-        )
-    if "d_2" in names or "alpha_2" in names:
-        entries += [
-            NotIdentifiable(
-                (f"d_{joint}", f"d_{joint + 1}"),
-                f"axes {joint} and {joint + 1} are parallel: only the sum of their d is seen, "
-                f"so d_{joint + 1} is no parameter",
-            )
-            for joint in range(1, robot.n_joints)
-            if is_parallel_to_previous(robot, joint)
-        ]
-    if structure.has_springs:
-        entries += _springs(structure, setting)
-    return entries
-
-
-def _springs(structure: Structure, setting: Setting) -> list[NotIdentifiable]:
-    if setting.torque_source == "unknown":
-        springs = tuple(f"c_{joint + 1}" for joint in range(1, structure.robot.n_joints))
-        reason = (
-            "the masses are unknown: only the products of compliance and mass moment are seen, "
-            "never a compliance itself"
-        )
-        return [NotIdentifiable(springs, reason)]
-    _, widths = compliance_prior(setting)
-    entries = []
-    for joint in range(structure.robot.n_joints):
-        name = f"c_{joint + 1}"
-        if name in structure.names:
-            continue
-        why = "axis 1 is parallel to gravity" if joint == 0 else "it hardly carries torque"
-        deflection = float(setting.largest_torque_n_mm[joint] * widths[joint])
-        reason = (
-            f"the spring of joint {joint + 1} is never loaded, {why}: "
-            f"it would turn by {deflection:.1g} rad at most"
-        )
-        entries.append(NotIdentifiable((name,), reason))
-    return entries
+def _by_construction(structure: Structure, setting: Setting) -> tuple[NotIdentifiable, ...]:
+    """Return what effects and unknown cups leave open whatever is read."""
+    entries = left_open_by(structure.effects, structure.names, setting)
+    return (_BASE_OF_CUPS, *entries) if structure.anchors else entries
 
 
 def _by_data(

@@ -3,7 +3,7 @@
 import pytest
 
 from truepose.effects.ports import Telling, Trait
-from truepose.effects.registry import EFFECTS, automatic_in, effects_with
+from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_open_by
 from truepose.exchange.campaigns.path import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
 from truepose.identification.problem.setting import outline, setting_of
@@ -41,6 +41,30 @@ def test_what_is_identified_where_nobody_says_depends_on_what_is_known(example_c
     assert automatic_in(bare._replace(unknown_nests=(2,))) == ("base", "tool", "geometry")
     assert automatic_in(bare._replace(torque_source="masses")) == ("base", "geometry", "compliance")
     assert automatic_effects(example_campaign) == automatic_in(setting)
+
+
+def test_what_an_effect_leaves_open_by_construction_it_says_itself(example_campaign):
+    setting = setting_of(example_campaign, example_campaign.calibration.stops)
+    names = ("base_z", "alpha_2", "c_2", "c_3", "c_5")
+
+    said = left_open_by(("compliance", "base", "geometry"), names, setting)
+
+    assert [entry.parameters for entry in said] == [
+        ("d_1", "theta_1", "base_z", "base_rz"),
+        ("d_2", "d_3"),
+        ("c_1",),
+        ("c_4",),
+        ("c_6",),
+    ]
+    assert "axis 1 is parallel to gravity" in said[2].reason
+
+
+def test_an_effect_with_all_its_parameters_leaves_nothing_open(example_campaign):
+    setting = setting_of(example_campaign, example_campaign.calibration.stops)
+    springs = tuple(f"c_{joint}" for joint in range(1, 7))
+
+    assert left_open_by(("joint_offset", "compliance"), ("theta_2", *springs), setting) == ()
+    assert left_open_by(("backlash",), ("gap_2",), setting) == ()
 
 
 @pytest.fixture(scope="module")
