@@ -15,6 +15,8 @@ References
 R. D. Cook, S. Weisberg, Residuals and Influence in Regression, 1982, section 2.2 (deletion formulae).
 """
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
@@ -47,15 +49,12 @@ def held_out_residuals(fit: RobustFit) -> tuple[FloatArray, FloatArray]:
     columns = _columns_of_folds(fit, owners)
     parts = [final.jacobian[:, held] for held in columns]
     residual, variance = first.residual.copy(), np.zeros(len(first.residual))
-    for fold, normal in enumerate(_normals_of_others(parts)):
+    for fold, covariance in enumerate(_covariances(final.jacobian, columns, parts, precision)):
         held, out = columns[fold], np.flatnonzero(owners[0] == fold)
-        covariance = covariance_of(normal + np.diag(precision))
-        if covariance is None:
-            covariance = posterior_covariance(np.delete(final.jacobian, held, axis=1), precision)
         step = covariance @ (whole_slope - parts[fold] @ final.residual[held])
         motion = first.jacobian[:, out].reshape(len(step), first.residual[out].size)  # also of no parameter
         residual[out] -= (step @ motion).reshape(len(out), -1)
-        spread = np.einsum("pm,pm->m", covariance @ motion, motion)
+        spread = ((covariance @ motion) * motion).sum(axis=0)
         variance[out] = spread.reshape(len(out), -1).mean(axis=1)
     return residual, variance
 
@@ -84,6 +83,25 @@ def _columns_of_folds(fit: RobustFit, owners: list[IntArray]) -> list[IntArray]:
     stacked = np.concatenate([np.repeat(owner, result.residual.shape[1]) for owner, result in each])
     numbers = (*range(int(owners[0].max()) + 1), -1)
     return [np.flatnonzero(stacked == number) for number in numbers]
+
+
+def _covariances(
+    jacobian: FloatArray, columns: list[IntArray], parts: list[FloatArray], precision: FloatArray
+) -> Iterable[FloatArray]:
+    """Return the covariances (P, P) of the parameters without each fold; where one is ill, each by itself."""
+    normals = _normals_of_others(parts) + np.diag(precision)
+    together = covariance_of(normals)
+    return _one_by_one(jacobian, columns, normals, precision) if together is None else together
+
+
+def _one_by_one(
+    jacobian: FloatArray, columns: list[IntArray], normals: FloatArray, precision: FloatArray
+) -> Iterator[FloatArray]:
+    for held, normal in zip(columns[:-1], normals, strict=True):
+        covariance = covariance_of(normal)
+        if covariance is None:
+            covariance = posterior_covariance(np.delete(jacobian, held, axis=1), precision)
+        yield covariance
 
 
 def _normals_of_others(parts: list[FloatArray]) -> FloatArray:

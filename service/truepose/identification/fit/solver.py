@@ -140,7 +140,7 @@ def posterior_covariance(jacobian: FloatArray, precision: FloatArray) -> FloatAr
 
 
 def covariance_of(normal: FloatArray) -> FloatArray | None:
-    """Inverse of a normal matrix (P, P); None where rounding has left too little of it."""
+    """Inverse of normal matrices (..., P, P); None where rounding has left too little of one."""
     factor = _factored(normal, 0.0)
     return None if factor is None else factor.inverse()
 
@@ -172,8 +172,8 @@ class _Normal:
 class _Factor(NamedTuple):
     """R, upper triangular, and scales s with R^T R = s (J J^T + diag(precision)) s + damping."""
 
-    root: FloatArray  # (P, P)
-    scale: FloatArray  # (P,)
+    root: FloatArray  # (..., P, P)
+    scale: FloatArray  # (..., P)
 
     def solved(self, gradient: FloatArray) -> FloatArray:
         """Return the solution of the normal equations, shape (P,)."""
@@ -181,21 +181,21 @@ class _Factor(NamedTuple):
         return np.asarray(self.scale * np.linalg.solve(self.root, half))
 
     def inverse(self) -> FloatArray:
-        """Return the inverse of the undamped matrix, shape (P, P)."""
-        half = self.scale[:, None] * np.linalg.inv(self.root)
-        return np.asarray(half @ half.T)
+        """Return the inverse of the undamped matrix, shape (..., P, P)."""
+        half = self.scale[..., None] * np.linalg.inv(self.root)
+        return np.asarray(half @ np.swapaxes(half, -1, -2))
 
 
 def _factored(normal: FloatArray, damping: float) -> _Factor | None:
-    """Return the factor of a normal matrix; None where rounding has left too little of it."""
-    scale = 1.0 / np.sqrt(np.diag(normal))
-    unit = normal * np.outer(scale, scale)
-    unit.flat[:: len(unit) + 1] += damping
+    """Return the factor of normal matrices; None where rounding has left too little of one."""
+    scale = 1.0 / np.sqrt(np.diagonal(normal, axis1=-2, axis2=-1))
+    unit = normal * (scale[..., :, None] * scale[..., None, :]) + damping * np.eye(normal.shape[-1])
     try:
-        root = np.asarray(np.linalg.cholesky(unit).T)
+        root = np.swapaxes(np.linalg.cholesky(unit), -1, -2)
     except np.linalg.LinAlgError:
         return None
-    return _Factor(root, scale) if np.diag(root).min(initial=1.0) > _SMALLEST_PIVOT else None
+    pivots = np.diagonal(root, axis1=-2, axis2=-1)
+    return _Factor(root, scale) if pivots.min(initial=1.0) > _SMALLEST_PIVOT else None
 
 
 def _factored_by_qr(jacobian: FloatArray, precision: FloatArray, damping: float) -> _Factor:
