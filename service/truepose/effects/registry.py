@@ -1,6 +1,6 @@
 """The effects by name: one line each. Those that a diagnosis looks for stand among the causes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 from truepose.domain.errors import ConfigurationError, UnknownEffectError
@@ -121,11 +121,12 @@ def effects_with(trait: Trait) -> tuple[str, ...]:
 
 def automatic_in(setting: Setting) -> tuple[str, ...]:
     """Return the names of the effects that are identified where nobody says which ones are."""
-    return tuple(
-        name
-        for name, effect in EFFECTS.items()
-        if isinstance(effect, Automatic) and effect.automatic(setting)
-    )
+    return tuple(name for name, effect in _perhaps_automatic().items() if effect.automatic(setting))
+
+
+@cache
+def _perhaps_automatic() -> Mapping[str, Automatic]:
+    return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Automatic)}
 
 
 def left_open_by(

@@ -65,7 +65,7 @@ class Structure:
 
     def names_of(self, effect: str) -> tuple[str, ...]:
         """Return the names of the parameters of one effect."""
-        return tuple(self.names[k] for k in self.indices_of(effect))
+        return self._member_names.get(effect, ())
 
     @cached_property
     def _members(self) -> Mapping[str, tuple[int, ...]]:
@@ -73,6 +73,10 @@ class Structure:
             effect: tuple(k for k, owner in enumerate(self.owners) if owner == effect)
             for effect in dict.fromkeys(self.owners)
         }
+
+    @cached_property
+    def _member_names(self) -> Mapping[str, tuple[str, ...]]:
+        return {effect: tuple(self.names[k] for k in members) for effect, members in self._members.items()}
 
     def index_of(self, name: str) -> int:
         """Return the index of a parameter."""
