@@ -5,8 +5,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
+from truepose.cli.files import (
+    CampaignPath,
+    Json,
+    Language,
+    effect_names,
+    read_measured,
+    require_folders,
+    writing,
+)
 from truepose.cli.output import print_json, print_lines, print_tables, remark, shown_progress
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
@@ -24,6 +33,7 @@ def diagnose_command(
     ] = "auto",
     model_out: Annotated[Path | None, typer.Option(help="Write the extended model here (JSON).")] = None,
     report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
     """Say what the model of a campaign's robot gets wrong, name the causes, measure the gain.
@@ -33,17 +43,17 @@ def diagnose_command(
     Example: truepose diagnose my-campaign --model-out extended.json --report diagnosis.html
     """
     require_folders(model_out, report)
-    names = effect_names(effects)
+    names, words = effect_names(effects), catalogue(language)
     _check_known(names)
     measured = read_measured(campaign)
     remark(measured.ignored)
     answer = _diagnosed(measured, names)
     # Files first: who reads "explained" may rely on the model being there.
     if model_out is not None:
-        _write_model(model_out, answer)
+        _write_model(model_out, answer, words)
     if report is not None:
-        _write_report(report, campaign, measured, answer)
-    _print(answer, as_json=json)
+        _write_report(report, _named(campaign, measured, words), measured, answer, words)
+    _print(answer, words, as_json=json)
     return 0 if answer.model is not None else 1
 
 
@@ -61,28 +71,33 @@ def _diagnosed(campaign: "Campaign", effects: tuple[str, ...] | None) -> "Diagno
         return diagnose(campaign, effects, told)
 
 
-def _write_model(path: Path, answer: "Diagnosis") -> None:
+def _write_model(path: Path, answer: "Diagnosis", words: Catalogue) -> None:
     from truepose.exchange.models.file import write_model
 
     if answer.model is None:
-        from truepose.words.catalogue import english
-
-        remark([f"No model was written to {path}: {english(answer.message)}"])
+        remark([words.say("terminal.no_model", path=str(path), sentence=answer.message)])
         return
     with writing(path):
         write_model(answer.model, path)
 
 
-def _write_report(path: Path, campaign: Path, measured: "Campaign", answer: "Diagnosis") -> None:
+def _named(campaign: Path, measured: "Campaign", words: Catalogue) -> str:
+    """Return what the readings are called: their folder, and their day."""
+    day = measured.measured_on
+    told = words.say("measured.unknown") if day is None else words.say("measured.on", day=str(day))
+    return f"{campaign.resolve().name}, {told}"
+
+
+def _write_report(
+    path: Path, named: str, measured: "Campaign", answer: "Diagnosis", words: Catalogue
+) -> None:
     from truepose.reports import DiagnosisInput, ReportConditions, write_diagnosis_report
 
-    day = "day not stated" if measured.measured_on is None else f"measured {measured.measured_on}"
-    named = f"{campaign.resolve().name}, {day}"
     conditions = ReportConditions(simulated=bool(measured.simulated))
-    write_diagnosis_report(path, DiagnosisInput(answer, named, conditions))
+    write_diagnosis_report(path, DiagnosisInput(answer, named, conditions, words.language))
 
 
-def _print(answer: "Diagnosis", *, as_json: bool) -> None:
+def _print(answer: "Diagnosis", words: Catalogue, *, as_json: bool) -> None:
     if as_json:
         from truepose.exchange.results.diagnosis import diagnosis_document
 
@@ -90,7 +105,7 @@ def _print(answer: "Diagnosis", *, as_json: bool) -> None:
         return
     from truepose.cli.diagnosis_text import diagnosis_lines, errors_table
 
-    print_lines(diagnosis_lines(answer))
-    table = errors_table(answer)
+    print_lines(diagnosis_lines(answer, words))
+    table = errors_table(answer, words)
     if table is not None:
         print_tables(table)

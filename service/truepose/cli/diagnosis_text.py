@@ -6,9 +6,10 @@ from rich.table import Table
 
 from truepose.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from truepose.domain.results import Statistics
+from truepose.domain.sentences import Text
 from truepose.reports.causes import (
-    SMALL_FINDINGS,
     causes_listed,
+    confidence_word,
     place_words,
     printed_unit,
     worth_words,
@@ -17,51 +18,59 @@ from truepose.reports.causes_found.described import DescribedRow, described_rows
 from truepose.reports.rounding import millimetres, p_value, with_uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
-_HELD_OUT = {
-    "validation": "readings kept for validation",
-    "cross_validation": "nested cross-validation by configuration",
-}
+_HELD_OUT = {"validation": "terminal.validation", "cross_validation": "terminal.cross_validation"}
 
 
 def diagnosis_lines(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
     """Yield the message first, then findings, what was withdrawn, what is left, and what to measure next."""
-    yield words.spoken(diagnosis.message)
+    message, left = words.spoken(diagnosis.message), words.spoken(diagnosis.remaining.sentence)
+    yield message
     for number, finding in enumerate(diagnosis.findings, start=1):
         yield f"{number}. {words.spoken(finding.sentence)}"
-        yield from (f"   {line}" for line in _evidence(finding))
+        yield from (f"   {line}" for line in _evidence(finding, words))
     if diagnosis.small:
-        yield f"{SMALL_FINDINGS}:"
+        yield words.say("terminal.small")
         yield from (f"   {words.spoken(finding.sentence)}" for finding in diagnosis.small)
-    yield from (f"Withdrawn: {words.spoken(sentence)}" for sentence in diagnosis.withdrawn)
-    left = words.spoken(diagnosis.remaining.sentence)
-    if left not in words.spoken(diagnosis.message):  # the first line may have said it already
+    yield from (_with(words, "terminal.withdrawn", sentence) for sentence in diagnosis.withdrawn)
+    if left not in message:  # the first line may have said it already
         yield left
-    if diagnosis.remaining.depends_on:
-        yield f"Depends on: {_depends_on(diagnosis.remaining)}."
-    if diagnosis.remaining.described:
-        yield described_sentence(diagnosis.remaining)
-        yield from map(_described, described_rows(diagnosis.remaining.described))
-    if diagnosis.findings and diagnosis.errors is not None:
-        worst = diagnosis.errors.worst
-        yield (
-            f"Farthest off of the held-out readings: configuration {worst.config}, "
-            f"{millimetres(worst.before_mm)} mm before, {millimetres(worst.after_mm)} mm after."
-        )
+    yield from _rest(diagnosis, words)
     if diagnosis.noise is not None:
-        yield f"Noise: {words.spoken(diagnosis.noise.sentence)}"
+        yield _with(words, "terminal.noise", diagnosis.noise.sentence)
     for entry in diagnosis.next_measurements:
         yield from _next(entry, words)
 
 
-def _evidence(finding: Finding) -> Iterator[str]:
+def _with(words: Catalogue, key: str, sentence: Text) -> str:
+    return words.say(key, sentence=sentence)
+
+
+def _rest(diagnosis: Diagnosis, words: Catalogue) -> Iterator[str]:
+    """Yield what is left: its variables, what is described of it, and where it is largest."""
+    remaining = diagnosis.remaining
+    if remaining.depends_on:
+        variables = words.listed([*_variables(remaining, words)], "semicolons")
+        yield words.say("terminal.depends", variables=variables)
+    if remaining.described:
+        yield described_sentence(remaining, words)
+        yield from (_described(row, words) for row in described_rows(remaining.described, words))
+    if diagnosis.findings and diagnosis.errors is not None:
+        worst = diagnosis.errors.worst
+        before, after = millimetres(worst.before_mm), millimetres(worst.after_mm)
+        yield words.say("terminal.farthest", config=worst.config, before=before, after=after)
+
+
+def _evidence(finding: Finding, words: Catalogue) -> Iterator[str]:
     amplitude = with_uncertainty(finding.amplitude, finding.amplitude_standard_uncertainty)
     size = f"{amplitude} {printed_unit(finding.unit)}".rstrip()
-    yield f"Amplitude {size}; {finding.confidence.value}, p {_p(finding.p_value)}."
+    confidence = confidence_word(finding.confidence, words)
+    yield words.say("terminal.amplitude", size=size, confidence=confidence, p=_p(finding.p_value))
     if finding.worth is not None:
-        yield f"{place_words(finding)}; it moves the tool by {worth_words(finding.worth)}."
-    yield _gain(finding.gain)
+        place, worth = place_words(finding, words), worth_words(finding.worth, words)
+        yield words.say("terminal.place", place=place, worth=worth)
+    yield _gain(finding.gain, words)
     if finding.confusable_with:
-        yield f"These data cannot tell it from: {causes_listed(finding.confusable_with)}."
+        yield words.say("terminal.rivals", rivals=causes_listed(finding.confusable_with, words))
 
 
 def _p(value: float) -> str:
@@ -69,43 +78,42 @@ def _p(value: float) -> str:
     return shown if shown.startswith("<") else f"= {shown}"
 
 
-def _gain(gain: Gain | None) -> str:
+def _gain(gain: Gain | None, words: Catalogue) -> str:
     if gain is None:
-        return "Gain: no held-out reading can show it."
-    low, high = gain.interval_95_mm
-    return (
-        f"Gain on held-out readings: RMS {millimetres(gain.rms_before_mm)} mm without it, "
-        f"{millimetres(gain.rms_after_mm)} mm with it "
-        f"(95 % interval of the difference {millimetres(low)} to {millimetres(high)} mm)."
-    )
+        return words.say("terminal.no_gain")
+    low, high = map(millimetres, gain.interval_95_mm)
+    before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
+    return words.say("terminal.gain", before=before, after=after, low=low, high=high)
 
 
-def _depends_on(remaining: Remaining) -> str:
-    return "; ".join(f"{entry.variable} (p {_p(entry.p_value)})" for entry in remaining.depends_on)
+def _variables(remaining: Remaining, words: Catalogue) -> Iterator[str]:
+    for entry in remaining.depends_on:
+        yield words.say("terminal.variable", variable=entry.variable, p=_p(entry.p_value))
 
 
-def _described(row: DescribedRow) -> str:
-    return f"   {row.place}: missed by {row.own} mm RMS without it; it moves the tool by {row.worth}."
+def _described(row: DescribedRow, words: Catalogue) -> str:
+    return "   " + words.say("terminal.described", place=row.place, own=row.own, worth=row.worth)
 
 
 def _next(entry: NextMeasurement, words: Catalogue) -> Iterator[str]:
-    yield f"Measure next: {words.spoken(entry.sentence)}"
+    yield _with(words, "terminal.next", entry.sentence)
     for joints in entry.configurations_deg:
-        yield f"   joints {' '.join(f'{angle:.2f}' for angle in joints)} deg"
+        yield "   " + words.say("terminal.joints", angles=" ".join(f"{angle:.2f}" for angle in joints))
 
 
-def errors_table(diagnosis: Diagnosis) -> Table | None:
+def errors_table(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> Table | None:
     """Return the held-out errors before and after; None where nothing could be fitted."""
     if diagnosis.before is None or diagnosis.after is None:
         return None
-    table = Table(
-        title=f"{diagnosis.quantity.capitalize()} errors, mm", caption=_HELD_OUT[diagnosis.held_out]
-    )
-    table.add_column("model")
-    for name in ("n", "mean", "rms", "sd", "max", "noise"):
+    positions = diagnosis.quantity == "position"
+    title = words.say("terminal.position_errors" if positions else "terminal.length_errors")
+    table = Table(title=title, caption=words.say(_HELD_OUT[diagnosis.held_out]))
+    table.add_column(words.say("terminal.model"))
+    mean, sd, noise = map(words.say, ("terminal.mean", "terminal.sd", "terminal.noise_column"))
+    for name in ("n", mean, "rms", sd, "max", noise):
         table.add_column(name, justify="right")
     for model, statistics in (("before", diagnosis.before), ("after", diagnosis.after)):
-        table.add_row(model, str(statistics.n), *_figures(statistics))
+        table.add_row(words.say(model), str(statistics.n), *_figures(statistics))
     return table
 
 

@@ -9,11 +9,27 @@ import typer
 
 from truepose.cli.output import remark
 from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import LANGUAGES
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
 
+
+def _spoken(language: str) -> str:
+    if language not in LANGUAGES:
+        raise typer.BadParameter(f"{language!r} is not spoken: choose from {', '.join(LANGUAGES)}")
+    return language
+
+
 CampaignPath = Annotated[Path, typer.Argument(help="Campaign folder, or a zip of one.")]
+Language = Annotated[
+    str,
+    typer.Option(
+        metavar="|".join(LANGUAGES),
+        callback=_spoken,
+        help="Of sentences, tables and reports; JSON is in English.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 
 

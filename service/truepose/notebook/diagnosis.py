@@ -119,7 +119,7 @@ class Diagnosis:
                 f"There is no finding {number}: the diagnosis has {counted(len(findings), 'finding')}."
             )
         curve = findings[number - 1].curve
-        return None if curve is None else plain_residual_curve(curve, line="fitted effect")
+        return None if curve is None else plain_residual_curve(curve)
 
     def __repr__(self) -> str:
         before, after = self.answer.before, self.answer.after

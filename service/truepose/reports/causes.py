@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from truepose.domain.diagnosis import Cause, Confidence, Finding, Gain, Verdict, Worth
-from truepose.effects.unnamed.cause import NAME as UNNAMED
 from truepose.reports.rounding import millimetres
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,58 +17,48 @@ class VerdictWords:
 
 
 _VERDICTS = {
-    Verdict.CONSISTENT: ("Consistent", "The present model explains the data within their uncertainties."),
-    Verdict.EXPLAINED: (
-        "Explained",
-        "The model lacked something; it has a name, and what is left looks like noise.",
-    ),
-    Verdict.PARTLY_EXPLAINED: (
-        "Partly explained",
-        "Something has a name, and structure is left that has none yet.",
-    ),
-    Verdict.UNEXPLAINED: ("Unexplained", "The model lacks something, and no known cause explains it."),
+    Verdict.CONSISTENT: ("verdict.consistent", "verdict.consistent.meaning"),
+    Verdict.EXPLAINED: ("verdict.explained", "verdict.explained.meaning"),
+    Verdict.PARTLY_EXPLAINED: ("verdict.partly_explained", "verdict.partly_explained.meaning"),
+    Verdict.UNEXPLAINED: ("verdict.unexplained", "verdict.unexplained.meaning"),
 }
-_NOT_ANSWERED = VerdictWords(
-    "Not answered", "Nothing could be fitted, so these data say nothing of the model.", "not_answered"
-)
-SMALL_FINDINGS = "Small findings, in the model too; each takes less than 2 % off the errors on unseen points"
+_NOT_ANSWERED = ("verdict.not_answered", "verdict.not_answered.meaning")
+_CONFIDENCES = {Confidence.CERTAIN: "confidence.certain", Confidence.LIKELY: "confidence.likely"}
 _PRINTED_UNITS = {"1": "", "degC": "°C"}
-_NO_RIVAL = (
-    "no rival explains these data nearly as well, and the false-alarm level holds over everything tried"
-)
 
 
-def verdict_words(verdict: Verdict, *, answered: bool) -> VerdictWords:
+def verdict_words(verdict: Verdict, *, answered: bool, words: Catalogue = IN_ENGLISH) -> VerdictWords:
     """Return a verdict in words; where nothing could be fitted there is none, whatever the document says."""
-    return VerdictWords(*_VERDICTS[verdict], verdict.value) if answered else _NOT_ANSWERED
+    word, meaning = _VERDICTS[verdict] if answered else _NOT_ANSWERED
+    return VerdictWords(words.say(word), words.say(meaning), verdict.value if answered else "not_answered")
 
 
-def effect_words(effect: str) -> str:
-    """Return the name of an effect as words."""
-    return "a cause without a name" if effect == UNNAMED else effect.replace("_", " ")
+def confidence_word(confidence: Confidence, words: Catalogue) -> str:
+    """Return how far a name can be defended, in a word."""
+    return words.say(_CONFIDENCES[confidence])
 
 
-def cause_words(cause: Cause) -> str:
+def cause_words(cause: Cause, words: Catalogue = IN_ENGLISH) -> str:
     """Return a cause as words, e.g. "joint gain, joint 2"."""
-    return ", ".join(filter(None, (effect_words(cause.effect), cause.subject)))
+    return ", ".join(filter(None, (words.effect(cause.effect), words.name(cause.subject))))
 
 
-def causes_listed(causes: tuple[Cause, ...]) -> str:
+def causes_listed(causes: tuple[Cause, ...], words: Catalogue = IN_ENGLISH) -> str:
     """Return causes as one phrase."""
-    return "; ".join(map(cause_words, causes))
+    return words.listed([cause_words(cause, words) for cause in causes], "semicolons")
 
 
-def place_words(finding: Finding) -> str:
+def place_words(finding: Finding, words: Catalogue = IN_ENGLISH) -> str:
     """Return where a cause acts, over what and in which shape; "" where a finding does not say so."""
     if not finding.where:
         return ""
-    over = "" if finding.over == "constant" else f", over {finding.over}"
-    return f"{finding.where.capitalize()}{over} ({finding.shape})"
+    key = "place.constant" if finding.over == "constant" else "place.over"
+    return words.say(key, where=finding.where, over=finding.over, shape=str(finding.shape))
 
 
-def worth_words(worth: Worth) -> str:
+def worth_words(worth: Worth, words: Catalogue = IN_ENGLISH) -> str:
     """Return how far a cause moves the tool."""
-    return f"{millimetres(worth.mean_mm)} mm on average, {millimetres(worth.max_mm)} mm at most"
+    return words.say("worth", mean=millimetres(worth.mean_mm), most=millimetres(worth.max_mm))
 
 
 def printed_unit(unit: str) -> str:
@@ -76,21 +66,22 @@ def printed_unit(unit: str) -> str:
     return _PRINTED_UNITS.get(unit, unit.replace("*", "·").replace("mm2", "mm²"))
 
 
-def confidence_meaning(finding: Finding) -> str:
+def confidence_meaning(finding: Finding, words: Catalogue = IN_ENGLISH) -> str:
     """Return what the word of confidence stands on, in the facts of this finding."""
-    rivals = finding.confusable_with
-    told = f"these data cannot tell it from {causes_listed(rivals)}" if rivals else ""
+    rivals = causes_listed(finding.confusable_with, words)
+    told = words.say("confidence.rivals", rivals=rivals) if rivals else ""
+    gain = words.say(_gain_key(finding.gain))
     if finding.confidence is Confidence.CERTAIN:
-        return "; ".join(filter(None, (told or _NO_RIVAL, _gain_words(finding.gain))))
-    doubts = [told, "" if _shows(finding.gain) else _gain_words(finding.gain)]
-    return "; ".join(filter(None, doubts)) or "the evidence does not suffice to exclude every other cause"
+        return words.listed([told or words.say("confidence.no_rival"), gain], "semicolons")
+    doubts = [told, "" if _shows(finding.gain) else gain]
+    return words.listed([*filter(None, doubts)], "semicolons") or words.say("confidence.not_enough")
 
 
 def _shows(gain: Gain | None) -> bool:
     return gain is not None and gain.interval_95_mm[0] > 0.0
 
 
-def _gain_words(gain: Gain | None) -> str:
+def _gain_key(gain: Gain | None) -> str:
     if gain is None:
-        return "nothing held out can show a gain"
-    return f"the 95 % interval of the gain {'lies above' if _shows(gain) else 'reaches'} 0"
+        return "confidence.no_gain"
+    return "confidence.gain_above" if _shows(gain) else "confidence.gain_reaches"

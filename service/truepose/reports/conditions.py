@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from truepose.domain.cell import Artefact
+from truepose.domain.sentences import Sentence, said
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
-NOT_STATED = "not stated"
+NOT_STATED = "not_stated"  # a key of the catalogue
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,42 +60,43 @@ class ReportConditions:
     notes: tuple[str, ...] = ()
 
 
-def condition_rows(conditions: ReportConditions) -> Iterator[tuple[str, str]]:
+def condition_rows(conditions: ReportConditions, words: Catalogue = IN_ENGLISH) -> Iterator[tuple[str, str]]:
     """Yield (name, text) of every condition that is one line; "not stated" where it is absent."""
-    yield "Load", conditions.load or NOT_STATED
-    yield "Warm-up", conditions.warm_up or NOT_STATED
-    yield "Approach", conditions.approach or NOT_STATED
-    yield "Speed of the tool", _quantity(conditions.tool_speed_mm_s, "mm/s")
-    yield "Speed of reorientation", _quantity(conditions.orientation_speed_rad_s, "rad/s")
-    yield "Settling before a reading", _quantity(conditions.settle_s, "s")
-    yield "Duration of a reading", _quantity(conditions.measure_s, "s")
-    yield "Temperature of the air", _range(conditions.temperature_c)
-    yield "Two-face error (half the difference)", _quantity(conditions.two_face_mm, "mm")
-    yield "Registration in the world, RMS of the fixed nests", _quantity(conditions.registration_rms_mm, "mm")
-    yield "Scale of the instrument", scale_sentence(conditions)
-    yield "Measured by", conditions.person or NOT_STATED
+    say, unstated = words.say, words.say(NOT_STATED)
+    yield say("conditions.load"), conditions.load or unstated
+    yield say("conditions.warm_up"), conditions.warm_up or unstated
+    yield say("conditions.approach"), conditions.approach or unstated
+    yield say("conditions.tool_speed"), _quantity(conditions.tool_speed_mm_s, "mm/s", words)
+    yield say("conditions.orientation_speed"), _quantity(conditions.orientation_speed_rad_s, "rad/s", words)
+    yield say("conditions.settling"), _quantity(conditions.settle_s, "s", words)
+    yield say("conditions.duration"), _quantity(conditions.measure_s, "s", words)
+    yield say("conditions.temperature"), _range(conditions.temperature_c, words)
+    yield say("conditions.two_face"), _quantity(conditions.two_face_mm, "mm", words)
+    yield say("conditions.registration"), _quantity(conditions.registration_rms_mm, "mm", words)
+    yield say("conditions.scale"), words.spoken(scale_sentence(conditions))
+    yield say("conditions.person"), conditions.person or unstated
 
 
-def scale_sentence(conditions: ReportConditions) -> str:
+def scale_sentence(conditions: ReportConditions) -> Sentence:
     """Return what is known of the instrument's scale."""
     if conditions.scale is None:
-        return "scale not verified: no certified length was measured"
-    deviation = f"certified over measured length is 1 {_signed(conditions.scale - 1.0)}"
-    if conditions.scale_standard_uncertainty is None:
-        return f"verified on a certified length: {deviation}, uncertainty {NOT_STATED}"
-    return f"verified on a certified length: {deviation}, u = {conditions.scale_standard_uncertainty:.2g}"
+        return said("scale.not_verified")
+    deviation, u = _signed(conditions.scale - 1.0), conditions.scale_standard_uncertainty
+    if u is None:
+        return said("scale.verified_without_uncertainty", deviation=deviation)
+    return said("scale.verified", deviation=deviation, u=u)
 
 
 def _signed(value: float) -> str:
     return f"{'-' if value < 0.0 else '+'} {abs(value):.2g}"
 
 
-def _quantity(value: float | None, unit: str) -> str:
-    return NOT_STATED if value is None else f"{value:.3g} {unit}"
+def _quantity(value: float | None, unit: str, words: Catalogue) -> str:
+    return words.say(NOT_STATED) if value is None else f"{value:.3g} {unit}"
 
 
-def _range(lowest_highest_c: tuple[float, float] | None) -> str:
+def _range(lowest_highest_c: tuple[float, float] | None, words: Catalogue) -> str:
     if lowest_highest_c is None:
-        return NOT_STATED
-    lowest, highest = lowest_highest_c
-    return f"{lowest:.1f} to {highest:.1f} °C"
+        return words.say(NOT_STATED)
+    lowest_c, highest_c = lowest_highest_c
+    return words.say("conditions.temperatures", lowest_c=lowest_c, highest_c=highest_c)

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.diagnosis import Dependence, Diagnosis, NextMeasurement
+from truepose.domain.diagnosis import Confidence, Dependence, Diagnosis, NextMeasurement
 from truepose.domain.results import Model
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.reports.causes import causes_listed, printed_unit, verdict_words
@@ -25,8 +25,14 @@ from truepose.reports.figures.residual_curve import CurveFigure, residual_curve
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, rounded, uncertainty
-from truepose.words.catalogue import IN_ENGLISH
+from truepose.words.catalogue import ENGLISH, IN_ENGLISH, Catalogue, catalogue
 
+_HELD_OUT = {
+    ("validation", "position"): "report.held_out.positions",
+    ("validation", "length"): "report.held_out.lengths",
+    ("cross_validation", "position"): "report.cross_validated.positions",
+    ("cross_validation", "length"): "report.cross_validated.lengths",
+}
 _CAMPAIGN = "campaign"  # where a model tells what its readings are called
 
 
@@ -37,6 +43,7 @@ class DiagnosisInput:
     diagnosis: Diagnosis
     campaign: str = ""  # what the readings are called; "" is printed as not stated
     conditions: ReportConditions = field(default_factory=ReportConditions)
+    language: str = ENGLISH  # one of `LANGUAGES`
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +51,7 @@ class DependenceBlock:
     """Something that what is left depends on, with its picture."""
 
     dependence: Dependence
+    name: str
     curve: CurveFigure | None
 
 
@@ -90,74 +98,90 @@ def diagnosis_content(report: DiagnosisInput) -> Markup:
 
 
 def _context(report: DiagnosisInput) -> dict[str, object]:
-    diagnosis = report.diagnosis
-    blocks, counted = finding_blocks(diagnosis), len(diagnosis.findings)
+    diagnosis, words = report.diagnosis, catalogue(report.language)
+    blocks, counted = finding_blocks(diagnosis, words), len(diagnosis.findings)
     return {
         "diagnosis": diagnosis,
-        "words": IN_ENGLISH,
+        "words": words,
+        "say": words.say,
         "campaign": report.campaign or _named_campaign(diagnosis.model),
         "conditions": report.conditions,
-        "stated_conditions": tuple(_stated(report.conditions)),
+        "stated_conditions": tuple(_stated(report.conditions, words)),
         "simulated": report.conditions.simulated,
-        "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None),
-        "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model)),
+        "verdict": verdict_words(diagnosis.verdict, answered=diagnosis.model is not None, words=words),
+        "origin": () if diagnosis.model is None else tuple(_origin(diagnosis.model, words)),
         "findings": blocks[:counted],
+        "counted": _counted(diagnosis, words),
+        "held_out": _held_out(diagnosis, words),
         "small": blocks[counted:],
-        **_map(diagnosis),
-        "gains": gains(diagnosis.all_findings),
-        "dependences": tuple(map(_dependence, range(1, 100), diagnosis.remaining.depends_on)),
-        "described": described_rows(diagnosis.remaining.described),
-        "added_words": _added_words(diagnosis),
-        "described_sentence": described_sentence(diagnosis.remaining),
-        "found": ruled_out_rows(entry for entry in diagnosis.ruled_out if entry.visible),
-        "unseen": ruled_out_rows(entry for entry in diagnosis.ruled_out if not entry.visible),
-        "proposals": tuple(map(_proposal, diagnosis.next_measurements)),
-        "added": added_parameters(diagnosis),
-        **_errors(diagnosis),
+        **_map(diagnosis, words),
+        "gains": gains(diagnosis.all_findings, words),
+        "dependences": _dependences(diagnosis, words),
+        "described": described_rows(diagnosis.remaining.described, words),
+        "added_words": _added_words(diagnosis, words),
+        "described_sentence": described_sentence(diagnosis.remaining, words),
+        "found": ruled_out_rows((entry for entry in diagnosis.ruled_out if entry.visible), words),
+        "unseen": ruled_out_rows((entry for entry in diagnosis.ruled_out if not entry.visible), words),
+        "proposals": tuple(_proposal(one, words) for one in diagnosis.next_measurements),
+        "added": added_parameters(diagnosis, words),
+        **_errors(diagnosis, words),
     }
 
 
-def _added_words(diagnosis: Diagnosis) -> str:
+def _counted(diagnosis: Diagnosis, words: Catalogue) -> str:
+    certain = sum(finding.confidence is Confidence.CERTAIN for finding in diagnosis.findings)
+    likely = len(diagnosis.findings) - certain
+    if not diagnosis.small:
+        return words.say("report.counted", certain=certain, likely=likely)
+    return words.say("report.counted.small", certain=certain, likely=likely, small=len(diagnosis.small))
+
+
+def _held_out(diagnosis: Diagnosis, words: Catalogue) -> str:
+    if diagnosis.after is None:
+        return ""
+    return words.say(_HELD_OUT[diagnosis.held_out, diagnosis.quantity], number=diagnosis.after.n)
+
+
+def _added_words(diagnosis: Diagnosis, words: Catalogue) -> str:
     """Return what the extended model has beyond the start, "" where there is nothing."""
-    findings = "the findings" if diagnosis.findings else ""
-    described = "what is described" if diagnosis.remaining.described else ""
-    added = " and ".join(filter(None, (findings, described)))
-    return f"with {added}" if added else ""
+    if diagnosis.findings:
+        return words.say("added.both" if diagnosis.remaining.described else "added.findings")
+    return words.say("added.described") if diagnosis.remaining.described else ""
 
 
-def _map(diagnosis: Diagnosis) -> dict[str, object]:
+def _map(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:
     found = cause_map(diagnosis)
     if found is None:
         return {"map": None}
-    rows = tuple(map(_map_row, found.cells))
-    return {"map": map_picture(found), "map_rows": rows, "map_rivals": bool(found.links)}
+    rows = tuple(_map_row(cell, words) for cell in found.cells)
+    return {"map": map_picture(found, words), "map_rows": rows, "map_rivals": bool(found.links)}
 
 
-def _map_row(cell: MapCell) -> tuple[str, str, str, str]:
+def _map_row(cell: MapCell, words: Catalogue) -> tuple[str, str, str, str]:
     """Return a cell as where, over what, share, and what is told there."""
-    findings = [f"finding {number}" for number in cell.findings]
-    rivals = [f"a rival of finding {number}" for number in cell.rival_of]
-    told = [*findings, *rivals] or ["described without a name"]
-    return cell.where, cell.over, share_text(cell.share) or MISSING, ", ".join(told)
+    findings = [words.say("map.row.finding", number=number) for number in cell.findings]
+    rivals = [words.say("map.row.rival", number=number) for number in cell.rival_of]
+    told = ", ".join([*findings, *rivals] or [words.say("map.described")])
+    return words.name(cell.where), words.name(cell.over), share_text(cell.share) or MISSING, told
 
 
-def _origin(model: Model) -> Iterator[tuple[str, str | int | float]]:
+def _origin(model: Model, words: Catalogue) -> Iterator[tuple[str, str | int | float]]:
     """Yield what the model says of its readings beside their name, in words."""
     told = model.identified_from.items()
-    return ((name.replace("_", " "), said) for name, said in told if name != _CAMPAIGN)
+    return ((words.name(name.replace("_", " ")), said) for name, said in told if name != _CAMPAIGN)
 
 
 def _named_campaign(model: Model | None) -> str:
     return "" if model is None else str(model.identified_from.get(_CAMPAIGN, ""))
 
 
-def _stated(conditions: ReportConditions) -> Iterator[tuple[str, str]]:
+def _stated(conditions: ReportConditions, words: Catalogue) -> Iterator[tuple[str, str]]:
     """Yield what somebody stated: a diagnosis rests on the readings, and what nobody said has no row here."""
-    silent = dict(condition_rows(ReportConditions()))
-    return ((name, text) for name, text in condition_rows(conditions) if text != silent[name])
+    silent = dict(condition_rows(ReportConditions(), words))
+    return ((name, text) for name, text in condition_rows(conditions, words) if text != silent[name])
 
 
-def _errors(diagnosis: Diagnosis) -> dict[str, object]:
+def _errors(diagnosis: Diagnosis, words: Catalogue) -> dict[str, object]:
     errors, after = diagnosis.errors, diagnosis.after
     if errors is None or after is None:
         return {"histogram": None, "beyond": 0, "maps": None}
@@ -165,43 +189,49 @@ def _errors(diagnosis: Diagnosis) -> dict[str, object]:
     known = np.isfinite(before_mm) & np.isfinite(after_mm)
     if not known.any():
         return {"histogram": None, "beyond": 0, "maps": None}
-    picture, beyond = comparison(before_mm[known], after_mm[known], after.noise_mm)
-    return {"histogram": picture, "beyond": beyond, "maps": error_maps(errors)}
+    picture, beyond = comparison(before_mm[known], after_mm[known], after.noise_mm, words)
+    return {"histogram": picture, "beyond": beyond, "maps": error_maps(errors, words)}
 
 
 def _norms(errors_mm: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(errors_mm, axis=1))
 
 
-def _dependence(number: int, dependence: Dependence) -> DependenceBlock:
+def _dependences(diagnosis: Diagnosis, words: Catalogue) -> tuple[DependenceBlock, ...]:
+    numbered = enumerate(diagnosis.remaining.depends_on, 1)
+    return tuple(_dependence(number, one, words) for number, one in numbered)
+
+
+def _dependence(number: int, dependence: Dependence, words: Catalogue) -> DependenceBlock:
+    name = words.name(dependence.variable)
     if dependence.curve is None:
-        return DependenceBlock(dependence, None)
-    curve = residual_curve(dependence.curve, f"left-{number}", line="smooth curve")
-    return DependenceBlock(dependence, curve)
+        return DependenceBlock(dependence, name, None)
+    curve = residual_curve(dependence.curve, f"left-{number}", of_cause=False, words=words)
+    return DependenceBlock(dependence, name, curve)
 
 
-def _proposal(measurement: NextMeasurement) -> Proposal:
+def _proposal(measurement: NextMeasurement, words: Catalogue) -> Proposal:
     configurations = tuple(
         tuple(f"{angle:.2f}" for angle in joints) for joints in measurement.configurations_deg
     )
     return Proposal(
-        IN_ENGLISH.spoken(measurement.sentence), causes_listed(measurement.separates), configurations
+        words.spoken(measurement.sentence), causes_listed(measurement.separates, words), configurations
     )
 
 
-def added_parameters(diagnosis: Diagnosis) -> tuple[AddedParameter, ...]:
+def added_parameters(diagnosis: Diagnosis, words: Catalogue = IN_ENGLISH) -> tuple[AddedParameter, ...]:
     """Return the parameters that the findings name, as the extended model holds them."""
     if diagnosis.model is None:
         return ()
     wanted = dict.fromkeys(name for finding in diagnosis.all_findings for name in finding.parameters)
-    return tuple(_added(diagnosis.model, name) for name in wanted if name in _names(diagnosis.model))
+    return tuple(_added(diagnosis.model, name, words) for name in wanted if name in _names(diagnosis.model))
 
 
 def _names(model: Model) -> set[str]:
     return {parameter.name for parameter in model.parameters}
 
 
-def _added(model: Model, name: str) -> AddedParameter:
+def _added(model: Model, name: str, words: Catalogue) -> AddedParameter:
     parameter = next(entry for entry in model.parameters if entry.name == name)
     factor = file_factor(parameter.unit)
     u = parameter.standard_uncertainty * factor
@@ -210,5 +240,5 @@ def _added(model: Model, name: str) -> AddedParameter:
         value=rounded(parameter.value * factor, u),
         standard_uncertainty=uncertainty(u),
         unit=printed_unit(file_unit(parameter.unit)),
-        meaning=meaning(name, parameter.effect).replace("_", " "),
+        meaning=meaning(name, parameter.effect, words),
     )

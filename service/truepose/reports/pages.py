@@ -10,6 +10,7 @@ from truepose.reports.causes_found.ruled_out import ruled_out_rows
 from truepose.reports.errors import UnwritableReportError
 from truepose.reports.rounding import millimetres, p_value, uncertainty
 from truepose.version import __version__
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 def write_page(path: Path, template: str, **context: object) -> None:
@@ -31,8 +32,9 @@ def write_page(path: Path, template: str, **context: object) -> None:
 
 
 def rendered(template: str, **context: object) -> Markup:
-    """Return a template of this package, filled in."""
-    return Markup(_environment().get_template(template).render(version=__version__, **context))
+    """Return a template of this package, filled in; in English where no `words` are given."""
+    spoken = {"words": IN_ENGLISH, "say": IN_ENGLISH.say, "version": __version__} | context
+    return Markup(_environment().get_template(template).render(spoken))
 
 
 def page_styles() -> Markup:
@@ -55,8 +57,12 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters.update(mm=millimetres, u=uncertainty, p=p_value, capitalize_first=_capitalized)
-    environment.filters.update(joined=ruled_out_rows)
+    environment.filters.update(joined=ruled_out_rows, called=_called)
     return environment
+
+
+def _called(effect: str, words: Catalogue) -> str:
+    return words.effect(effect)
 
 
 def _capitalized(text: str) -> str:

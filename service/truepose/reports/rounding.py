@@ -44,9 +44,9 @@ def with_uncertainty(value: float, standard_uncertainty: float) -> str:
     return _joined((value, standard_uncertainty), standard_uncertainty, " ± ")
 
 
-def interval(low: float, high: float, standard_uncertainty: float) -> str:
+def interval(low: float, high: float, standard_uncertainty: float, to: str = "to") -> str:
     """Return "low to high" with the digits that a standard uncertainty above 0 allows."""
-    return _joined((low, high), standard_uncertainty, " to ")
+    return _joined((low, high), standard_uncertainty, f" {to} ")
 
 
 def _joined(values: tuple[float, float], standard_uncertainty: float, word: str) -> str:

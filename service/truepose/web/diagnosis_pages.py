@@ -18,8 +18,9 @@ from truepose.sequencing.engine.states import has_ended
 from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.web.context import Context, Here
-from truepose.web.rendering import page
-from truepose.words.catalogue import english
+from truepose.web.languages import Kept, Words
+from truepose.web.rendering import spoken_page
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 if TYPE_CHECKING:
     from truepose.reports import DiagnosisInput, VerdictWords
@@ -39,39 +40,37 @@ class Actions:
 
 
 @router.get("/diagnoses", response_class=HTMLResponse)
-async def diagnoses_page(here: Here) -> HTMLResponse:
+async def diagnoses_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
     """List the latest diagnoses with their first lines."""
     from truepose.reports import verdict_shape
 
     records = await here.diagnoses.newest(_SHOWN)
-    rows = [(record, _verdict(record)) for record in records]
-    return page(
-        "diagnoses.html",
-        here=here,
-        rows=rows,
-        shape=verdict_shape,
-        measured=measured_words,
-        spoken=english,
-        shown=_SHOWN,
+    rows = [
+        (record, _verdict(record, words), measured_words(record.measured_at, words)) for record in records
+    ]
+    return spoken_page(
+        words, "diagnoses.html", here=here, kept=kept, rows=rows, shape=verdict_shape, shown=_SHOWN
     )
 
 
 @router.get("/diagnoses/{id}", response_class=HTMLResponse)
-async def diagnosis_page(here: Here, id: str) -> HTMLResponse:
+async def diagnosis_page(here: Here, id: str, words: Words, kept: Kept) -> HTMLResponse:
     """Show a diagnosis as its report."""
     from truepose.reports import diagnosis_content
 
     record = await _record(here, id)
     if record is None:
-        return page("no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here)
+        return spoken_page(words, "no_diagnosis.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)
     campaign = await here.campaigns.get(record.campaign_id)
-    report = await _report(here, record, campaign)
+    report = await _report(here, record, campaign, words)
     actions = await _actions(here, record, campaign)
     # Drawing takes a second or two; a session under way must not wait for it.
     content = await asyncio.to_thread(diagnosis_content, report)
-    return page(
+    return spoken_page(
+        words,
         "diagnosis.html",
         here=here,
+        kept=kept,
         record=record,
         actions=actions,
         content=content,
@@ -86,15 +85,15 @@ async def report_style() -> Response:
     return Response(page_styles(), media_type="text/css")
 
 
-def _verdict(record: DiagnosisRecord) -> "VerdictWords":
+def _verdict(record: DiagnosisRecord, words: Catalogue) -> "VerdictWords":
     from truepose.reports import verdict_words
 
-    return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None)
+    return verdict_words(record.diagnosis.verdict, answered=record.model_id is not None, words=words)
 
 
-def measured_words(said: str | None) -> str:
+def measured_words(said: str | None, words: Catalogue = IN_ENGLISH) -> str:
     """Return when readings were taken, for people; None: nobody said."""
-    return "day not stated" if said is None else f"measured {_moment(said)}"
+    return words.say("measured.unknown") if said is None else words.say("measured.on", day=_moment(said))
 
 
 def _moment(said: str) -> str:
@@ -130,7 +129,9 @@ async def _actions(here: Context, record: DiagnosisRecord, campaign: CampaignRec
     )
 
 
-async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignRecord) -> "DiagnosisInput":
+async def _report(
+    here: Context, record: DiagnosisRecord, campaign: CampaignRecord, words: Catalogue
+) -> "DiagnosisInput":
     from truepose.reports import DiagnosisInput, ReportConditions
 
     diagnosis = record.diagnosis
@@ -143,4 +144,5 @@ async def _report(here: Context, record: DiagnosisRecord, campaign: CampaignReco
         written_at=_moment(record.recorded_at),
         notes=campaign.summary.notes,
     )
-    return DiagnosisInput(diagnosis, f"{campaign.name}, {measured_words(record.measured_at)}", conditions)
+    named = f"{campaign.name}, {measured_words(record.measured_at, words)}"
+    return DiagnosisInput(diagnosis, named, conditions, words.language)

@@ -105,7 +105,8 @@ def _formed(words: str | Mapping[str, str]) -> Callable[[str], str]:
 
 def _pattern(name: str) -> re.Pattern[str]:
     escaped = re.escape(name).replace(r"\{", "{").replace(r"\}", "}")
-    return re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>\\w+)", escaped))
+    numbers = escaped.replace("{numbers}", r"(?P<numbers>\d+(?:, \d+)+)")
+    return re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>\\w+)", numbers))
 
 
 class _Formatter(string.Formatter):

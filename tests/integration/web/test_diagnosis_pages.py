@@ -9,6 +9,7 @@ import pytest
 from tests.helpers.diagnosis.diagnosed_cells import ENDINGS, consistent, nothing_fitted, two_findings
 from tests.helpers.domain.builders import make_campaign
 from truepose.domain.cell import SimulatedCell
+from truepose.domain.sentences import said
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.web.diagnosis_pages import measured_words
 
@@ -71,6 +72,64 @@ async def test_the_list_shows_the_first_lines_newest_first(client, diagnosed):
     assert 0 < text.index(f'href="/diagnoses/{newer}"') < text.index(f'href="/diagnoses/{older}"')
     assert "Consistent" in text
     assert two_findings().message in text
+
+
+def spoken():
+    """A diagnosis as the numerics make it: what it says can be said in every language."""
+    return replace(consistent(), message=said("message.consistent"), noise=None)
+
+
+@pytest.mark.parametrize(
+    ("address", "accepted", "language", "told"),
+    [
+        ("", "", "en", "The present model explains the data"),
+        ("", "fr-CH, en;q=0.8", "fr", "Le modèle actuel explique les données"),
+        ("", "en, fr;q=0.2", "en", "The present model explains the data"),
+        ("?language=fr", "en", "fr", "Le modèle actuel explique les données"),
+        ("?language=xx", "", "en", "The present model explains the data"),
+    ],
+)
+async def test_a_stored_diagnosis_is_shown_in_the_language_asked_for(
+    client, diagnosed, address, accepted, language, told
+):
+    number = await diagnosed(spoken())
+
+    for path in ("/diagnoses", f"/diagnoses/{number}"):
+        reply = await client.get(f"{path}{address}", headers={"Accept-Language": accepted})
+        assert told in reply.text
+        assert f'<html lang="{language}">' in reply.text
+        assert reply.headers["Content-Language"] == language
+        assert "Accept-Language" in reply.headers["Vary"]
+
+
+async def test_links_keep_the_language_that_was_asked_for(client, diagnosed):
+    number = await diagnosed(spoken())
+
+    french = {"Accept-Language": "fr"}
+    asked = (await client.get("/diagnoses?language=fr", headers=french)).text
+    preferred = (await client.get("/diagnoses", headers=french)).text
+
+    assert f'href="/diagnoses/{number}?language=fr"' in asked
+    assert f'href="/diagnoses/{number}"' in preferred
+    assert '<a href="?language=en" hreflang="en" lang="en">English</a>' in asked
+
+
+async def test_documents_and_records_are_in_english_whoever_asks(client, diagnosed):
+    number = await diagnosed(spoken())
+    french = {"Accept-Language": "fr"}
+
+    told = (await client.get(f"/api/v1/diagnoses/{number}", headers=french)).json()
+    job = (await client.get(f"/api/v1/jobs/{told['job_id']}", headers=french)).json()
+
+    assert told["document"]["message"].startswith("The present model explains the data")
+    assert job["message"] == told["document"]["message"]
+
+
+async def test_a_page_that_is_not_there_says_so_in_french(client):
+    reply = await client.get("/diagnoses/999?language=fr")
+
+    assert reply.status_code == 404
+    assert "Ce diagnostic n\u2019existe pas" in reply.text
 
 
 async def test_the_list_does_not_call_unexplained_what_was_not_answered(client, diagnosed):

@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from truepose.domain.diagnosis import Described, Gain, Remaining, Worth
+from truepose.domain.diagnosis import Described, Remaining, Worth
 from truepose.reports.causes import worth_words
 from truepose.reports.rounding import MISSING, millimetres
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _SAID = 3  # in the sentence
 _LISTED = 8  # in the table
@@ -20,40 +21,37 @@ class DescribedRow:
     worth: str
 
 
-def described_sentence(remaining: Remaining) -> str:
+def described_sentence(remaining: Remaining, words: Catalogue = IN_ENGLISH) -> str:
     """Return what is described without a name, and how far that helps on unseen points."""
-    listed = ", ".join(_listed(remaining.described))
-    return (
-        "Described without a name, as functions as large as the data ask for: "
-        f"{listed}{_gained(remaining.described_gain)}."
-    )
-
-
-def _listed(described: tuple[Described, ...]) -> Iterator[str]:
-    for one in described[:_SAID]:
-        yield f"{described_place(one)} ({own_text(one.worth)} mm)"
-    if len(described) > _SAID:
-        yield f"{len(described) - _SAID} smaller"
-
-
-def _gained(gain: Gain | None) -> str:
+    listed, gain = tuple(_listed(remaining.described, words)), remaining.described_gain
     if gain is None:
-        return ""
+        return words.say("described", places=listed)
     before, after = millimetres(gain.rms_before_mm), millimetres(gain.rms_after_mm)
-    return f"; with this the RMS of the errors on unseen points goes from {before} to {after} mm"
+    return words.say("described.gain", places=listed, before=before, after=after)
 
 
-def described_rows(described: tuple[Described, ...]) -> tuple[DescribedRow, ...]:
+def _listed(described: tuple[Described, ...], words: Catalogue) -> Iterator[str]:
+    for one in described[:_SAID]:
+        yield f"{described_place(one, words)} ({own_text(one.worth)} mm)"
+    if len(described) > _SAID:
+        yield words.say("described.smaller", number=len(described) - _SAID)
+
+
+def described_rows(
+    described: tuple[Described, ...], words: Catalogue = IN_ENGLISH
+) -> tuple[DescribedRow, ...]:
     """Return the largest ones for a table."""
     return tuple(
-        DescribedRow(described_place(one), own_text(one.worth), worth_words(one.worth))
+        DescribedRow(described_place(one, words), own_text(one.worth), worth_words(one.worth, words))
         for one in described[:_LISTED]
     )
 
 
-def described_place(described: Described) -> str:
+def described_place(described: Described, words: Catalogue = IN_ENGLISH) -> str:
     """Return e.g. "joint 2 over angle of joint 1"; what depends on nothing is its place alone."""
-    return described.where if described.over == "constant" else f"{described.where} over {described.over}"
+    if described.over == "constant":
+        return words.name(described.where)
+    return words.say("described.place", where=described.where, over=described.over)
 
 
 def own_text(worth: Worth) -> str:

@@ -60,4 +60,4 @@ def _rivals(finding: Finding, proposals: tuple[NextMeasurement, ...], words: Cat
     for cause in finding.confusable_with:
         wanted = (proposal for proposal in proposals if cause in proposal.separates)
         both = sorted(wanted, key=lambda proposal: own not in proposal.separates)
-        yield Rival(cause_words(cause), words.spoken(both[0].sentence) if both else "")
+        yield Rival(cause_words(cause, words), words.spoken(both[0].sentence) if both else "")

@@ -1,12 +1,11 @@
 """What was ruled out and why, joined where the same reason holds for several subjects."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from truepose.domain.diagnosis import RuledOut
 from truepose.domain.sentences import Text
-from truepose.reports.causes import effect_words
 from truepose.reports.rounding import MISSING, millimetres, p_value
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -31,23 +30,24 @@ def ruled_out_rows(entries: Iterable[RuledOut], words: Catalogue = IN_ENGLISH) -
         groups.setdefault((entry.effect, entry.reason), []).append(entry)
     return tuple(
         RuledOutRow(
-            effect_words(effect),
-            subjects(entry.subject for entry in group),
+            words.effect(effect),
+            subjects((entry.subject for entry in group), words),
             words.spoken(reason),
-            _smallest(group),
+            _smallest(group, words),
             _at_most(group),
         )
         for (effect, reason), group in groups.items()
     )
 
 
-def subjects(names: Iterable[str]) -> str:
+def subjects(names: Iterable[str], words: Catalogue = IN_ENGLISH) -> str:
     """Return subjects as one phrase, e.g. "joints 1, 2, 4; tool"."""
     numbered: dict[tuple[str, str], list[str]] = {}
     for name in dict.fromkeys(names):
         noun, number, rest = _split(name)
         numbered.setdefault((noun, rest), []).append(number)
-    return "; ".join(filter(None, (_phrase(*words, numbers) for words, numbers in numbered.items())))
+    phrases = (_phrase(*of, numbers, words) for of, numbers in numbered.items())
+    return words.listed([*filter(None, phrases)], "semicolons")
 
 
 def _split(name: str) -> tuple[str, str, str]:
@@ -56,17 +56,18 @@ def _split(name: str) -> tuple[str, str, str]:
     return (match[1], match[2], match[3]) if match else (name, "", "")
 
 
-def _phrase(noun: str, rest: str, all_numbers: list[str]) -> str:
+def _phrase(noun: str, rest: str, all_numbers: list[str], words: Catalogue) -> str:
     numbers = sorted(filter(None, all_numbers), key=int)
     if len(numbers) < 2:
-        return " ".join([noun, *numbers]) + rest
+        return words.name(" ".join([noun, *numbers]) + rest)
     more = len(numbers) - _MOST_NAMED
-    listed = ", ".join(numbers[:_MOST_NAMED])
-    return f"{noun}s {listed}" + (f" and {more} more" if more > 0 else "") + rest
+    listed = words.name(f"{noun}s {', '.join(numbers[:_MOST_NAMED])}")
+    further = words.say("ruled_out.more", number=more) if more > 0 else ""
+    return listed + further + "".join(f", {words.name(part)}" for part in rest.split(", ")[1:])
 
 
-def _smallest(group: list[RuledOut]) -> str:
-    return " ".join(_bounds(sorted(entry.p_value for entry in group if entry.p_value is not None)))
+def _smallest(group: list[RuledOut], words: Catalogue) -> str:
+    return _bounds(sorted(entry.p_value for entry in group if entry.p_value is not None), words)
 
 
 def _at_most(group: list[RuledOut]) -> str:
@@ -74,10 +75,8 @@ def _at_most(group: list[RuledOut]) -> str:
     return f"{millimetres(max(limits))} mm" if limits else MISSING
 
 
-def _bounds(values: list[float]) -> Iterator[str]:
+def _bounds(values: list[float], words: Catalogue) -> str:
     if not values:
-        yield MISSING
-        return
-    yield p_value(values[0])
-    if p_value(values[-1]) != p_value(values[0]):
-        yield f"to {p_value(values[-1])}"
+        return MISSING
+    low, high = p_value(values[0]), p_value(values[-1])
+    return low if low == high else words.say("range", low=low, high=high)

@@ -17,6 +17,7 @@ from truepose.reports.figures.canvas import (
     page_style,
     to_svg,
 )
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _WIDTH_IN, _ROW_IN = 8.0, 0.42
 _LABELS_IN = 1.5  # below the columns, and the legend
@@ -29,32 +30,32 @@ _DARKEST = 0.6  # opacity of a share of 1; the text on it stays readable
 _FAINTEST = 0.06
 
 
-def map_picture(found: CauseMap) -> Markup:
+def map_picture(found: CauseMap, words: Catalogue = IN_ENGLISH) -> Markup:
     """Draw the map; shares and numbers stand in the cells, so that nothing rests on a shade."""
     with page_style():
         figure = new_figure(_WIDTH_IN, _LABELS_IN + _ROW_IN * len(found.rows))
         axes = figure.add_subplot()
-        _grid(axes, found)
+        _grid(axes, found, words)
         for link in found.links:
             _link(axes, found, link)
         for cell in found.cells:
             _cell(axes, found, cell)
-        figure.legend(handles=_legend(found), loc="outside upper left", ncols=4)
-        return to_svg(figure, "map", "Where something acts, by what it depends on; the same as a table below")
+        figure.legend(handles=_legend(found, words), loc="outside upper left", ncols=4)
+        return to_svg(figure, "map", words.say("map"))
 
 
-def _grid(axes: Axes, found: CauseMap) -> None:
+def _grid(axes: Axes, found: CauseMap, words: Catalogue) -> None:
     columns, rows = len(found.columns), len(found.rows)
     axes.set_xlim(-0.5, max(columns, _FEWEST_COLUMNS) - 0.5)
     axes.set_ylim(rows - 0.5, -0.5)
-    names = [label(name, _WIDEST_LABEL) for name in found.columns]
+    names = [label(words.name(name), _WIDEST_LABEL) for name in found.columns]
     if columns > _SLANTED_COLUMNS:
         axes.set_xticks(range(columns), names, ha="right", va="center", rotation=90, rotation_mode="anchor")
     elif columns > _LEVEL_COLUMNS:
         axes.set_xticks(range(columns), names, rotation=40, ha="right", rotation_mode="anchor")
     else:
         axes.set_xticks(range(columns), names)
-    axes.set_yticks(range(rows), [label(name, _WIDEST_LABEL) for name in found.rows])
+    axes.set_yticks(range(rows), [label(words.name(name), _WIDEST_LABEL) for name in found.rows])
     axes.tick_params(length=0)
     axes.grid(visible=False)
     axes.hlines([k + 0.5 for k in range(rows - 1)], -0.5, columns - 0.5, color=GRID, linewidth=0.6)
@@ -111,14 +112,14 @@ def share_text(share: float) -> str:
     return "< 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
 
 
-def _legend(found: CauseMap) -> list[Patch | Line2D]:
+def _legend(found: CauseMap, words: Catalogue) -> list[Patch | Line2D]:
     handles: list[Patch | Line2D] = []
     if any(cell.findings for cell in found.cells):
-        handles.append(Patch(fill=False, edgecolor=INK, linewidth=1.6, label="(1) finding and its number"))
+        handles.append(Patch(fill=False, edgecolor=INK, linewidth=1.6, label=words.say("map.finding")))
     if any(cell.share > 0.0 and not cell.findings for cell in found.cells):
-        handles.append(Patch(color=AFTER, alpha=0.3, linewidth=0.0, label="described without a name"))
+        handles.append(Patch(color=AFTER, alpha=0.3, linewidth=0.0, label=words.say("map.described")))
     if found.links:
         handles.append(
-            Line2D([], [], color=MUTED, linewidth=1.0, linestyle="--", label="where a rival would act")
+            Line2D([], [], color=MUTED, linewidth=1.0, linestyle="--", label=words.say("map.rival"))
         )
     return handles

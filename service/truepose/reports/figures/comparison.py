@@ -15,13 +15,16 @@ from truepose.reports.figures.canvas import (
     to_svg,
 )
 from truepose.reports.rounding import millimetres
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _BINS = 40
 _NEARLY_ALL = 0.995  # of the errors; what lies beyond is counted in the last bin
 _WORTH_A_CUT = 1.5  # a tail this much longer than nearly all errors would squeeze them
 
 
-def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> tuple[Markup, int]:
+def comparison(
+    before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, words: Catalogue = IN_ENGLISH
+) -> tuple[Markup, int]:
     """Return the histogram of both norms, and how many errors of either stand in the last bin for more.
 
     Parameters
@@ -34,33 +37,36 @@ def comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> 
     end = _end(np.concatenate([before_mm, after_mm]))
     beyond = int((before_mm > end).sum() + (after_mm > end).sum())
     with page_style():
-        figure = _drawn(before_mm, after_mm, noise_mm, PAGE)
-        return to_svg(figure, "comparison", "Histogram of held-out errors before and after"), beyond
+        figure = _drawn(before_mm, after_mm, noise_mm, PAGE, words)
+        return to_svg(figure, "comparison", words.say("comparison")), beyond
 
 
 def plain_comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> Drawing:
     """Return the same histogram as a figure that a program may change; parameters as above."""
     with plain_style():
-        return _drawn(before_mm, after_mm, noise_mm, PLAIN)
+        return _drawn(before_mm, after_mm, noise_mm, PLAIN, IN_ENGLISH)
 
 
-def _drawn(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, colours: Colours) -> Drawing:
+def _drawn(
+    before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, colours: Colours, words: Catalogue
+) -> Drawing:
     end = _end(np.concatenate([before_mm, after_mm]))
     edges = np.linspace(0.0, end, _BINS + 1).tolist()
     figure = new_figure(8.0, 2.9)
     axes = figure.add_subplot()
-    for norms, colour, name in ((before_mm, colours.before, "before"), (after_mm, colours.after, "after")):
-        label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+    before, after = words.say("before"), words.say("after")
+    for norms, colour, name in ((before_mm, colours.before, before), (after_mm, colours.after, after)):
+        label = words.say("comparison.mean", name=name, mean=millimetres(float(norms.mean())))
         inside = np.minimum(norms, end)
         axes.hist(inside, edges, color=colour, alpha=0.5, label=label)
         axes.hist(inside, edges, color=colour, histtype="step", linewidth=1.4)
     if 0.0 < noise_mm < end:
-        label = f"noise alone: mean {millimetres(noise_mm)} mm"
+        label = words.say("comparison.noise", mean=millimetres(noise_mm))
         axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
     axes.set_xlim(0.0, end)
     axes.grid(axis="x", visible=False)
-    axes.set_xlabel("error [mm]")
-    axes.set_ylabel("readings")
+    axes.set_xlabel(words.say("comparison.error"))
+    axes.set_ylabel(words.say("curve.readings"))
     figure.legend(loc="outside upper left", ncols=3)
     return figure
 

@@ -10,9 +10,10 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import HeldOutErrors
 from truepose.reports.figures.canvas import AFTER, BEFORE, INK, MUTED, new_figure, page_style, to_svg
 from truepose.reports.figures.work_space import exaggeration
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_VECTORS = 250
-_VIEWS = ((0, 1, "from above"), (0, 2, "along y"))
+_VIEWS = ((0, 1, "maps.from_above"), (0, 2, "maps.along_y"))
 _PANEL_IN = 3.5
 _MOST_HEIGHT_IN = 6.0  # both rows; a page holds them with their caption
 _LEAST_SHARE = 0.25  # of the longest side, for the shortest: a flat campaign is still a picture
@@ -32,7 +33,7 @@ class ErrorMaps:
     lengths: bool
 
 
-def error_maps(errors: HeldOutErrors) -> ErrorMaps | None:
+def error_maps(errors: HeldOutErrors, words: Catalogue = IN_ENGLISH) -> ErrorMaps | None:
     """Draw errors where the tool stood; None where nothing finite is held out."""
     errors = _finite(errors)
     total = len(errors.position_mm)
@@ -45,9 +46,9 @@ def error_maps(errors: HeldOutErrors) -> ErrorMaps | None:
     large = float(np.quantile(np.abs(np.concatenate([errors.before_mm, errors.after_mm])), 0.99))
     tips = [] if lengths else [points + scale * before, points + scale * after]
     limits = _limits(np.concatenate([points, *tips]))
-    panels = ((before * scale, BEFORE, "before"), (after * scale, AFTER, "after"))
+    panels = ((before * scale, BEFORE, words.say("before")), (after * scale, AFTER, words.say("after")))
     with page_style():
-        picture = _picture(points, panels, limits, large if lengths else None, scale)
+        picture = _picture(points, panels, limits, large if lengths else None, scale, words)
     return ErrorMaps(picture, scale, large, len(points), total, lengths)
 
 
@@ -74,6 +75,7 @@ def _picture(
     limits: FloatArray,
     large_mm: float | None,
     scale: float,
+    words: Catalogue,
 ) -> Markup:
     width = limits[1] - limits[0]
     heights = [float(np.clip(width[up] / width[across], 0.3, 1.4)) for across, up, _ in _VIEWS]
@@ -87,13 +89,13 @@ def _picture(
                 _arrows(axes, points[:, [across, up]], errors[:, [across, up]], colour)
             else:
                 _dots(axes, points[:, [across, up]], errors[:, 0] / max(large_mm, 1e-9), colour)
-            axes.set_title(f"{name}, {view}")
+            axes.set_title(f"{name}, {words.say(view)}")
         grid[row][0].set_ylabel(f"{'xyz'[up]} [mm]")
     for axes in grid[1]:
         axes.set_xlabel("x [mm]")
     if large_mm is None:
-        _scale_bar(grid[0][0], limits, scale)
-    return to_svg(figure, "maps", "Held-out errors where the tool stood, before and after")
+        _scale_bar(grid[0][0], limits, scale, words)
+    return to_svg(figure, "maps", words.say("maps"))
 
 
 def _frame(axes: Axes, limits: FloatArray, across: int, up: int) -> None:
@@ -124,7 +126,7 @@ def _dots(axes: Axes, points: FloatArray, share: FloatArray, colour: str) -> Non
         axes.scatter(x, y, s=size[rows], facecolors=face, edgecolors=colour, linewidths=0.9)
 
 
-def _scale_bar(axes: Axes, limits: FloatArray, scale: float) -> None:
+def _scale_bar(axes: Axes, limits: FloatArray, scale: float, words: Catalogue) -> None:
     """Draw a length below the panel that errors can be compared with: a round one of about a fifth of it."""
     wanted = 0.2 * float(limits[1, 0] - limits[0, 0]) / scale
     decade = 10.0 ** np.floor(np.log10(wanted))
@@ -139,7 +141,7 @@ def _scale_bar(axes: Axes, limits: FloatArray, scale: float) -> None:
         clip_on=False,
     )
     axes.annotate(
-        f"error of {length:g} mm",
+        words.say("maps.scale", length_mm=length),
         (start + length * scale, low),
         (6, 0),
         textcoords="offset points",

@@ -6,11 +6,12 @@ from markupsafe import Markup
 from truepose.domain.diagnosis import Cause, Finding
 from truepose.reports.causes import cause_words
 from truepose.reports.figures.canvas import AFTER, INK, label, new_figure, page_style, to_svg
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _WIDEST = 44  # letters of a name; the scale needs the rest
 
 
-def gains(findings: tuple[Finding, ...]) -> Markup | None:
+def gains(findings: tuple[Finding, ...], words: Catalogue = IN_ENGLISH) -> Markup | None:
     """Return one interval per finding on a common scale; None where fewer than two have a gain."""
     known = [(finding, finding.gain) for finding in findings if finding.gain is not None]
     if len(known) < 2:
@@ -24,8 +25,9 @@ def gains(findings: tuple[Finding, ...]) -> Markup | None:
         axes.axvline(0.0, color=INK, linewidth=1.0)
         axes.hlines(rows, low, high, color=AFTER, linewidth=3.0, alpha=0.5)
         axes.plot(best, rows, "o", color=AFTER, markersize=6.0)
-        axes.set_yticks(rows, [label(cause_words(Cause(f.effect, f.subject)), _WIDEST) for f, _ in known])
+        causes = (cause_words(Cause(f.effect, f.subject), words) for f, _ in known)
+        axes.set_yticks(rows, [label(cause, _WIDEST) for cause in causes])
         axes.set_ylim(-0.6, len(known) - 0.4)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("held-out RMS that the finding takes off [mm]")
-        return to_svg(figure, "gains", "Gain of each finding with its 95 % interval")
+        axes.set_xlabel(words.say("gains.axis"))
+        return to_svg(figure, "gains", words.say("gains"))

@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Curve
+from truepose.domain.sentences import Sentence, said, together
 from truepose.reports.causes import printed_unit
 from truepose.reports.figures.canvas import (
     PAGE,
@@ -22,6 +23,7 @@ from truepose.reports.figures.canvas import (
     plain_style,
     to_svg,
 )
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
 _FEWEST_FOR_MEANS = 60  # readings; below, every one is seen by itself
@@ -51,7 +53,9 @@ class _Means:
     of: int  # readings in each, at most
 
 
-def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False) -> CurveFigure | None:
+def residual_curve(
+    curve: Curve, prefix: str, *, of_cause: bool = True, whole: bool = False, words: Catalogue = IN_ENGLISH
+) -> CurveFigure | None:
     """Draw residuals with their standard uncertainty and the line with its band.
 
     Parameters
@@ -59,10 +63,12 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
     curve : Curve
     prefix : str
         Keeps the ids of this picture apart from those of others.
-    line : str
-        What the line is, e.g. "fitted effect".
+    of_cause : bool
+        The line is a fitted effect; else a smooth curve that stands for no cause.
     whole : bool
         Show the farthest reading too; else a few far ones are said and not shown.
+    words : Catalogue
+        The language of labels and caption.
 
     Returns
     -------
@@ -72,22 +78,21 @@ def residual_curve(curve: Curve, prefix: str, *, line: str, whole: bool = False)
     shown = _shown(curve, whole=whole)
     if shown is None:
         return None
+    described = words.say("curve", quantity=curve.quantity, variable=curve.variable)
     with page_style():
-        picture = to_svg(_drawn(shown, line, PAGE), prefix, f"{curve.quantity} against {curve.variable}")
+        picture = to_svg(_drawn(shown, PAGE, words, of_cause=of_cause), prefix, described)
     drawn, counts = bool(shown.curve.line_x.size), _counts(shown.curve)
-    caption = " ".join(_caption(shown))
-    if shown.unseen is not None:
-        caption = f"{caption} {_unseen_caption(shown.unseen)}"
+    caption = words.spoken(together(*_caption(shown, of_cause=of_cause)))
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
 
 
-def plain_residual_curve(curve: Curve, *, line: str) -> Drawing | None:
+def plain_residual_curve(curve: Curve) -> Drawing | None:
     """Return the same as a figure that a program may change; None where there is no finite reading."""
     shown = _shown(curve, whole=False)
     if shown is None:
         return None
     with plain_style():
-        return _drawn(shown, line, PLAIN)
+        return _drawn(shown, PLAIN, IN_ENGLISH, of_cause=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,19 +125,20 @@ def _shown(curve: Curve, *, whole: bool) -> _Shown | None:
     )
 
 
-def _drawn(shown: _Shown, line: str, colours: Colours) -> Drawing:
+def _drawn(shown: _Shown, colours: Colours, words: Catalogue, *, of_cause: bool) -> Drawing:
     curve = shown.curve
     figure = new_figure(8.0, 3.1)
     axes = figure.add_subplot()
-    _readings(axes, curve, shown.chosen, colours, faint=shown.means is not None)
-    _line(axes, curve, line, colours)
+    _readings(axes, curve, shown.chosen, colours, words, faint=shown.means is not None)
+    line = "curve.fitted_effect" if of_cause else "curve.smooth"
+    _line(axes, curve, line, colours, words)
     if shown.means is not None:
-        _draw_means(axes, shown.means, colours)
+        _draw_means(axes, shown.means, colours, words)
     if shown.unseen is not None:
-        _draw_unseen(axes, shown.unseen, colours)
+        _draw_unseen(axes, shown.unseen, colours, words)
     axes.set_ylim(-shown.limit, shown.limit)
-    axes.set_xlabel(label(curve.variable, _WIDEST_LABEL, printed_unit(curve.variable_unit)))
-    axes.set_ylabel(label(curve.quantity, _TALLEST_LABEL, printed_unit(curve.quantity_unit)))
+    axes.set_xlabel(label(words.name(curve.variable), _WIDEST_LABEL, printed_unit(curve.variable_unit)))
+    axes.set_ylabel(label(words.name(curve.quantity), _TALLEST_LABEL, printed_unit(curve.quantity_unit)))
     figure.legend(loc="outside upper left", ncols=4)
     return figure
 
@@ -163,12 +169,19 @@ def _unseen(curve: Curve, limit: float) -> Curve | None:
     return shown if shown.x.size else None
 
 
-def _draw_unseen(axes: Axes, unseen: Curve, colours: Colours) -> None:
+def _draw_unseen(axes: Axes, unseen: Curve, colours: Colours, words: Catalogue) -> None:
     rows, means = _chosen(unseen.x, np.ones(len(unseen.x), dtype=bool)), _means(unseen)
     x, y = unseen.x[rows], unseen.residual[rows]
     if means is None:
+        name = words.say("curve.validation")
         axes.plot(
-            x, y, "x", color=colours.noise, markersize=4.0, markeredgewidth=0.9, label="validation readings"
+            x,
+            y,
+            "x",
+            color=colours.noise,
+            markersize=4.0,
+            markeredgewidth=0.9,
+            label=name,
         )
         return
     axes.plot(x, y, "x", color=colours.noise, markersize=3.0, markeredgewidth=0.7, alpha=0.35)
@@ -181,15 +194,8 @@ def _draw_unseen(axes: Axes, unseen: Curve, colours: Colours) -> None:
         markerfacecolor="none",
         markersize=5.0,
         linewidth=1.1,
-        label="means of validation readings",
+        label=words.say("curve.validation_means"),
     )
-
-
-def _unseen_caption(unseen: Curve) -> str:
-    means = "" if _means(unseen) is None else ", squares their means"
-    one = len(unseen.x) == 1
-    readings = "validation reading, which was" if one else "validation readings, which were"
-    return f"Crosses{means}: {len(unseen.x):,} {readings} never fitted, in the same way."
 
 
 def _limit(curve: Curve, whole: bool) -> float:
@@ -223,35 +229,52 @@ def _chosen(x: FloatArray, worth: BoolArray) -> IntArray:
     return order[np.linspace(0, len(order) - 1, _MOST_POINTS).astype(np.int64)]
 
 
-def _readings(axes: Axes, curve: Curve, rows: IntArray, colours: Colours, *, faint: bool) -> None:
+def _readings(
+    axes: Axes, curve: Curve, rows: IntArray, colours: Colours, words: Catalogue, *, faint: bool
+) -> None:
     strength = 0.55 if faint else 0.9
     x, y, u = curve.x[rows], curve.residual[rows], curve.standard_uncertainty[rows]
     axes.axhline(0.0, color=colours.muted, linewidth=0.8)
+    name = words.say("curve.readings")
     axes.vlines(x, y - u, y + u, color=colours.muted, linewidth=0.7, alpha=0.5 * strength)
     axes.plot(
-        x, y, ".", color=colours.muted, markersize=5.0, alpha=strength, markeredgewidth=0.0, label="readings"
+        x,
+        y,
+        ".",
+        color=colours.muted,
+        markersize=5.0,
+        alpha=strength,
+        markeredgewidth=0.0,
+        label=name,
     )
 
 
-def _line(axes: Axes, curve: Curve, name: str, colours: Colours) -> None:
+def _line(axes: Axes, curve: Curve, key: str, colours: Colours, words: Catalogue) -> None:
     if not curve.line_x.size:
         return
     if _counts(curve):
-        _steps(axes, curve, name, colours)
+        _steps(axes, curve, words.say(key), colours, words)
         return
     low, high = curve.line - curve.line_band, curve.line + curve.line_band
     if (curve.line_band > 0.0).any():
+        band = words.say("curve.band")
         axes.fill_between(
-            curve.line_x, low, high, color=colours.after, alpha=0.22, linewidth=0.0, label="its 95 % band"
+            curve.line_x,
+            low,
+            high,
+            color=colours.after,
+            alpha=0.22,
+            linewidth=0.0,
+            label=band,
         )
-    axes.plot(curve.line_x, curve.line, color=colours.after, linewidth=1.8, label=name)
+    axes.plot(curve.line_x, curve.line, color=colours.after, linewidth=1.8, label=words.say(key))
 
 
-def _steps(axes: Axes, curve: Curve, name: str, colours: Colours) -> None:
+def _steps(axes: Axes, curve: Curve, name: str, colours: Colours, words: Catalogue) -> None:
     """Draw a value for each number: between the first mounting and the second there is nothing."""
     numbers, first = np.unique(curve.line_x, return_index=True)
     band = curve.line_band[first]
-    label = f"{name}, 95 % interval" if (band > 0.0).any() else name
+    label = words.say("curve.with_interval", name=name) if (band > 0.0).any() else name
     axes.errorbar(
         numbers + _BESIDE,
         curve.line[first],
@@ -265,7 +288,7 @@ def _steps(axes: Axes, curve: Curve, name: str, colours: Colours) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def _draw_means(axes: Axes, means: _Means, colours: Colours) -> None:
+def _draw_means(axes: Axes, means: _Means, colours: Colours, words: Catalogue) -> None:
     axes.errorbar(
         means.x,
         means.value,
@@ -274,7 +297,7 @@ def _draw_means(axes: Axes, means: _Means, colours: Colours) -> None:
         color=colours.ink,
         markersize=4.0,
         linewidth=1.1,
-        label="means of readings",
+        label=words.say("curve.means"),
     )
 
 
@@ -314,24 +337,47 @@ def _bends(line: FloatArray) -> int:
     return int((slope[1:] != slope[:-1]).sum())
 
 
-def _caption(shown: _Shown) -> Iterator[str]:
-    curve, chosen, blind = shown.curve, shown.chosen, shown.blind
-    worth = int((~blind).sum())
-    if worth:
-        evenly = "" if len(chosen) == worth else f"{len(chosen)} of "
-        whiskers = (curve.standard_uncertainty[chosen] > 0.0).any()
-        yield f"Dots: {evenly}{worth:,} readings{', evenly chosen,' if evenly else ''}"
-        stated = ", with their standard uncertainty" if whiskers else ""
-        yield f"as the model without this cause leaves them{stated}."
+def _caption(shown: _Shown, *, of_cause: bool) -> Iterator[Sentence]:
+    if not shown.blind.all():
+        yield _dots(shown, of_cause=of_cause)
     if shown.means is not None:
-        yield f"Large dots: weighted means of up to {shown.means.of} neighbours each, with their own."
+        yield said("curve.caption.means", readings=shown.means.of)
     if shown.beyond:
-        farthest = float(np.abs(curve.residual[~blind]).max())
-        lies = "reading lies" if shown.beyond == 1 else "readings lie"
-        unit = printed_unit(curve.quantity_unit)
-        yield f"{shown.beyond} {lies} beyond the picture, the farthest at {farthest:.2g} {unit}."
-    if blind.any():
-        count = int(blind.sum())
-        feels = "feels" if count == 1 else "feel"
-        more = "more " if worth else ""
-        yield f"{count:,} {more}hardly {feels} it: the uncertainty is larger than the picture."
+        yield _outside(shown)
+    if shown.blind.any():
+        yield _hardly_felt(shown)
+    if shown.unseen is not None:
+        yield _unseen_caption(shown.unseen)
+
+
+def _dots(shown: _Shown, *, of_cause: bool) -> Sentence:
+    worth, drawn = int((~shown.blind).sum()), len(shown.chosen)
+    whiskers = (shown.curve.standard_uncertainty[shown.chosen] > 0.0).any()
+    return said(
+        "curve.caption.all" if drawn == worth else "curve.caption.chosen",
+        chosen=drawn,
+        readings=worth,
+        left=said("curve.caption.left_by_cause" if of_cause else "curve.caption.left"),
+        stated=said("curve.caption.stated") if whiskers else "",
+    )
+
+
+def _outside(shown: _Shown) -> Sentence:
+    farthest = float(np.abs(shown.curve.residual[~shown.blind]).max())
+    key = "curve.caption.one_beyond" if shown.beyond == 1 else "curve.caption.beyond"
+    unit = printed_unit(shown.curve.quantity_unit)
+    return said(key, readings=shown.beyond, farthest=farthest, unit=unit)
+
+
+def _hardly_felt(shown: _Shown) -> Sentence:
+    count = int(shown.blind.sum())
+    if shown.blind.all():
+        return said("curve.caption.one_blind" if count == 1 else "curve.caption.blind", readings=count)
+    key = "curve.caption.one_more_blind" if count == 1 else "curve.caption.more_blind"
+    return said(key, readings=count)
+
+
+def _unseen_caption(unseen: Curve) -> Sentence:
+    means = "" if _means(unseen) is None else said("curve.caption.squares")
+    key = "curve.caption.one_unseen" if len(unseen.x) == 1 else "curve.caption.unseen"
+    return said(key, means=means, readings=len(unseen.x))

@@ -1,5 +1,5 @@
 // The two buttons below a diagnosis of a session: measure what it proposes, and diagnose again.
-// What they ask is the API's own; whatever it answers is said in its own sentence.
+// What they ask is the API's own; whatever it answers is said in its own sentence. The page brings the words.
 
 const bar = document.querySelector("[data-session]");
 const form = bar.querySelector("form");
@@ -13,7 +13,7 @@ async function answered(path, request) {
   try {
     reply = await fetch(path, request);
   } catch {
-    throw new Error("The service does not answer; look whether it runs, then try again.");
+    throw new Error(bar.dataset.unreachable);
   }
   const answer = await reply.json();
   if (!reply.ok) throw new Error(answer.detail);
@@ -24,6 +24,11 @@ function post(path, body, key) {
   const headers = { "Content-Type": "application/json" };
   if (key) headers["Idempotency-Key"] = key;
   return answered(path, { method: "POST", headers, body: JSON.stringify(body) });
+}
+
+// A page's text has its blanks in angle brackets: braces are filled in before it is sent.
+function filled(text, values) {
+  return text.replace(/<(\w+)>/g, (_, name) => values[name]);
 }
 
 function say(sentence, bad = false) {
@@ -52,20 +57,20 @@ async function measure() {
   const body = { person, configurations, diagnosis_id, leave_out_unfit: true };
   // One key a diagnosis: two taps must not send the robot there twice.
   const added = await post(`${session}/configurations`, body, form.dataset.key);
-  const left = added.left_out.map((entry) => `Left out: configuration ${entry.configuration}, ${entry.reason}.`);
+  const left = added.left_out.map((entry) => filled(bar.dataset.leftOut, entry));
   say([added.sentence, ...left, added.session.question].filter(Boolean).join(" "));
 }
 
 async function diagnose() {
-  say("Asked for; readings measured since are part of it.");
+  say(bar.dataset.asked);
   let job = await post(`${session}/diagnosis`, JSON.parse(again.dataset.again));
   while (["queued", "running"].includes(job.state)) {
     await new Promise((resolve) => setTimeout(resolve, POLL_MS));
     job = await answered(`/api/v1/jobs/${job.id}`);
-    say(`Diagnosing, ${Math.round(100 * job.fraction)} %: ${job.message}`);
+    say(filled(bar.dataset.diagnosing, { percent: Math.round(100 * job.fraction), message: job.message }));
   }
   if (job.state !== "succeeded") throw new Error(job.message);
-  location.assign(`/diagnoses/${job.result_url.split("/").pop()}`);
+  location.assign(`/diagnoses/${job.result_url.split("/").pop()}${location.search}`);
 }
 
 form?.addEventListener("submit", (event) => {

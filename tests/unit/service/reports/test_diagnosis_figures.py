@@ -16,7 +16,7 @@ from truepose.reports.figures.spectrum import spectrum_picture
 
 
 def drawn(curve, **options):
-    return residual_curve(curve, "c", line="fitted effect", **options)
+    return residual_curve(curve, "c", **options)
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def figure(request, identification, campaign):
         "curve of few": make_curve(n=20),
         "counted curve": make_curve(n=60, variable="mounting", variable_unit="", x=np.arange(60) % 3 + 1.0),
     }
-    return plain_residual_curve(curves[request.param], line="fitted effect")
+    return plain_residual_curve(curves[request.param])
 
 
 def test_a_notebook_shows_it_by_itself(figure):
@@ -102,5 +102,5 @@ def test_it_shows_what_the_page_shows():
 def test_a_curve_without_a_finite_reading_is_not_drawn():
     blank = make_curve(n=20)
 
-    assert plain_residual_curve(make_curve(n=20, residual=np.full(20, np.nan)), line="fitted effect") is None
-    assert plain_residual_curve(blank, line="fitted effect") is not None
+    assert plain_residual_curve(make_curve(n=20, residual=np.full(20, np.nan))) is None
+    assert plain_residual_curve(blank) is not None

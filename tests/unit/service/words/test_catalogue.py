@@ -28,11 +28,10 @@ def names(language):
 
 
 def blanks(text):
-    """Return what a text fills in, with the format of numbers; forms of names are a language's own."""
-    fields = {(field, spec) for _, field, spec, _ in string.Formatter().parse(text) if field}
-    return sorted(
-        (field, spec if re.fullmatch(r"(\.\d)?[efg]", spec or "") else "") for field, spec in fields
-    )
+    """Return what a text fills in, with the digits of numbers; forms of names are a language's own."""
+    parsed = string.Formatter().parse(text)
+    fields = {(field, (spec or "").lstrip(",")) for _, field, spec, _ in parsed if field}
+    return {(field, spec if re.fullmatch(r"(\.\d)?[efg]", spec) else "") for field, spec in fields}
 
 
 def literals(path):

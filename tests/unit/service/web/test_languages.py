@@ -1,0 +1,23 @@
+"""Which language a browser prefers, by its header."""
+
+import pytest
+
+from truepose.web.languages import preferred
+
+
+@pytest.mark.parametrize(
+    ("accepted", "languages"),
+    [
+        ("", []),
+        ("fr", ["fr"]),
+        ("fr-CH, fr;q=0.9, en;q=0.8", ["fr", "fr", "en"]),
+        ("en;q=0.2, fr;q=0.7", ["fr", "en"]),
+        ("en, fr", ["en", "fr"]),
+        ("fr;q=0, en;q=0.1", ["en"]),
+        ("fr;q=many, en;q=0.1", ["en"]),
+        ("*;q=0.5", ["*"]),
+        (",,;", []),
+    ],
+)
+def test_languages_come_in_the_order_of_their_weights(accepted, languages):
+    assert [language for language in preferred(accepted) if language] == languages

@@ -1,0 +1,131 @@
+"""No English is left where French was asked for: in texts, in names, in a report of planted causes."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import truepose
+from tests.helpers.diagnosis.point_scenes import START, telling_campaign, telling_scene
+from tests.helpers.diagnosis.selections import planted
+from tests.helpers.identification.synthetic import configurations
+from tests.helpers.web.pages import Page
+from truepose.cli.diagnosis_text import diagnosis_lines
+from truepose.diagnosis.diagnose import diagnose
+from truepose.diagnosis.screening.smooth_families import families
+from truepose.domain.diagnosis import Shape
+from truepose.effects.cells import amplitude_of, cell_of, named_cell, plural_of
+from truepose.effects.registry import CAUSES, EFFECTS
+from truepose.effects.unnamed.table import OWN
+from truepose.reports import DiagnosisInput, diagnosis_content
+from truepose.words.catalogue import catalogue
+
+FRENCH = catalogue("fr")
+FOLDER = Path(truepose.__file__).parent / "words" / "fr"
+# Of each English sentence at least one of these is a part, and of no French one.
+FUNCTION_WORDS = set(
+    re.findall(
+        r"\w+",
+        """
+    the of and is are was were with without by that which what from this these than it its not no nothing has
+    have be been they them there where when how all each every other more
+""",
+    )
+)
+NOUNS = set(
+    re.findall(
+        r"\w+",
+        """
+    joint joints link links nest nests tool load time direction torque mounting mountings range line
+    wave curve jump drift settling sign group reading readings shift error order mean speed length share turn
+""",
+    )
+)
+TITLES = ("Annals of Statistics", "An Introduction to the Bootstrap")
+
+
+def english_in(text, words=FUNCTION_WORDS):
+    for title in TITLES:
+        text = text.replace(title, "")
+    # Keys of tables and names of effects keep their spelling between backquotes and in brackets.
+    return sorted(words & set(re.findall(r"[a-zà-ÿ]+", re.sub(r"`\w+`|<[^>]*>", "", text.lower()))))
+
+
+@pytest.mark.parametrize("file", sorted(path.name for path in FOLDER.glob("*.json") if path.stem != "names"))
+def test_no_french_text_has_an_english_word(file):
+    texts = json.loads((FOLDER / file).read_text("utf-8"))
+
+    left = {key: english_in(re.sub(r"\{[^}]*\}", "", text)) for key, text in texts.items()}
+    assert {key: words for key, words in left.items() if words} == {}
+
+
+def names():
+    """Yield every name of a place, a variable, a shape and an amplitude that a diagnosis of ours may tell."""
+    scene = telling_scene()
+    for name, cause in CAUSES.items():
+        yield amplitude_of(name)
+        yield plural_of(name)
+        yield from named_cell(name, "joint 1") if name != "unnamed" else ()
+        for candidate in cause.candidates(scene):
+            yield from cell_of(candidate)
+            yield candidate.subject
+    for kind in OWN.values():
+        yield kind.subject((1, 2))
+    yield from (family.variable for family in families(scene))
+    yield from Shape.__args__
+
+
+def test_every_name_of_a_cell_has_its_french_word():
+    left = {name: english_in(FRENCH.name(name), NOUNS | FUNCTION_WORDS) for name in names()}
+
+    assert {name: words for name, words in left.items() if words} == {}
+
+
+def test_every_effect_has_its_french_name():
+    same = {"base"}
+
+    assert {name for name in EFFECTS if FRENCH.effect(name) == name.replace("_", " ")} == same
+
+
+@pytest.fixture(scope="module")
+def diagnosed():
+    """A joint's gain, another's wave and a base that drifts, with readings to judge them."""
+    causes = {
+        "joint_gain": {"gain_4": 4e-4},
+        "joint_harmonics": {"wave_2_2_sin": 4e-4, "wave_2_2_cos": 2e-4},
+        "base_drift": {"drift_linear_x": 0.2},
+    }
+    unseen = planted(causes, telling_campaign(40, joints_rad=configurations(40, seed=9)), seed=11)
+    return diagnose(replace(planted(causes), validation=unseen.calibration), START)
+
+
+def test_a_report_of_planted_causes_is_french_throughout(diagnosed):
+    page = Page(diagnosis_content(DiagnosisInput(diagnosed, language="fr")))
+
+    assert len(diagnosed.findings) >= 2
+    assert "tourne trop" in page.text
+    assert english_in(page.text) == []
+
+
+def test_a_terminal_speaks_french_too(diagnosed):
+    text = "\n".join(diagnosis_lines(diagnosed, FRENCH))
+
+    assert "À mesurer ensuite" in text or "Ce qui reste" in text
+    assert english_in(text) == []
+
+
+def test_what_is_said_in_english_is_seen(diagnosed):
+    assert {"the", "of", "with"} <= set(english_in(Page(diagnosis_content(DiagnosisInput(diagnosed))).text))
+
+
+def test_a_cause_of_a_package_keeps_its_own_words(diagnosed):
+    told = "The gear of joint 2 rubs under load."
+    first, *others = diagnosed.findings
+    brought = replace(diagnosed, findings=(replace(first, effect="acme_friction", sentence=told), *others))
+
+    page = Page(diagnosis_content(DiagnosisInput(brought, language="fr")))
+
+    assert told in page.text
+    assert "Acme friction, axe 4" in page.text
