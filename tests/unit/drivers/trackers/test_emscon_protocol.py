@@ -33,7 +33,7 @@ from truepose_drivers.leica_emscon.protocol import (
     exchange,
 )
 
-VECTORS = Path(__file__).parents[2] / "vectors"
+VECTORS = Path(__file__).parents[3] / "vectors"
 SIZES = json.loads((VECTORS / "emscon_sizes.json").read_text())
 CESAPI = json.loads((VECTORS / "emscon_cesapi.json").read_text())
 DIALOGUE = json.loads((VECTORS / "emscon_dialogue.json").read_text())

@@ -43,7 +43,7 @@ from truepose_drivers.usb.protocol.usbip import (
     encode_request,
 )
 
-VECTORS = json.loads((Path(__file__).parents[2] / "vectors" / "usbip_transfers.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "usbip_transfers.json").read_text())
 bytes_ = st.integers(0, 255)
 words = st.integers(0, 65_535)
 longs = st.integers(0, 2**32 - 1)

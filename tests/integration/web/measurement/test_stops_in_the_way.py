@@ -8,7 +8,7 @@ from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request, stops
 from tests.integration.web.conftest import asking
-from tests.integration.web.test_sessions import connected
+from tests.integration.web.measurement.test_sessions import connected
 from truepose.app import create_app
 from truepose_drivers.errors import ConnectionLostError
 

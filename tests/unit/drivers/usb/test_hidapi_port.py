@@ -12,7 +12,7 @@ import pytest
 
 from tests.helpers.checkout import CHECKOUT, SOURCES
 from tests.helpers.machine import UMOCKDEV
-from tests.unit.drivers.umockdev_ballbar import write_device
+from tests.unit.drivers.usb.umockdev_ballbar import write_device
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DeviceRefusedError
 from truepose_drivers.transports.hid import HidapiPort
 from truepose_drivers.transports.usb_address import LocalUsb

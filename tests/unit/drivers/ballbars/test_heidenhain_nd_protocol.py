@@ -36,7 +36,7 @@ from truepose_drivers.heidenhain_nd.protocol import (
     value_line,
 )
 
-VECTORS = json.loads((Path(__file__).parents[2] / "vectors" / "nd28x_dialogue.json").read_text())
+VECTORS = json.loads((Path(__file__).parents[3] / "vectors" / "nd28x_dialogue.json").read_text())
 
 
 def replies(data: bytes, chunk: int = 4096) -> list[object]:

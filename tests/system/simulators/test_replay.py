@@ -142,7 +142,7 @@ def test_real_robots_replay_as_their_models_predict(measured_data, tmp_path, cam
         folder / "calibration.csv", identified.robot.n_joints, [nest.nest for nest in identified.nests]
     )
     predicted, _ = predict(identified, rows.stops, rows.nest)
-    # The limit of test_simulators_identified_models, for the same reasons.
+    # The limit of test_identified_models, for the same reasons.
     assert positions_mm(tmp_path / "out") == pytest.approx(predicted, abs=1e-3)
 
 

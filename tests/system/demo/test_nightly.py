@@ -20,7 +20,7 @@ from truepose.demo.night.cases import (
 from truepose.demo.night.nightly import run_nightly
 from truepose_simulators.scenarios.file import shipped_scenarios
 
-REPOSITORY = Path(__file__).parents[2]
+REPOSITORY = Path(__file__).parents[3]
 
 
 def unreachable(judged):
