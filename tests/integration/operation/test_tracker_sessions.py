@@ -1,0 +1,165 @@
+"""Who runs a tracker session, and what becomes of the devices and of what follows its end."""
+
+import asyncio
+import logging
+
+import pytest
+
+from tests.helpers.ballbar.cells import domain_cell
+from tests.helpers.domain.tracker_sessions import entered
+from tests.integration.web.bench import Bench
+from truepose.domain.cell import DeviceEntry
+from truepose.domain.errors import RecordRefusedError
+from truepose.domain.session import PlannedStop, SessionPlan, SessionState
+from truepose.operation.devices import MountedDevice, Rack
+from truepose.operation.sessions import SessionDesk
+from truepose.operation.tracker.sessions import TrackerSessions
+from truepose.sequencing.errors import NotNowError
+from truepose.storage.measurement.added_stops import AddedStopsRepository
+from truepose.storage.measurement.ledger import LedgerRepository
+from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.records import SessionSetup
+
+_PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 1) for k in (1, 2)))
+
+
+class FakeRunner:
+    """Asks its question at once, or says that the disk refuses it, and runs until it is told how it ends."""
+
+    def __init__(self, trouble=None):
+        self.trouble = trouble
+        self.question = None if trouble else "Is the cell clear?"
+        self.state = SessionState.PLANNED if trouble else SessionState.AWAITING_CONFIRMATION
+        self._ended = asyncio.Event()
+
+    async def run(self):
+        await self._ended.wait()
+        return self.state
+
+    def ends(self, state):
+        self.state = state
+        self._ended.set()
+
+
+class Scene:
+    """A desk on a real database, fake devices, and the runners that it was given."""
+
+    def __init__(self, database):
+        bench = Bench()
+        devices = [("tracker", bench.tracker), ("robot", bench.robot)]
+        self.rack = Rack(
+            [MountedDevice(DeviceEntry(kind, "fake", {}), kind, "fake", it) for kind, it in devices],
+            bench.clock,
+        )
+        self.sessions = SessionRepository(database)
+        self.ledger = LedgerRepository(database)
+        self.runners = []
+        self.trouble = None
+        self.followed = []
+        self.failure = None
+        self.desk = SessionDesk(self.sessions, self.ledger, self.rack)
+        additions = AddedStopsRepository(database)
+        self.tracker = TrackerSessions(self.desk, additions, self.follow, self.make_runner)
+
+    def make_runner(self, plan, cell, ledger, entries):
+        self.runners.append(FakeRunner(self.trouble))
+        return self.runners[-1]
+
+    async def follow(self, session_id):
+        self.followed.append(session_id)
+        if self.failure is not None:
+            raise self.failure
+
+    async def planned(self):
+        return await self.sessions.add("left arm", SessionSetup(domain_cell()), _PLAN)
+
+    async def idle(self):
+        async with asyncio.timeout(5):
+            while self.desk.now is not None:
+                await asyncio.sleep(0.001)
+
+    @property
+    def held_by(self):
+        return self.rack.status("robot").session_id
+
+
+@pytest.fixture
+async def scene(database):
+    opened = Scene(database)
+    yield opened
+    await opened.desk.close()
+
+
+async def test_a_session_whose_question_cannot_be_kept_is_not_started(scene):
+    session_id, scene.trouble = await scene.planned(), "The disk is full."
+
+    with pytest.raises(
+        RecordRefusedError, match=rf"Session {session_id} was not started\. The disk is full\."
+    ):
+        await scene.tracker.start(session_id)
+
+    assert (scene.desk.now, scene.held_by) == (None, None)
+    scene.trouble = None
+    assert await scene.tracker.start(session_id) == "Is the cell clear?"
+    assert scene.held_by == session_id
+
+
+@pytest.mark.parametrize(("end", "followed"), [(SessionState.FINISHED, True), (SessionState.ABORTED, False)])
+async def test_only_what_finished_is_followed_and_the_devices_are_free_by_then(scene, end, followed):
+    session_id = await scene.planned()
+    await scene.tracker.start(session_id)
+
+    scene.runners[0].ends(end)
+    await scene.idle()
+
+    assert scene.followed == ([session_id] if followed else [])
+    assert scene.held_by is None
+
+
+async def test_what_fails_after_the_end_is_in_the_log_and_stops_nobody(scene, caplog):
+    first, second = await scene.planned(), await scene.planned()
+    scene.failure = KeyError("langid")
+    await scene.tracker.start(first)
+
+    scene.runners[0].ends(SessionState.FINISHED)
+    await scene.idle()
+
+    assert "what should have followed session 1 failed" in caplog.text
+    assert await scene.tracker.start(second) == "Is the cell clear?"
+
+
+async def test_what_was_under_way_awaits_a_person_and_what_was_planned_stays_so(scene):
+    running, planned = await scene.planned(), await scene.planned()
+    await scene.ledger.append(running, entered(SessionState.AWAITING_CONFIRMATION, "asked"))
+    await scene.ledger.append(running, entered(SessionState.RUNNING, "confirmed", "Ada", time_s=7.0))
+
+    await scene.desk.recover()
+
+    found = await scene.sessions.get(running)
+    assert (found.state, scene.runners) == (SessionState.AWAITING_CONFIRMATION, [])
+    assert "restarted" in found.reason
+    assert (await scene.sessions.get(planned)).state is SessionState.PLANNED
+    assert (await scene.ledger.page(running))[-1].entry.time_s == 7.0
+
+
+async def test_a_service_that_cannot_write_ends_all_the_same(scene, caplog, monkeypatch):
+    session_id = await scene.planned()
+    await scene.ledger.append(session_id, entered(SessionState.RUNNING, "confirmed", "Ada"))
+
+    async def refuse(session_id, entry):
+        raise RecordRefusedError("The disk is full.")
+
+    monkeypatch.setattr(scene.ledger, "append", refuse)
+    with caplog.at_level(logging.WARNING):
+        await scene.desk.close()
+
+    assert "left as it is: The disk is full." in caplog.text
+
+
+async def test_only_a_planned_session_starts(scene):
+    session_id = await scene.planned()
+    await scene.ledger.append(session_id, entered(SessionState.ABORTED, "ended"))
+
+    with pytest.raises(NotNowError, match=r"Session 1 is aborted; only a planned one starts\."):
+        await scene.tracker.start(session_id)
+    assert scene.runners == []
