@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.correction.branches import attain_any_branch
+from truepose.correction.branches import Ranges, attain_any_branch
 from truepose.correction.corrections import ANY_BRANCH, Corrections, joined, judged
 from truepose.correction.goals import FLANGE, Goals
 from truepose.correction.inverse import Attained, attain, merged, replaced
@@ -81,8 +81,13 @@ def _correct(model: Model, estimate: Estimate, goals: Goals, asked: IntArray) ->
     rows = np.flatnonzero(~told & (asked != ANY_BRANCH))
     found = replaced(found, rows, attain_branch(estimate, goals.taken(rows), asked[rows]))
     rows = np.flatnonzero(~told & (asked == ANY_BRANCH))
-    found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows)))
+    found = replaced(found, rows, attain_any_branch(estimate, goals.taken(rows), _measured(model)))
     return judged(model, estimate, goals, found, told)
+
+
+def _measured(model: Model) -> Ranges:
+    robot = model.robot
+    return (model.zone.joint_ranges if model.zone else robot.calibration_ranges) or robot.joint_limits
 
 
 def _from_told(estimate: Estimate, goals: Goals, told: BoolArray) -> Attained:

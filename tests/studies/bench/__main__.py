@@ -77,6 +77,7 @@ def _figures(*, with_demo: bool):
         "numpy sketch: forward kinematics, 10000",
         timed(lambda: arm.predicted(np.zeros(6), arm.NOMINAL, arm.TOOL, joints)),
     )
+    yield from ((f"{name}, 10000", timing) for name, timing in ours.inverses(10000))
     yield from _choices()
     yield from ours.processes(with_demo=with_demo)
 

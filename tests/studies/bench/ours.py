@@ -4,21 +4,27 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from tests.studies.bench.timing import Timing, timed
+from truepose.correction import Goals, correct
+from truepose.correction.starts import attain_branch
 from truepose.domain.campaign import Campaign, PointReadings, Stops
+from truepose.domain.results import Model, Parameter
 from truepose.domain.robot import FramePlacement
 from truepose.exchange.campaigns.folder import write_campaign
 from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.identification import identify
 from truepose.identification.fit.robust import fit
+from truepose.identification.model.estimates import identified_estimate, structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.inverse import all_branches, branch_of
 from truepose.planning.exchange import choose_by_exchange
 
 _NOISE_MM: Final = 0.015
@@ -69,6 +75,59 @@ def forward_kinematics(n: int) -> Iterator[tuple[str, Timing]]:
     joints = targets.stops.joints_rad
     yield "forward kinematics, nominal", timed(lambda: nominal_chain(read.robot, joints))
     yield "forward kinematics, identified with torques", timed(lambda: evaluate(structure, values, targets))
+
+
+def inverses(n: int) -> Iterator[tuple[str, Timing]]:
+    """Time the inverse of n poses, nominal and of an identified model, without and with joint curves."""
+    read = campaign(1000)
+    model = identify(read).model
+    if model is None:
+        raise SystemExit("the bench's campaign could not be identified")
+    ranges = read.robot.calibration_ranges or ()
+    rng = np.random.default_rng(n)
+    joints = rng.uniform([r.lower_rad for r in ranges], [r.upper_rad for r in ranges], (n, len(ranges)))
+    branch = branch_of(read.robot, joints)
+    chain = nominal_chain(read.robot, joints)
+    poses = _poses(chain.end_origin, chain.end_rotation)
+    yield "nominal inverse, 8 branches", timed(lambda: all_branches(read.robot, poses))
+    for name, plant in (("identified model", model), ("with joint curves of 60 orders", _with_curves(model))):
+        goals, estimate = _goals(plant, joints), identified_estimate(plant)
+        solved = attain_branch(estimate, goals, branch).arrived.mean()
+        yield (
+            f"inverse, {name} ({solved:.2%} solved)",
+            timed(lambda estimate=estimate, goals=goals: attain_branch(estimate, goals, branch)),
+        )
+    goals = _goals(model, joints)
+    yield "targets corrected, with uncertainties", timed(lambda: correct(model, goals, branch))
+
+
+def _with_curves(model: Model) -> Model:
+    """Return a model whose six joints are off by curves of sixty orders, some hundredths of a degree."""
+    names = [f"wave_{j}_{o}_{phase}" for j in range(1, 7) for o in range(1, 61) for phase in ("sin", "cos")]
+    values = np.deg2rad(0.005) * np.random.default_rng(0).standard_normal(len(names))
+    waves = tuple(
+        Parameter(name, "joint_harmonics", float(value), "rad", 0.0, 1.0)
+        for name, value in zip(names, values, strict=True)
+    )
+    size = len(model.parameters)
+    covariance = np.zeros((size + len(waves),) * 2)
+    covariance[:size, :size] = model.covariance
+    effects = (*model.effects, "joint_harmonics")
+    return replace(model, parameters=(*model.parameters, *waves), covariance=covariance, effects=effects)
+
+
+def _goals(model: Model, joints: np.ndarray) -> Goals:
+    """Return goals of the first nest that the identified arm can reach."""
+    stops, nest = Stops(np.arange(len(joints)), joints), np.ones(len(joints), dtype=np.int64)
+    state = evaluate(structure_of(model), values_of(model), Targets(stops, nest))
+    unknown = replace(stops, joints_rad=np.full_like(joints, np.nan))
+    return Goals(unknown, nest, state.unscaled_mm, state.chain.end_rotation)
+
+
+def _poses(origin_mm: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    poses = np.tile(np.eye(4), (len(origin_mm), 1, 1))
+    poses[:, :3, :3], poses[:, :3, 3] = rotation, origin_mm
+    return poses
 
 
 def choice(rows: np.ndarray) -> tuple[Timing, float]:
