@@ -8,8 +8,6 @@ body (1e-4 rad squared, 0.01 um at a metre), and files round positions to 0.01 u
 by twenty times the limit or more, so that a missing, halved or reversed one could not pass.
 """
 
-import csv
-import json
 from dataclasses import replace
 from typing import get_args
 
@@ -25,12 +23,12 @@ from tests.helpers.identification.models import (
     parameters_of,
     stops_and_nests,
 )
+from tests.helpers.identification.replays import went_mm
 from truepose.domain.results import Unit
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.models.file import write_model
 from truepose.identification import predict
 from truepose_simulators.physics.effects.registry import REALISED
-from truepose_simulators.recording.__main__ import main
 from truepose_simulators.scenarios.model_file import load_model
 
 LIMIT_MM = 1e-3
@@ -49,37 +47,11 @@ def quiet(tmp_path):
     return str(scenario)
 
 
-def write_stops(folder, stops, nest):
-    """A campaign folder whose readings are nothing but places to write into."""
-    folder.mkdir()
-    (folder / "campaign.json").write_text(json.dumps({"format": 1, "files": {"calibration": "rows.csv"}}))
-    joints = range(stops.joints_rad.shape[1])
-    with (folder / "rows.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        columns = [f"q{j + 1}_deg" for j in joints] + [f"dir{j + 1}" for j in joints]
-        circumstances = ["time_s", "temperature_C", "attachment", "nest", "x_mm", "y_mm", "z_mm", "u_mm"]
-        writer.writerow(["config", *columns, *circumstances])
-        for k in range(len(stops)):
-            angles = [f"{angle:.5f}" for angle in np.degrees(stops.joints_rad[k])]
-            here = [stops.time_s[k], stops.temperature_c[k], stops.attachment[k], nest[k], 0, 0, 0, 0.01]
-            writer.writerow([stops.config[k], *angles, *stops.direction[k], *here])
-    return folder
-
-
-def replayed_mm(folder):
-    with (folder / "rows.csv").open(encoding="utf-8") as file:
-        return np.array([[float(row[f"{axis}_mm"]) for axis in "xyz"] for row in csv.DictReader(file)])
-
-
 def off_mm(model, scenario, tmp_path, n=60):
     """How far the simulated readings are from the predicted ones, and the predictions, (n,) and (n, 3)."""
     stops, nest = stops_and_nests(model.robot, n)
-    measured = write_stops(tmp_path / "measured", stops, nest)
-    write_model(model, tmp_path / "model.json")
-    asked = ["--model", str(tmp_path / "model.json"), "--replay", str(measured)]
-    assert main([scenario, *asked, "--out", str(tmp_path / "out")]) == 0
     predicted, _ = predict(model, stops, nest)
-    return np.linalg.norm(replayed_mm(tmp_path / "out") - predicted, axis=1), predicted
+    return np.linalg.norm(went_mm(model, stops, nest, scenario, tmp_path) - predicted, axis=1), predicted
 
 
 def test_every_effect_that_the_cell_realises_is_tried_here():

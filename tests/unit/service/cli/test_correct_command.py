@@ -1,0 +1,93 @@
+"""`truepose correct`: exit status, files, and a sentence for whatever cannot be used."""
+
+import csv
+import json
+import sys
+
+import pytest
+
+from tests.helpers.checkout import CHECKOUT
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, plain_parameters
+from truepose.cli import main
+from truepose.exchange.models.file import write_model
+
+HEADER = "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"
+NEAR = "near,350,100,400,0,0,1,0\n"
+FAR = "far,9000,0,0,1,0,0,0\n"
+
+
+@pytest.fixture
+def model(tmp_path):
+    file = tmp_path / "robot.json"
+    write_model(model_of(IRB_120, *plain_parameters(IRB_120), base=model_of().nominal_base), file)
+    return file
+
+
+@pytest.fixture
+def run(model, tmp_path, monkeypatch, capsys):
+    def correcting(targets, *options):
+        file = tmp_path / "targets.csv"
+        file.write_text(targets)
+        out = tmp_path / "out.csv"
+        command = ["truepose", "correct", str(model), str(file), "--out", str(out), *options]
+        monkeypatch.setattr(sys, "argv", command)
+        status = main()
+        rows = list(csv.DictReader(out.read_text().splitlines())) if out.exists() else None
+        return status, rows, capsys.readouterr()
+
+    return correcting
+
+
+def test_what_is_within_reach_is_corrected(run):
+    status, rows, said = run(HEADER + NEAR)
+
+    assert status == 0
+    assert [row["status"] for row in rows] == ["ok"]
+    assert float(rows[0]["error_mm"]) < 1e-3
+    assert said.out.startswith("1 of 1 targets corrected.")
+
+
+def test_a_target_that_was_not_corrected_is_a_no_and_is_named(run):
+    status, rows, said = run(HEADER + NEAR + FAR)
+
+    assert status == 1
+    assert [row["status"] for row in rows] == ["ok", "out_of_reach"]
+    assert "far: not corrected, the arm does not reach it." in said.out
+
+
+def test_json_counts_and_names(run):
+    _, _, said = run(HEADER + NEAR + FAR, "--json")
+
+    document = json.loads(said.out)
+    assert document["targets"] == 2
+    assert document["statuses"] == {"ok": 1, "out_of_reach": 1}
+    assert document["not_corrected"] == [{"target": "far", "status": "out_of_reach"}]
+    assert document["outside"] is None  # this model does not say where it was measured
+
+
+def test_targets_in_the_base_go_elsewhere_than_in_the_world(run):
+    _, world, _ = run(HEADER + NEAR)
+    _, base, _ = run(HEADER + NEAR, "--frame", "base")
+
+    assert abs(float(world[0]["q1_deg"]) - float(base[0]["q1_deg"])) > 1e-4
+
+
+def test_half_a_table_is_never_left(run, tmp_path):
+    good = HEADER + NEAR * 5000
+
+    status, rows, said = run(good + "bad,1,2,x,1,0,0,0\n")
+
+    assert status == 2
+    assert rows is None
+    assert "line 5002, column z_mm: 'x' is not a number" in said.err
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_a_file_that_is_no_model_is_refused(run, model):
+    model.write_text((CHECKOUT / "README.md").read_text())
+
+    status, rows, said = run(HEADER + NEAR)
+
+    assert (status, rows) == (2, None)
+    assert "robot.json" in said.err
