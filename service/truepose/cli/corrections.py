@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 
 import typer
 
-from truepose.cli.files import Json, require_folders, writing
+from truepose.cli.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
+from truepose.words.catalogue import ENGLISH, catalogue
 
 if TYPE_CHECKING:
     from truepose.correction import Summary
@@ -30,6 +31,7 @@ def correct_command(
     frame: Annotated[
         Frame, typer.Option(help="What targets are given in: the frame of the readings, or the robot's base.")
     ] = Frame.WORLD,
+    language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
     """Find joint targets that make the real tool arrive; status 1 when some target was not corrected.
@@ -46,9 +48,8 @@ def correct_command(
         print_json(correction_document(summary))
     else:
         from truepose.reports.corrections import correction_sentences
-        from truepose.words.catalogue import english
 
-        print_lines(english(sentence) for sentence in correction_sentences(summary))
+        print_lines(map(catalogue(language).spoken, correction_sentences(summary)))
     return 0 if summary.solved == summary.targets else 1
 
 

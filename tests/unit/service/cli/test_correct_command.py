@@ -91,3 +91,9 @@ def test_a_file_that_is_no_model_is_refused(run, model):
 
     assert (status, rows) == (2, None)
     assert "robot.json" in said.err
+
+
+def test_the_answer_is_given_in_french_where_that_is_asked_for(run):
+    _, _, said = run(HEADER + NEAR, "--language", "fr")
+
+    assert said.out.startswith("1 cibles sur 1 corrigées.")
