@@ -127,6 +127,7 @@ class Trait(StrEnum):
     SEARCHED = "searched"  # only a search in the data tells what it is like: a time, a pair of nests
     OF_LENGTHS = "of lengths"  # positions do not know of it
     ON_FIXED_NESTS = "on fixed nests"  # it moves readings of fixed nests too, or stands for these
+    STEADY = "steady"  # its terms follow from the stop alone: no load, no frame of the arm changes them
     OF_READINGS = "of readings"  # it lies in single readings, not in the robot
 
 

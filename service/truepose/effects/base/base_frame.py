@@ -17,7 +17,7 @@ class Base:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
-    traits = frozenset({Trait.PLACING})
+    traits = frozenset({Trait.PLACING, Trait.STEADY})
 
     def automatic(self, setting: Setting) -> bool:
         """Positions say where the robot stands; lengths do not."""

@@ -11,7 +11,7 @@ from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import FEWEST_TOGETHER, Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject
-from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "backlash"
 _WIDTH_RAD = np.deg2rad(0.1)  # belief: three times the widest gap of the thesis (table 2.3)
@@ -23,6 +23,7 @@ class Backlash:
 
     name = NAME
     needs: frozenset[Need] = frozenset({"direction"})
+    traits = frozenset({Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return one gap per joint."""

@@ -10,7 +10,7 @@ from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "joint_coupling"
 _WIDTH = 2e-3  # belief: four times what a wrist with a noticeable coupling shows
@@ -22,6 +22,7 @@ class JointCoupling:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return the couplings within the wrist: those that its shafts make."""

@@ -5,7 +5,7 @@ import numpy as np
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
 from truepose.effects.names import joint_name, joint_of, joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "joint_gain"
 _WIDTH = 1e-3  # gear ratios are exact; scale errors of encoders stay well below this
@@ -16,6 +16,7 @@ class JointGain:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return one gain per joint, the first included: no other parameter scales its angle."""

@@ -22,7 +22,7 @@ from truepose.effects.causes import (
     norm_with_uncertainty,
 )
 from truepose.effects.names import joint_of_subject, joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "joint_harmonics"
 _WIDTH_RAD = np.deg2rad(0.05)  # belief: few gears are off by more
@@ -42,6 +42,7 @@ class JointHarmonics:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return orders 1 and 2 of every joint but the waves once per turn that offsets and tilts mimic."""

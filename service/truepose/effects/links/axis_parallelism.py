@@ -13,7 +13,7 @@ from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown, norm_with_uncertainty
 from truepose.effects.links.geometry import ANGLE_WIDTH_RAD, is_parallel_to_previous, link_terms
 from truepose.effects.names import joint_name, joint_of, joint_subject
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term
+from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
 
 NAME = "axis_parallelism"
 
@@ -23,6 +23,7 @@ class AxisParallelism:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
+    traits = frozenset({Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return beta of every near-parallel axis."""

@@ -46,7 +46,7 @@ class Geometry:
     """DH-Modified errors of rows 2..J; with `tilt`, beta of near-parallel axes too."""
 
     needs = NOTHING
-    traits = frozenset({Trait.GEOMETRY})
+    traits = frozenset({Trait.GEOMETRY, Trait.STEADY})
 
     def __init__(self, name: str, *, tilt: bool) -> None:
         self.name = name
@@ -91,7 +91,7 @@ class JointOffset:
 
     name = "joint_offset"
     needs = NOTHING
-    traits = frozenset({Trait.GEOMETRY})
+    traits = frozenset({Trait.GEOMETRY, Trait.STEADY})
 
     def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
         """Return theta of rows 2..J."""

@@ -15,7 +15,7 @@ class Tool:
 
     name = NAME
     needs: frozenset[Need] = NOTHING
-    traits = frozenset({Trait.PLACING})
+    traits = frozenset({Trait.PLACING, Trait.STEADY})
 
     def automatic(self, setting: Setting) -> bool:
         """As far as it is unknown."""

@@ -14,8 +14,9 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
-from truepose.effects.registry import effect_named, needs_of
+from truepose.effects.registry import needs_of
 from truepose.identification.model.structure import Structure, base_axes
+from truepose.identification.model.terms import Acting, with_added_loads
 from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from truepose.kinematics.frames import turned_axes
 from truepose.kinematics.gravity import gravity_torques
@@ -24,11 +25,6 @@ _MOST_PASSES = 4
 _BALANCED = 1e-5  # of the largest torque: a deflection of 0.1 deg is then right to 2e-8 rad
 # Each pass brings the torques closer by a factor of about a thousand: after such a change one more is enough.
 _NEARLY_BALANCED = 2e-3
-
-# glibc learns from the largest block that was freed, of 32 MB at most, how much freed memory to keep. Before
-# that, frames of 10,000 stops go back to the system after each step and are taken again page by page, which
-# can take as long as to fill them (mallopt(3), M_MMAP_THRESHOLD). This block is never touched, so it is free.
-np.empty(2**25 - 2**13, dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,13 +100,14 @@ def evaluate(
     loaded = measured is None and _is_loaded(structure)
     if loaded and previous:
         rows = rows._replace(torque_n_mm=previous.torque_n_mm, frames=known_frames(previous.chain))
-    state = _evaluate_loaded(structure, values, targets, nominal, rows)
+    acting = Acting(structure, values, rows)
+    state = _evaluate_loaded(acting, targets, nominal, rows)
     for _ in range(_MOST_PASSES if loaded else 0):
         torque = _gravity(structure, state.chain)
         change = _change(torque, state.torque_n_mm)
         if change > _BALANCED:
             rows = rows._replace(torque_n_mm=torque, frames=known_frames(state.chain))
-            state = _evaluate_loaded(structure, values, targets, nominal, rows)
+            state = _evaluate_loaded(acting, targets, nominal, rows)
         if change <= _NEARLY_BALANCED:
             break
     return state
@@ -139,14 +136,9 @@ def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
     return gravity_torques(chain, structure.robot.masses, structure.gravity_m_s2)
 
 
-def _evaluate_loaded(
-    structure: Structure,
-    values: FloatArray,
-    targets: Targets,
-    nominal: LinkValues,
-    rows: Rows,
-) -> State:
-    terms, moved = _loaded_terms(structure, values, rows)
+def _evaluate_loaded(acting: Acting, targets: Targets, nominal: LinkValues, rows: Rows) -> State:
+    structure, values = acting.structure, acting.values
+    terms, moved = acting.under_load(rows)
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))
     origin = structure.base_origin_mm + _triple(moved, PortKind.BASE, 0)
     tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
@@ -204,28 +196,7 @@ def rows_of(state: State) -> Rows:
     """
     torque = _gravity(state.structure, state.chain) if state.torque_n_mm is None else state.torque_n_mm
     rows = _rows(state.structure, state.targets, torque, known_frames(state.chain))
-    return rows if torque is None else rows._replace(torque_n_mm=_with_added_loads(torque, state.moved))
-
-
-def _loaded_terms(
-    structure: Structure, values: FloatArray, rows: Rows
-) -> tuple[tuple[Term, ...], dict[Port, FloatArray | float]]:
-    """Terms and moved ports, gearboxes loaded by what effects add to the torque too."""
-    terms = collect_terms(structure, rows)
-    moved = _moved_ports(terms, values)
-    loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
-    if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
-        return terms, moved
-    terms = collect_terms(structure, rows._replace(torque_n_mm=_with_added_loads(rows.torque_n_mm, moved)))
-    return terms, _moved_ports(terms, values)
-
-
-def _with_added_loads(torque: FloatArray, moved: dict[Port, FloatArray | float]) -> FloatArray:
-    loaded = torque.copy()
-    for port, load in moved.items():
-        if port.kind is PortKind.TORQUE:
-            loaded[:, port.number] += load
-    return loaded
+    return rows if torque is None else rows._replace(torque_n_mm=with_added_loads(torque, state.moved))
 
 
 def _motions(moved: dict[Port, FloatArray | float], n: int) -> dict[int, FloatArray]:
@@ -251,25 +222,6 @@ def _seen(points: FloatArray, scale: float, instrument: FloatArray, motion: Floa
     turn, _ = turned_axes(motion[:, 3:])
     seen: FloatArray = np.einsum("nij,nj->ni", turn, scaled) + motion[:, :3]
     return seen
-
-
-def collect_terms(structure: Structure, rows: Rows) -> tuple[Term, ...]:
-    """Ask every effect how its parameters act; parameter indices are those of the structure."""
-    terms: list[Term] = []
-    for effect in structure.effects:
-        indices = structure.indices_of(effect)
-        terms += [
-            Term(indices[term.parameter], term.port, term.weight)
-            for term in effect_named(effect).terms(structure.names_of(effect), rows)
-        ]
-    return tuple(terms)
-
-
-def _moved_ports(terms: tuple[Term, ...], values: FloatArray) -> dict[Port, FloatArray | float]:
-    moved: defaultdict[Port, FloatArray | float] = defaultdict(float)
-    for term in terms:
-        moved[term.port] = moved[term.port] + term.weight * float(values[term.parameter])
-    return dict(moved)
 
 
 def _triple(moved: dict[Port, FloatArray | float], kind: PortKind, first: int) -> FloatArray:
