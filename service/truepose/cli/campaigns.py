@@ -9,6 +9,7 @@ import typer
 from truepose.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
@@ -95,7 +96,7 @@ def _write_model(path: Path, answer: "Identification") -> None:
         with writing(path):
             write_model(answer.model, path)
     else:
-        remark([f"No model was written to {path}: {answer.message}"])
+        remark([f"No model was written to {path}: {english(answer.message)}"])
 
 
 def _show(answer: "Identification") -> None:

@@ -14,6 +14,7 @@ from truepose.exchange.results.documents import statistics_document
 from truepose.reports.rounding import millimetres
 from truepose.reports.summary import figures_table, truth_table
 from truepose.version import __version__
+from truepose.words.catalogue import english
 
 RESULT: Final = "result.json"
 
@@ -58,7 +59,7 @@ def show_result(judged: JudgedRun, out: Path) -> None:
     console = Console(highlight=False)
     console.print(figures_table(judged.identification))
     if judged.errors is None:
-        console.print(judged.identification.message, soft_wrap=True, markup=False)
+        console.print(english(judged.identification.message), soft_wrap=True, markup=False)
     else:
         console.print(_errors_table(judged.errors))
         console.print(truth_table(judged.parameters))

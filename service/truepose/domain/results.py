@@ -6,6 +6,7 @@ from typing import Literal
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FramePlacement, JointRange, Robot
+from truepose.domain.sentences import Text
 
 Unit = Literal[
     "mm",
@@ -175,7 +176,7 @@ class Identification:
     """The answer of an identification, whatever its status."""
 
     status: Status
-    message: str
+    message: Text
     effects: tuple[str, ...]
     counts: Counts
     parameters: tuple[Parameter, ...]

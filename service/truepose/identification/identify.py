@@ -14,6 +14,7 @@ from truepose.domain.results import (
     PureError,
     Status,
 )
+from truepose.domain.sentences import Text, together
 from truepose.effects.ports import Trait
 from truepose.effects.registry import chosen_effects, effects_with
 from truepose.identification.fit.considered import considered
@@ -90,7 +91,7 @@ def _with_set_aside(answer: Identification, reached: WithinReach) -> Identificat
     outliers = reached.with_rows_of_table(answer.outliers)
     return replace(
         answer,
-        message=f"{answer.message} {reached.sentence}".rstrip(),
+        message=together(answer.message, reached.sentence),
         outliers=outliers,
         counts=replace(answer.counts, outliers=len(outliers)),
     )
@@ -201,7 +202,7 @@ def _not_identifiable(problem: Problem, identified: RobustFit) -> tuple[NotIdent
     return not_identifiable(problem.structure, covariance, jacobian, problem.setting, moved)
 
 
-def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: str) -> Identification:
+def _unfitted(campaign: Campaign, effects: tuple[str, ...], status: Status, message: Text) -> Identification:
     readings = campaign.readings
     observations = 0 if readings is None else readings.observed_mm.size
     configurations = 0 if readings is None else len(np.unique(readings.stops.config))

@@ -16,6 +16,7 @@ from truepose.notebook.frames import frame
 from truepose.notebook.given import Progress, effects_given
 from truepose.notebook.model import Model
 from truepose.notebook.wording import STATISTICS, change, counted, parameter_table, rows_of
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +58,7 @@ class Identification:
     @property
     def message(self) -> str:
         """What to make of it, in words."""
-        return self.answer.message
+        return english(self.answer.message)
 
     @property
     def model(self) -> Model | None:

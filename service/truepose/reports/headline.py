@@ -8,6 +8,7 @@ from truepose.identification.verdict.judge import Judged
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.uncertainty.budget import Budget
 from truepose.reports.uncertainty.judged import judging_figures
+from truepose.words.catalogue import english
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +33,9 @@ def headline(identification: Identification, judged: Judged | None, budget: Budg
     """Return the headline; whatever was not reached is said first."""
     pair = judging_figures(identification)
     if judged is None or budget is None or pair is None:
-        return Headline(identification.message or "No model was identified.", good=False)
+        return Headline(english(identification.message) or "No model was identified.", good=False)
     converged = identification.status is Status.CONVERGED
-    warning = "" if converged else f"Not to be used: {identification.message} "
+    warning = "" if converged else f"Not to be used: {english(identification.message)} "
     return Headline(
         sentence=warning + _sentence(identification, budget, pair),
         good=converged and _improves(pair),

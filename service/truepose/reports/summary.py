@@ -13,11 +13,12 @@ from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
+from truepose.words.catalogue import english
 
 
 def identification_summary(identification: Identification) -> Group:
     """Return message, errors, parameters and what the data leave open."""
-    parts: list[RenderableType] = [Text(identification.message)]
+    parts: list[RenderableType] = [Text(english(identification.message))]
     if any(figures_rows(identification, None)):
         parts.append(figures_table(identification))
     if identification.parameters:

@@ -12,7 +12,7 @@ from truepose.diagnosis.evidence.remaining import prepared_families
 from truepose.diagnosis.evidence.structure_left import left_by
 from truepose.diagnosis.screening.candidates import pooled
 from truepose.diagnosis.screening.selection import Selected, chosen, refitted, select
-from truepose.diagnosis.start import started
+from truepose.diagnosis.start import Start, started
 from truepose.effects.ports import ParameterSpec
 from truepose.effects.registry import CAUSES
 from truepose.identification.model.evaluation import Targets, evaluate
@@ -52,7 +52,7 @@ def _usual_start(parameters, present, n, seed, noise_mm):
 
 def _start_on(campaign, present):
     start = started(campaign, present, relabel=False)
-    assert not isinstance(start, str)
+    assert isinstance(start, Start)
     return start
 
 

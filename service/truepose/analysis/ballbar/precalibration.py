@@ -20,6 +20,7 @@ from truepose.judgement.connections.judge import judge_pose
 from truepose.planning.ballbar.lengths.beforehand import known_beforehand
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.storage.records import SessionSetup
+from truepose.words.catalogue import english
 
 _FEWEST_LEGS: Final = 24  # from four poses on something is foreseen
 _TIMES_UNKNOWNS: Final = 2
@@ -114,8 +115,9 @@ def _identified(
         if answers[-1][0] <= _WELL_FORESEEN_MM:
             break
     if not answers:
+        why = english(found.message)
         raise NothingMeasuredError(
-            f"The legs so far do not identify the arm: {found.message} Measure more poses, then try again."
+            f"The legs so far do not identify the arm: {why} Measure more poses, then try again."
         )
     _, found, foreseen = min(answers, key=itemgetter(0))
     return found, foreseen

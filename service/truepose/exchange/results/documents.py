@@ -15,7 +15,7 @@ from truepose.domain.results import (
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document import Document
+from truepose.exchange.results.document import Document, Spoken
 
 
 class StatisticsDocument(Document):
@@ -118,7 +118,7 @@ class IdentificationDocument(Document):
 
     robot: str
     status: Status
-    message: str
+    message: Spoken
     quantity: Literal["position", "length"]
     effects: list[str]
     counts: CountsDocument

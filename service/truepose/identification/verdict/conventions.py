@@ -13,6 +13,8 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
+from truepose.domain.sentences import Sentence, said
+from truepose.effects.names import joint_subject
 from truepose.identification.problem.placement import Known, quick_typical_mm
 from truepose.kinematics.chain import nominal_chain
 
@@ -34,11 +36,14 @@ class Evidence:
     position_mm: FloatArray  # (n, 3)
 
 
+_AS_IT_IS = Sentence("")  # no change to tell of
+
+
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
     """A change of convention, in words, and what it makes of table and readings."""
 
-    sentence: str
+    sentence: Sentence
     robot: Robot
     evidence: Evidence
 
@@ -55,15 +60,15 @@ def plausible_mm(robot: Robot) -> float:
 
 def change_that_fits(
     robot: Robot, evidence: Evidence, known: Known, *, search_zeros: bool = True
-) -> str | None:
+) -> Sentence | None:
     """Return the sentence of the change that makes the nominal robot fit, None where none does."""
     free = replace(known, base=None)
     if _spread_mm(evidence.position_mm) < _COLLAPSED * _spread_mm(
         nominal_chain(robot, evidence.joints_rad).origin[-1]
     ):
-        return "the positions are in metres, not millimetres"
+        return said("convention.metres")
     evidence = _thinned(evidence)
-    present = _typical(Hypothesis("", robot, evidence), free)
+    present = _typical(Hypothesis(_AS_IT_IS, robot, evidence), free)
     best, best_mm = None, min(_CLEARLY_BETTER * present, plausible_mm(robot))
     for hypothesis in _hypotheses(robot, evidence, known):
         typical = _typical(hypothesis, free)
@@ -104,7 +109,7 @@ def _exchanged_nests(robot: Robot, evidence: Evidence, known: Known) -> Iterator
         nest = evidence.nest.copy()
         nest[evidence.nest == first], nest[evidence.nest == second] = second, first
         yield Hypothesis(
-            f"nests {first} and {second} are exchanged throughout", robot, replace(evidence, nest=nest)
+            said("convention.nests", first=first, second=second), robot, replace(evidence, nest=nest)
         )
 
 
@@ -114,31 +119,28 @@ def _units(robot: Robot, evidence: Evidence) -> Iterator[Hypothesis]:
     inches = replace(evidence, position_mm=evidence.position_mm * _MM_PER_INCH)
     mirrored = replace(evidence, position_mm=evidence.position_mm * np.array([1.0, -1.0, 1.0]))
     both = replace(degrees, position_mm=metres.position_mm)
-    yield Hypothesis("the joint angles are in radians, not degrees", robot, degrees)
-    yield Hypothesis("the positions are in metres, not millimetres", robot, metres)
-    yield Hypothesis("the positions are in inches, not millimetres", robot, inches)
-    yield Hypothesis("the joint angles are in radians and the positions in metres", robot, both)
-    yield Hypothesis("the positions are in a left-handed frame: change the sign of one axis", robot, mirrored)
+    yield Hypothesis(said("convention.radians"), robot, degrees)
+    yield Hypothesis(said("convention.metres"), robot, metres)
+    yield Hypothesis(said("convention.inches"), robot, inches)
+    yield Hypothesis(said("convention.radians_and_metres"), robot, both)
+    yield Hypothesis(said("convention.left_handed"), robot, mirrored)
 
 
 def _joint_conventions(robot: Robot, evidence: Evidence) -> Iterator[Hypothesis]:
     for joint in range(robot.n_joints):
-        sentence = f"joint {joint + 1} turns the other way: change its sign"
+        sentence = said("convention.other_way", joint=joint_subject(joint))
         yield Hypothesis(sentence, _with_sign(robot, joint), evidence)
     for joint in range(1, robot.n_joints):
         for factor in (1.0, -1.0):
             coupled = evidence.joints_rad.copy()
             coupled[:, joint] += factor * coupled[:, joint - 1]
-            verb = "relative to the ground" if factor < 0 else "relative to the link before the last"
-            sentence = (
-                f"joint {joint + 1} is coupled to joint {joint} in the controller ({verb}): "
-                f"{'add' if factor > 0 else 'subtract'} the angle of joint {joint}"
-            )
+            key = "convention.coupled.subtract" if factor < 0 else "convention.coupled.add"
+            sentence = said(key, joint=joint_subject(joint), other=joint_subject(joint - 1))
             yield Hypothesis(sentence, robot, replace(evidence, joints_rad=coupled))
     for joint in range(1, robot.n_joints):
         order = list(range(robot.n_joints))
         order[joint - 1], order[joint] = order[joint], order[joint - 1]
-        sentence = f"the columns of joints {joint} and {joint + 1} are exchanged"
+        sentence = said("convention.columns", first=joint, second=joint + 1)
         yield Hypothesis(sentence, robot, replace(evidence, joints_rad=evidence.joints_rad[:, order]))
 
 
@@ -155,31 +157,31 @@ def with_zero(robot: Robot, joint: int, shift_rad: float) -> Robot:
     return replace(robot, joints=tuple(rows))
 
 
-def _zero_that_fits(robot: Robot, evidence: Evidence, known: Known, limit_mm: float) -> str | None:
+def _zero_that_fits(robot: Robot, evidence: Evidence, known: Known, limit_mm: float) -> Sentence | None:
     """Try other zeros of one joint: coarse steps, then golden sections around each joint's best."""
     best: tuple[float, int, float] = (limit_mm, 0, 0.0)
     for joint in range(1, robot.n_joints):
         steps = np.arange(-np.pi + _ZERO_STEP_RAD, np.pi + 1e-9, _ZERO_STEP_RAD)
         coarse = [
-            _typical(Hypothesis("", with_zero(robot, joint, float(shift)), evidence), known)
+            _typical(Hypothesis(_AS_IT_IS, with_zero(robot, joint, float(shift)), evidence), known)
             for shift in steps
         ]
         shift = _refined(robot, evidence, known, joint, float(steps[int(np.argmin(coarse))]))
-        typical = _typical(Hypothesis("", with_zero(robot, joint, shift), evidence), known)
+        typical = _typical(Hypothesis(_AS_IT_IS, with_zero(robot, joint, shift), evidence), known)
         best = min(best, (typical, joint, shift))
     _, joint, shift = best
     if joint == 0:
         return None
-    return f"the zero of joint {joint + 1} is off by {_angle_words(shift)}: add that to its theta_offset"
+    return said("convention.zero", joint=joint_subject(joint), shift=_angle(shift))
 
 
-def _angle_words(shift_rad: float) -> str:
+def _angle(shift_rad: float) -> Sentence:
     """Return the angle in words; conventions differ by quarter turns, crashes and cables by any angle."""
     found = float(np.rad2deg(shift_rad))
     quarter = 90.0 * round(found / 90.0)
     if abs(found - quarter) < 1.0:
-        return f"{quarter:.0f} deg ({found:.2f} deg with this robot's own errors)"
-    return f"{found:.2f} deg"
+        return said("convention.quarter", quarter_deg=quarter, found_deg=found)
+    return said("convention.angle", found_deg=found)
 
 
 def _refined(robot: Robot, evidence: Evidence, known: Known, joint: int, shift: float) -> float:
@@ -187,7 +189,7 @@ def _refined(robot: Robot, evidence: Evidence, known: Known, joint: int, shift: 
     low, high = shift - _ZERO_STEP_RAD, shift + _ZERO_STEP_RAD
 
     def typical(angle: float) -> float:
-        return _typical(Hypothesis("", with_zero(robot, joint, angle), evidence), known)
+        return _typical(Hypothesis(_AS_IT_IS, with_zero(robot, joint, angle), evidence), known)
 
     while high - low > 1e-4:
         first, second = high - golden * (high - low), low + golden * (high - low)

@@ -12,6 +12,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Quantity, Readings
 from truepose.domain.results import Outlier
+from truepose.domain.sentences import Text, said
 from truepose.identification.verdict.conventions import reach_mm
 
 _FAR: Final = 4.0  # reaches; two are possible
@@ -32,17 +33,14 @@ class WithinReach:
     rows: IntArray  # (m,) where the readings that are left stand in their table
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Text:
         """What was set aside; empty where nothing was."""
         n = len(self.outliers)
         if n == 0:
             return ""
-        configs = ", ".join(str(outlier.config) for outlier in self.outliers[:5])
-        more = ", ..." if n > 5 else ""
-        return (
-            f"{n} reading{'s' if n > 1 else ''} that this arm cannot reach {'were' if n > 1 else 'was'} set "
-            f"aside beforehand (configuration{'s' if n > 1 else ''} {configs}{more})."
-        )
+        configs = tuple(outlier.config for outlier in self.outliers[:5])
+        key = "reach.one" if n == 1 else "reach.several" if n <= 5 else "reach.many"
+        return said(key, readings=n, configurations=configs)
 
     def with_rows_of_table(self, outliers: tuple[Outlier, ...]) -> tuple[Outlier, ...]:
         """Return outliers of the readings that are left, and those set aside, by their rows in the table."""

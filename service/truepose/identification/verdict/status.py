@@ -4,6 +4,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.results import Status
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import WIDTH_MM as BASE_WIDTH_MM
 from truepose.effects.base.base_frame import WIDTH_RAD as BASE_WIDTH_RAD
 from truepose.effects.ports import Trait
@@ -28,7 +29,7 @@ _ONE_PARAMETER = 1.0  # what is learnt of all, each from 0 for its prior to 1 fo
 _FAR_WIDTHS = 3.0  # of the base's prior
 
 
-def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
+def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> Sentence | None:
     """Return the sentence that says what is missing, None where there is enough to fit."""
     readings = campaign.readings
     if readings is None:
@@ -43,25 +44,22 @@ def too_few_data(campaign: Campaign, effects: tuple[str, ...]) -> str | None:
     different = len(readings) if configurations == len(readings) else len(np.unique(pairs, axis=0))
     observations = per_reading * different
     if configurations == 1:
-        return (
-            f"All {len(readings)} readings were taken in one configuration: "
-            "move every joint between readings."
-        )
+        return said("status.one_configuration", readings=len(readings))
     if np.ptp(readings.observed_mm, axis=0).max() < _SAME_MM:
-        return (
-            f"All {len(readings)} readings show the same {readings.quantity} although the joints moved: "
-            "the instrument did not follow the robot."
-        )
+        key = "status.same_position" if readings.quantity == "position" else "status.same_length"
+        return said(key, readings=len(readings))
     if observations < parameters:
-        return (
-            f"{configurations} different configurations give {observations} observations for {parameters} "
-            f"parameters: measure at least {int(np.ceil(1.5 * parameters / per_reading))} configurations, "
-            "or ask for fewer effects."
+        return said(
+            "status.too_few",
+            configurations=configurations,
+            observations=observations,
+            parameters=parameters,
+            needed=int(np.ceil(1.5 * parameters / per_reading)),
         )
     return None
 
 
-def before_fitting(campaign: Campaign, problem: Problem) -> str | None:
+def before_fitting(campaign: Campaign, problem: Problem) -> Sentence | None:
     """Return the sentence of a wrong convention where the nominal robot cannot be placed at all."""
     points = campaign.calibration
     if points is None:
@@ -76,11 +74,8 @@ def before_fitting(campaign: Campaign, problem: Problem) -> str | None:
     return None
 
 
-def _would_fit(typical_mm: float, change: str) -> str:
-    return (
-        f"The nominal robot misses the readings by typically {typical_mm:.3g} mm. "
-        f"One change would make it fit: {change}."
-    )
+def _would_fit(typical_mm: float, change: Sentence) -> Sentence:
+    return said("status.would_fit", typical_mm=typical_mm, change=change)
 
 
 def _collapsed(campaign: Campaign, evidence: Evidence) -> bool:
@@ -94,20 +89,15 @@ def _evidence(points: PointReadings) -> Evidence:
 
 def outcome(
     campaign: Campaign, problem: Problem, identified: RobustFit, nominal: RobustFit
-) -> tuple[Status, str]:
+) -> tuple[Status, Sentence]:
     """Return status and message of a fit."""
     share = float(np.mean(identified.gross[0]))
     typical = _typical(identified)
     gross = int(identified.gross[0].sum())
     n = len(identified.gross[0])
     if share > _TOO_MANY_GROSS or _majority_gross(campaign, typical):
-        how_many = (
-            f"{gross} of {n} readings do" if share > _TOO_MANY_GROSS else "About half of the readings do"
-        )
-        return Status.OUTLIERS_DOMINATE, (
-            f"{how_many} not fit the others: no model can be trusted; "
-            "check reflectors, nest labels and the order of the rows first."
-        )
+        key = "status.gross" if share > _TOO_MANY_GROSS else "status.half_gross"
+        return Status.OUTLIERS_DOMINATE, said(key, gross=gross, readings=n)
     nothing = _nothing_learnt(campaign, problem, identified)
     if nothing:
         return Status.TOO_FEW_DATA, nothing
@@ -115,14 +105,11 @@ def outcome(
     if wrong:
         return Status.WRONG_NOMINAL_MODEL, wrong
     if not identified.solution.converged:
-        return Status.NOT_CONVERGED, (
-            f"The identification did not settle in {identified.solution.iterations} steps: "
-            "ask for fewer effects, or measure configurations that differ more."
-        )
+        return Status.NOT_CONVERGED, said("status.not_settled", steps=identified.solution.iterations)
     return Status.CONVERGED, _converged_message(problem, identified, gross)
 
 
-def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> str | None:
+def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit) -> Sentence | None:
     """Return the sentence for readings that by their own word say less than one parameter's worth."""
     if identified.blocks[0].discrepancy > 0.0:
         return None  # it is the model that says little of them
@@ -136,11 +123,7 @@ def _nothing_learnt(campaign: Campaign, problem: Problem, identified: RobustFit)
         return None
     readings = campaign.readings
     u_mm = float("nan") if readings is None else float(np.median(readings.standard_uncertainty_mm))
-    return (
-        f"The readings say nothing of {', '.join(asked or NOMINAL_EFFECTS)} that was not known before: with "
-        f"a standard uncertainty of {u_mm:.3g} mm each (u_mm) they are too coarse or too few; check u_mm, "
-        "or measure more configurations."
-    )
+    return said("status.nothing_learnt", effects=", ".join(asked or NOMINAL_EFFECTS), u_mm=u_mm)
 
 
 def _typical(fit: RobustFit) -> float:
@@ -165,7 +148,7 @@ def _majority_gross(campaign: Campaign, typical_mm: float) -> bool:
 
 def _wrong_model(
     campaign: Campaign, problem: Problem, identified: RobustFit, typical_mm: float
-) -> str | None:
+) -> Sentence | None:
     points = campaign.calibration
     nominal_mm = float(np.median(np.linalg.norm(problem.nominal_residual_mm, axis=1)))
     # A wrong table leaves tens of millimetres; where the nominal robot fits, a large error of the geometry
@@ -179,16 +162,9 @@ def _wrong_model(
         if change:
             return _would_fit(nominal_mm, change)
     if unfit:
-        return (
-            f"The identified model still misses the readings by typically {typical_mm:.3g} mm and no single "
-            "change of convention makes the nominal robot fit: check that the table is that of the measured "
-            "robot."
-        )
+        return said("status.still_misses", typical_mm=typical_mm)
     if strange:
-        return (
-            f"The data ask for {strange}, far beyond what a robot of this make can be off by: "
-            "check that the table is that of the measured robot."
-        )
+        return said("status.far_beyond", parameter=strange)
     return None
 
 
@@ -205,32 +181,29 @@ def implausible_parameter(problem: Problem, identified: RobustFit) -> str | None
     return None
 
 
-def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> str:
-    parts = [f"Converged with {len(problem.structure.specs)} parameters"]
+def _converged_message(problem: Problem, identified: RobustFit, gross: int) -> Sentence:
+    parts: list[Sentence] = []
     if gross:
-        parts.append(f"{gross} reading{'s' if gross > 1 else ''} without weight")
+        parts.append(said("status.one_gross" if gross == 1 else "status.some_gross", readings=gross))
     fixed = _bad_looks(identified)
     if fixed:
-        parts.append(f"{fixed} reading{'s' if fixed > 1 else ''} of fixed nests without weight")
+        parts.append(said("status.one_bad_look" if fixed == 1 else "status.bad_looks", readings=fixed))
     elsewhere = _base_elsewhere(problem, identified)
     if elsewhere:
         parts.append(elsewhere)
     strange = implausible_parameter(problem, identified)
     if strange:
-        parts.append(f"{strange} is larger than any robot's error: it stands for something the model lacks")
+        parts.append(said("status.strange", parameter=strange))
     backwards = _springs_that_push(problem, identified)
     if backwards:
-        parts.append(
-            f"{', '.join(backwards)} came out negative, which no spring is: "
-            "check the direction of gravity and the signs of masses and torques"
-        )
+        parts.append(said("status.negative_springs", springs=tuple(backwards)))
     lacking = identified.blocks[0].discrepancy
     if lacking > 0.0:
-        parts.append(
-            f"the model lacks about {lacking:.2g} mm per axis beyond the stated noise, "
-            "which the uncertainties include"
-        )
-    return "; ".join(parts) + "."
+        parts.append(said("status.lacking", lacking_mm=lacking))
+    parameters = len(problem.structure.specs)
+    if not parts:
+        return said("status.converged", parameters=parameters)
+    return said("status.converged_but", parameters=parameters, parts=tuple(parts))
 
 
 def _bad_looks(identified: RobustFit) -> int:
@@ -254,7 +227,7 @@ def _springs_that_push(problem: Problem, identified: RobustFit) -> list[str]:
     ]
 
 
-def _base_elsewhere(problem: Problem, identified: RobustFit) -> str | None:
+def _base_elsewhere(problem: Problem, identified: RobustFit) -> Sentence | None:
     """Say so where the base stands far from the place that the campaign gives it."""
     value = dict(zip(problem.structure.names, identified.values, strict=True))
     width = {spec.name: spec for spec in problem.structure.specs}
@@ -264,7 +237,4 @@ def _base_elsewhere(problem: Problem, identified: RobustFit) -> str | None:
     turn_rad = float(np.linalg.norm([value["base_rx"], value["base_ry"], value["base_rz"]]))
     if shift_mm < _FAR_WIDTHS * BASE_WIDTH_MM and turn_rad < _FAR_WIDTHS * BASE_WIDTH_RAD:
         return None
-    return (
-        f"the base stands {shift_mm:.0f} mm and {np.rad2deg(turn_rad):.1f} deg "
-        "from base_in_world_nominal: correct it there if that is not meant"
-    )
+    return said("status.base_elsewhere", shift_mm=shift_mm, turn_deg=float(np.rad2deg(turn_rad)))

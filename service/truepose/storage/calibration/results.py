@@ -23,6 +23,7 @@ from truepose.storage.records import (
 )
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, identifications, models, validations
+from truepose.words.catalogue import english
 
 
 class ResultRepository:
@@ -42,7 +43,7 @@ class ResultRepository:
             )
             if model is not None:
                 add_row(connection, models, identification_id=number, robot=model[0], document=model[1])
-            add_job_state(connection, job_id, JobState.SUCCEEDED, found.message, number)
+            add_job_state(connection, job_id, JobState.SUCCEEDED, english(found.message), number)
             return number
 
         return await self._database.write(work)

@@ -10,6 +10,7 @@ from tests.helpers.diagnosis.selections import PRESENT, planted
 from tests.helpers.identification.synthetic import shifted
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.start import NUISANCE, Start, started
+from truepose.domain.sentences import leading_key
 from truepose.words.catalogue import english
 
 SWAPPED = [10, 40]
@@ -76,8 +77,8 @@ def test_without_a_choice_the_usual_model_is_the_start(campaign):
 def test_too_few_configurations_are_said_in_a_sentence():
     sentence = started(planted({}, campaign=telling_campaign(5)), START, relabel=True)
 
-    assert isinstance(sentence, str)
-    assert "5" in sentence
+    assert leading_key(sentence) == "status.too_few"
+    assert "5" in english(sentence)
 
 
 def with_wild(campaign, rows):
@@ -99,7 +100,7 @@ def test_too_many_wild_readings_anywhere_share_nothing(campaign):
 
     doubt = started(with_wild(campaign, anywhere), START, relabel=True).doubt
 
-    assert doubt.endswith("the order of the rows first.")
+    assert english(doubt).endswith("the order of the rows first.")
 
 
 def jumped_far(after, readings=130):
@@ -115,7 +116,7 @@ def test_readings_that_jumped_together_are_no_wild_ones():
 
     start = started(campaign, PRESENT, relabel=False)
 
-    assert not isinstance(start, str)
+    assert isinstance(start, Start)
     assert english(start.doubt).startswith("40 of 130 readings do not fit the others")
     assert not start.fit.gross[0].any()
     found = diagnose(campaign, PRESENT)

@@ -21,6 +21,7 @@ from truepose.identification.fit.robust import robust_fit
 from truepose.identification.observations.blocks import linearise_blocks
 from truepose.identification.observations.fixed_nests import ReferenceBlock, reference_block
 from truepose.identification.problem.build import build
+from truepose.words.catalogue import english
 
 ARM = ("base", "geometry")
 FRAME = [f"frame_{component}" for component in ("x", "y", "z", "rx", "ry", "rz")]
@@ -247,7 +248,7 @@ def test_one_bad_look_at_a_fixed_nest_counts_for_nothing_and_is_no_outlier_of_th
     assert np.flatnonzero(fit.gross[1]).tolist() == [4]
     assert answer.outliers == ()
     assert answer.counts.outliers == 0
-    assert "1 reading of fixed nests without weight" in answer.message
+    assert "1 reading of fixed nests without weight" in english(answer.message)
 
 
 def test_what_fixed_nests_leave_open_of_themselves_is_not_named_as_undetermined():

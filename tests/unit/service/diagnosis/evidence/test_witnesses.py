@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.diagnosis.point_scenes import telling_campaign
 from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, make_start, planted
 from truepose.diagnosis.evidence.witnesses import accused, speak_against
-from truepose.diagnosis.start import started
+from truepose.diagnosis.start import Start, started
 from truepose.domain.diagnosis import Cause
 from truepose.effects.cells import Cell
 from truepose.identification.fit.robust import robust_fit
@@ -70,7 +70,7 @@ def test_nests_that_nothing_explains_are_left_over(step_mm, left_over):
     late = looks.time_s > np.median(looks.time_s)
     moved = replace(looks, position_mm=looks.position_mm + step_mm * late[:, None])
     start = started(replace(campaign, reference=moved), PRESENT, relabel=False)
-    assert not isinstance(start, str)
+    assert isinstance(start, Start)
 
     left = left_of(start, make_selected(start, []))
 

@@ -10,7 +10,7 @@ from tests.helpers.diagnosis.selections import PRESENT, left_of, make_selected, 
 from tests.helpers.identification.synthetic import NOISE_MM, configurations, leg_campaign, with_joints
 from truepose.diagnosis.readings.angle_steps import step_of
 from truepose.diagnosis.sentences import remaining_sentence
-from truepose.diagnosis.start import started
+from truepose.diagnosis.start import Start, started
 from truepose.words.catalogue import english
 
 N = 100
@@ -27,7 +27,7 @@ def written_in_steps(campaign, step_deg):
 
 def left_beside(campaign, effects=PRESENT):
     start = started(campaign, effects, relabel=False)
-    assert not isinstance(start, str), start
+    assert isinstance(start, Start), start
     return left_of(start, make_selected(start, ()))
 
 

@@ -10,6 +10,7 @@ from tests.helpers.identification.synthetic import NESTS, configurations
 from truepose.identification.problem.placement import Known
 from truepose.identification.verdict.conventions import Evidence, change_that_fits, with_zero
 from truepose.kinematics.chain import nominal_chain
+from truepose.words.catalogue import english
 
 KNOWN = Known(None, np.array(NESTS), np.zeros(3, dtype=bool))
 
@@ -47,7 +48,7 @@ def test_the_right_robot_with_its_own_errors_needs_no_change():
 def test_units_and_handedness_are_named(joints, position, words):
     wrong = Evidence(SEEN.joints_rad * joints, SEEN.nest, SEEN.position_mm * position)
 
-    assert words in change_that_fits(IRB_120, wrong, KNOWN, search_zeros=False)
+    assert words in english(change_that_fits(IRB_120, wrong, KNOWN, search_zeros=False))
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -59,7 +60,7 @@ def test_a_joint_that_turns_the_other_way_is_named(joint):
 
     # with a free base, joint 1 the other way is the mirror image of all others: either is a right answer
     assert sentence is not None
-    assert f"joint {joint + 1} turns the other way" in sentence or joint == 0
+    assert f"joint {joint + 1} turns the other way" in english(sentence) or joint == 0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -69,8 +70,8 @@ def test_joints_coupled_in_the_controller_are_named(sign):
 
     sentence = change_that_fits(IRB_120, replace(SEEN, joints_rad=coupled), KNOWN, search_zeros=False)
 
-    assert "joint 3 is coupled to joint 2" in sentence
-    assert ("add" if sign > 0 else "subtract") in sentence
+    assert "joint 3 is coupled to joint 2" in english(sentence)
+    assert ("add" if sign > 0 else "subtract") in english(sentence)
 
 
 def test_a_zero_that_is_off_is_named_with_its_angle():
@@ -78,11 +79,11 @@ def test_a_zero_that_is_off_is_named_with_its_angle():
 
     sentence = change_that_fits(IRB_120, replace(SEEN, joints_rad=shifted), KNOWN)
 
-    assert "zero of joint 5 is off by 12.50 deg" in sentence
+    assert "zero of joint 5 is off by 12.50 deg" in english(sentence)
 
 
 def test_a_robot_of_seven_joints_is_searched_as_well():
     joints = np.random.default_rng(1).uniform(-1.5, 1.5, (50, 7))
     seen = evidence(with_zero(SEVEN_AXES, 3, np.pi / 2), joints)
 
-    assert "zero of joint 4 is off by 90 deg" in change_that_fits(SEVEN_AXES, seen, KNOWN)
+    assert "zero of joint 4 is off by 90 deg" in english(change_that_fits(SEVEN_AXES, seen, KNOWN))
