@@ -17,6 +17,8 @@ from truepose_simulators.recording.plan import Stops, Wishes, plan_stops
 from truepose_simulators.recording.replaying.registered_tracker import Readings, RegisteredTracker
 from truepose_simulators.scenarios.scenario import Scenario
 
+_PLAN_STREAM, _NOISE_STREAM = 100, 101  # of random numbers, apart from those of the cell
+
 
 @dataclass(frozen=True, slots=True)
 class Points:
@@ -76,10 +78,13 @@ def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recordi
     NoStopsError
         The cell's tracker sees too few configurations.
     """
-    streams = (np.random.SeedSequence(cell.seed, spawn_key=(key,)) for key in (100, 101))
-    plan_rng, noise_rng = (np.random.default_rng(stream) for stream in streams)
-    stops = plan_stops(cell, wishes, plan_rng)
-    stops = replace(stops, time_s=stops.time_s + start_s)
+    stops = plan_stops(cell, wishes, _generator(cell, _PLAN_STREAM))
+    return record_at(cell, replace(stops, time_s=stops.time_s + start_s), wishes)
+
+
+def record_at(cell: Cell, stops: Stops, wishes: Wishes) -> tuple[Recording, RegisteredTracker]:
+    """Record a campaign at given stops, as many of which calibrate as `wishes` says; all else as above."""
+    noise_rng = _generator(cell, _NOISE_STREAM)
     tracker = RegisteredTracker(cell, noise_rng)
     points = _read_points(cell, stops, tracker, noise_rng)
     n_calibration = wishes.configurations + wishes.revisits
@@ -90,6 +95,10 @@ def record_in(cell: Cell, wishes: Wishes, start_s: float = 0.0) -> tuple[Recordi
         references=_read_references(cell, stops.time_s, wishes.reference_every, tracker),
     )
     return recording, tracker
+
+
+def _generator(cell: Cell, stream: int) -> np.random.Generator:
+    return np.random.default_rng(np.random.SeedSequence(cell.seed, spawn_key=(stream,)))
 
 
 def _read_points(cell: Cell, stops: Stops, tracker: RegisteredTracker, rng: np.random.Generator) -> Points:
