@@ -52,11 +52,18 @@ def not_identifiable(
         By construction first, then what these configurations leave open.
     """
     built_in = _by_construction(structure, setting)
+    return (*built_in, *left_open(structure, covariance, jacobian, moved))
+
+
+def left_open(
+    structure: Structure, covariance: FloatArray, jacobian: FloatArray, moved: BoolArray
+) -> tuple[NotIdentifiable, ...]:
+    """Name what these configurations leave open, others need not; parameters as above."""
     # What the readings leave open of a place within its certificate is nobody's question.
     certificates = effects_with(Trait.NUISANCE)
     own = np.array([owner not in certificates for owner in structure.owners], dtype=bool)
     found = _by_data(structure.without(certificates), covariance[np.ix_(own, own)], jacobian[own], moved)
-    return (*built_in, *found)
+    return tuple(found)
 
 
 def _by_construction(structure: Structure, setting: Setting) -> tuple[NotIdentifiable, ...]:
