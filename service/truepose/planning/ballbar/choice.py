@@ -112,7 +112,7 @@ def choose(
     if sum(counts) <= n:
         return tuple(np.arange(count, dtype=np.int64) for count in counts)
     prior = known_after(model, placements, [np.zeros(0, dtype=np.int64)] * len(placements))
-    rows = _stacked(model, placements, len(prior.matrix))
+    rows = stacked_rows(model, placements, len(prior.matrix))
     chosen = choose_by_exchange(rows, n, rng, prior_information=prior.matrix).indices
     if sample is not None:
         weight = error_weight(prior.cups_mm, sample)
@@ -124,8 +124,8 @@ def choose(
     )
 
 
-def _stacked(model: ArmModel, placements: Sequence[Candidates], columns: int) -> FloatArray:
-    """Whitened derivatives of all candidates in arm and all cups, shape (N, L, columns)."""
+def stacked_rows(model: ArmModel, placements: Sequence[Candidates], columns: int) -> FloatArray:
+    """Return the whitened derivatives of all candidates in arm and all cups, shape (N, L, columns)."""
     total, legs = sum(len(own) for own in placements), max(own.rows.arm.shape[1] for own in placements)
     stacked = np.zeros((total, legs, columns))
     row, column = 0, model.parameters

@@ -153,7 +153,7 @@ def scaled_jacobians(
     ndarray, shape (n, 3, P)
         In standard uncertainties of a reading per prior width of each of the P parameters.
     """
-    campaign = _nominal_campaign(space, candidates)
+    campaign = nominal_campaign(space, candidates)
     problem = build(campaign, effects or automatic_effects(campaign))
     targets = problem.blocks[0].targets
     state = evaluate(problem.structure, problem.start, targets)
@@ -161,7 +161,7 @@ def scaled_jacobians(
     return np.moveaxis(position_jacobian(state) * scale[:, None, None], 0, -1)
 
 
-def _nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
+def nominal_campaign(space: WorkSpace, candidates: Candidates) -> Campaign:
     """Return the campaign that a robot without errors would give at the candidates."""
     n = len(candidates)
     centres = np.array([nest.centre_mm for nest in space.nests])

@@ -217,15 +217,23 @@ def predicted_error_mm(known: Gathered, sample: WorkSpaceSample) -> float:
 def error_weight(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
     """Return W: the mean square error of nest positions is tr(W C), C the covariance of arm and cups.
 
-    Errors count in the frame of the cups: the rigid motion that fits their errors best is taken off.
+    Errors count in the frame of the cups, as in `error_gradient`.
+    """
+    gradient = error_gradient(cups_mm, sample)
+    flat = gradient.reshape(-1, gradient.shape[2])
+    return np.asarray(flat.T @ flat / len(gradient))
+
+
+def error_gradient(cups_mm: FloatArray, sample: WorkSpaceSample) -> FloatArray:
+    """Return how nests at m places move in the frame of C cups, per prior width, shape (m, 3, P + 3 C).
+
+    The rigid motion that fits the errors of the cups best is taken off.
     """
     turns = np.concatenate([np.tile(np.eye(3), (len(cups_mm), 1, 1)), -cross_matrix(cups_mm)], axis=2)
     fit = np.linalg.pinv(turns.reshape(-1, 6)) * _CUP_WIDTH_MM  # (6, 3 C)
     points = sample.position_mm
     carried = np.concatenate([np.tile(np.eye(3), (len(points), 1, 1)), -cross_matrix(points)], axis=2)
-    gradient = np.concatenate([sample.motion, -(carried @ fit)], axis=2)
-    flat = gradient.reshape(-1, gradient.shape[2])
-    return np.asarray(flat.T @ flat / len(points))
+    return np.concatenate([sample.motion, -(carried @ fit)], axis=2)
 
 
 def of_poses(rows: PoseRows, chosen: IntArray | None = None, weight: float = 1.0) -> FloatArray:

@@ -1,0 +1,1 @@
+"""What a plan promises: the accuracy after calibration, computed before anything is measured."""

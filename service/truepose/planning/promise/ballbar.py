@@ -1,0 +1,194 @@
+"""Ballbar sessions: which poses, and what accuracy their lengths promise, in the frame of the cups."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.ballbar import Leg
+from truepose.domain.cell import Cell
+from truepose.domain.results import NotIdentifiable
+from truepose.identification.verdict.identifiability import left_open
+from truepose.planning.ballbar.choice import candidates, known_after, stacked_rows
+from truepose.planning.ballbar.fixture import BaseFixture
+from truepose.planning.ballbar.lengths.information import (
+    ArmModel,
+    Scatter,
+    WorkSpaceSample,
+    arm_model,
+    error_gradient,
+)
+from truepose.planning.ballbar.placements import Wish, suggest
+from truepose.planning.ballbar.plan import ballbar_cell
+from truepose.planning.ballbar.setups import setups
+from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.promise.curve import MOST, CurvePoint, Errors, curve, knee, sizes
+from truepose.planning.promise.order import most_informative_first
+from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan, indices, require_some
+from truepose.planning.promise.volume import VOLUME_CONFIGURATIONS, WorkVolume, sample
+from truepose.planning.tracker.session_plans import short_tour
+from truepose.planning.work_volume.work_space import WorkSpace
+
+_DRAWS: Final = 120  # random places of the base fixture: the search takes some seconds
+_MOVES: Final = 50
+_USUAL: Final = 40  # poses that a place should offer: the thesis of A. Nubiola has 39 there, section 3.5
+_MOVED_RAD: Final = np.deg2rad(0.5)  # a joint that stays within this has not moved
+
+
+def promised_ballbar_session(
+    cell: Cell,
+    n: int | None = None,
+    *,
+    volume: WorkVolume | None = None,
+    discrepancy_mm: float = 0.0,
+    placements: int = 1,
+    seed: int = 0,
+) -> PromisedPlan:
+    """Choose the poses of a ballbar session and say what accuracy they promise.
+
+    Parameters
+    ----------
+    cell : Cell
+    n : int, optional
+        Poses to measure; by default as many as the knee of the curve says.
+    volume : WorkVolume, optional
+        Where accuracy counts; by default the joint ranges in which configurations are chosen.
+    discrepancy_mm : float
+        Per axis, what the parameters cannot express.
+    placements : int
+        How often the base fixture is put down.
+    seed : int
+
+    Returns
+    -------
+    PromisedPlan
+        Errors count in the frame that the cups define.
+
+    Raises
+    ------
+    ConfigurationError
+        The cell lacks what a ballbar needs, or fewer than one pose is asked for.
+    WorkSpaceError, TooFewCandidatesError
+        The arm does not offer that many poses, or has no place in the volume.
+    """
+    require_some(n)
+    base_points = 3 if cell.ballbar is None else cell.ballbar.base_points
+    wish = Wish(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
+    fixtures = suggest(ballbar_cell(cell), wish).fixtures
+    return promised_at(cell, fixtures, n, volume=volume, discrepancy_mm=discrepancy_mm, seed=seed)
+
+
+def promised_at(
+    cell: Cell,
+    fixtures: Sequence[BaseFixture],
+    n: int | None = None,
+    *,
+    volume: WorkVolume | None = None,
+    discrepancy_mm: float = 0.0,
+    seed: int = 0,
+) -> PromisedPlan:
+    """Plan with the base fixture at given places; all else as `promised_ballbar_session`."""
+    rng = np.random.default_rng(seed)
+    stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy_mm))
+    model = arm_model(ballbar_cell(cell), Scatter(stop_mm=stop))
+    choice = _choice(model, fixtures)
+    if n is not None and n > len(choice.rows):
+        raise TooFewCandidatesError(
+            f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
+            "for fewer, or for more placements of the base fixture."
+        )
+    numbers = sizes(n, len(choice.rows))
+    places = _places(cell, volume or WorkVolume(), model, rng)
+    gradient = error_gradient(choice.cups_mm, places)
+    errors = Errors(lambda size: gradient @ choice.root(size), discrepancy_mm, cell.robot.repeatability_mm)
+    points = curve(errors, numbers)
+    advised = knee(points)
+    return choice.plan(model, advised if n is None else n, points, advised, discrepancy_mm)
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """Poses of all placements in the order in which they were chosen; arm first, then all cups."""
+
+    joints_rad: FloatArray  # (N, J)
+    legs: tuple[tuple[Leg, ...], ...]
+    placement: IntArray  # (N,)
+    rows: FloatArray  # (N, L, P + 3 C) whitened, per prior width
+    known: FloatArray  # (P + 3 C, P + 3 C) information of priors, set-ups and sides
+    cups_mm: FloatArray  # (C, 3)
+    fixtures: tuple[BaseFixture, ...]
+
+    def information(self, size: int) -> FloatArray:
+        """Return what is known after so many poses."""
+        flat = self.rows[:size].reshape(-1, self.rows.shape[2])
+        return np.asarray(self.known + flat.T @ flat)
+
+    def root(self, size: int) -> FloatArray:
+        """Return a root of the covariance after so many poses, shape (P + 3 C, P + 3 C)."""
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.information(size))).T)
+
+    def plan(
+        self, model: ArmModel, size: int, points: tuple[CurvePoint, ...], advised: int, discrepancy_mm: float
+    ) -> PromisedPlan:
+        """Return the plan of the first `size` poses, placement by placement on short ways."""
+        order = self._in_order(size)
+        reading = model.scatter.leg_mm
+        return PromisedPlan(
+            joints_rad=self.joints_rad[order],
+            nest=None,
+            poses=BallbarPoses(tuple(self.legs[row] for row in order), self.placement[order], self.fixtures),
+            curve=points,
+            advised=advised,
+            measured=0,
+            left_open=self._left_open(model, size),
+            observability=indices(self.rows[:size, :, : model.parameters]),
+            assumptions=Assumptions(reading, model.cell.robot.repeatability_mm, discrepancy_mm),
+        )
+
+    def _in_order(self, size: int) -> IntArray:
+        parts = []
+        for number in np.unique(self.placement[:size]):
+            own = np.flatnonzero(self.placement[:size] == number)
+            parts.append(own[short_tour(self.joints_rad[own])])
+        return np.concatenate(parts)
+
+    def _left_open(self, model: ArmModel, size: int) -> tuple[NotIdentifiable, ...]:
+        arm, widths = slice(model.parameters), model.structure.prior_widths
+        covariance = np.linalg.inv(self.information(size))[arm, arm] * np.outer(widths, widths)
+        flat = self.rows[:size, :, arm].reshape(-1, model.parameters)
+        moved = np.ptp(self.joints_rad[:size], axis=0) > _MOVED_RAD
+        return left_open(model.structure, covariance, flat.T / widths[:, None], moved)
+
+
+def _choice(model: ArmModel, fixtures: Sequence[BaseFixture]) -> _Choice:
+    offers = [candidates(model, fixture, setups(model.cell, fixture)) for fixture in fixtures]
+    known = known_after(model, offers, [np.zeros(0, dtype=np.int64)] * len(offers))
+    rows = stacked_rows(model, offers, len(known.matrix))
+    order = most_informative_first(rows, MOST, known.matrix)
+    legs = [assembly.legs for own in offers for assembly in own.found.assembly]
+    return _Choice(
+        joints_rad=np.concatenate([own.found.joints_rad for own in offers])[order],
+        legs=tuple(tuple(legs[row]) for row in order),
+        placement=np.repeat([own.fixture.number for own in offers], [len(own) for own in offers])[order],
+        rows=rows[order],
+        known=known.matrix,
+        cups_mm=known.cups_mm,
+        fixtures=tuple(fixtures),
+    )
+
+
+def work_space_of(cell: Cell) -> WorkSpace:
+    """Return the work space of a ballbar, which sees a nest from everywhere."""
+    limits = ballbar_cell(cell)
+    nests = tuple(replace(nest, facing=None) for nest in cell.nests)
+    own = cell.limits.joints or cell.robot.joint_limits
+    return WorkSpace(cell.robot, limits.base, nests, limits.ranges, None, own, limits.table_z_mm)
+
+
+def _places(cell: Cell, volume: WorkVolume, model: ArmModel, rng: np.random.Generator) -> WorkSpaceSample:
+    found = sample(work_space_of(cell), volume, VOLUME_CONFIGURATIONS, rng)
+    position, motion = model.nests(found.joints_rad)
+    each = np.arange(len(found))
+    return WorkSpaceSample(position[each, found.nest - 1], motion[each, found.nest - 1])

@@ -1,0 +1,191 @@
+r"""What readings of positions will tell of an arm, and what is then still wrong with its predictions.
+
+In the widths of the priors the parameters have the information
+
+    M = I + sum over readings of J~' J~          J~ = J / sigma,   sigma^2 = reading^2 + scatter^2 + lack^2
+
+and what is held at a certificate (tool nests, registration of the world) enters them with the gain
+K = M^-1 sum J~' H / sigma, H what a standard uncertainty of each does to the readings (consider parameters,
+as in `identification.fit.considered`). With G the motion of a place per parameter and S what the certificates
+do to the place itself, a prediction is wrong by
+
+    e = G M^-1/2 z_1 + (G K - S) z_2
+
+All derivatives are taken at the nominal robot: errors of some 0.1 % of the lengths change them by as much.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.results import NotIdentifiable
+from truepose.domain.robot import FixedNest, Nest
+from truepose.effects.ports import Setting
+from truepose.identification.model.derivatives import position_jacobian
+from truepose.identification.model.evaluation import State, Targets, evaluate
+from truepose.identification.model.structure import Structure
+from truepose.identification.problem.build import automatic_effects, build
+from truepose.identification.verdict.identifiability import left_open
+from truepose.kinematics.frames import cross_matrix
+from truepose.planning.promise.accuracy import TYPICAL, TrackerAccuracy
+from truepose.planning.tracker.session_plans import nominal_campaign
+from truepose.planning.work_volume.candidates import Candidates
+from truepose.planning.work_volume.work_space import WorkSpace
+
+_REGISTRATION_READINGS: Final = 20  # of each fixed nest, as sessions do
+_PLACE_A_FRAME: Final = 3  # nests, not on a line
+_MOVED_RAD: Final = np.deg2rad(0.5)  # a joint that stays within this has not moved
+
+
+@dataclass(frozen=True, slots=True)
+class Knowns:
+    """What is known beforehand of arm, artefacts and instrument, beside the work space."""
+
+    accuracy: TrackerAccuracy = TYPICAL
+    fixed_nests: tuple[FixedNest, ...] = ()  # none: positions count in the frame of the readings
+    discrepancy_mm: float = 0.0  # per axis, what the parameters cannot express
+    nests: tuple[Nest, ...] | None = None  # as certified; None: those of the work space
+    base_known: bool = True  # roughly; else it is found from the readings
+
+
+@dataclass(frozen=True, slots=True)
+class PlacesSeen:
+    """Nests at n configurations and what moves them."""
+
+    motion: FloatArray  # (n, 3, P) per prior width of each parameter [mm]
+    certified: FloatArray  # (n, 3, 3 K) per standard uncertainty of each certified coordinate [mm]
+    position_mm: FloatArray  # (n, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What readings tell, whitened."""
+
+    rows: FloatArray  # (n, 3, P)
+    held: FloatArray  # (n, 3, H) per standard uncertainty of what certificates hold
+
+
+class ArmKnowledge:
+    """The parameters of an arm, and what readings tell of them."""
+
+    def __init__(
+        self, space: WorkSpace, candidates: Candidates, knowns: Knowns, effects: Sequence[str] | None = None
+    ) -> None:
+        campaign = _as_known(nominal_campaign(space, candidates), knowns)
+        problem = build(campaign, tuple(effects or automatic_effects(campaign)))
+        self.structure: Structure = problem.structure
+        self._start = problem.start
+        self._setting: Setting = problem.setting
+        self._nests = campaign.nests
+        self._knowns = knowns
+        self._tracker_mm = np.array(space.tracker_position_mm or (np.nan,) * 3)
+        self._scatter_mm = float(np.hypot(space.robot.repeatability_mm, knowns.discrepancy_mm))
+        self._frame = self._registration()
+
+    @property
+    def repeatability_mm(self) -> float:
+        """Scatter of the arm per axis."""
+        return self.structure.robot.repeatability_mm
+
+    @property
+    def discrepancy_mm(self) -> float:
+        """What the parameters cannot express, per axis."""
+        return self._knowns.discrepancy_mm
+
+    def places(self, joints_rad: FloatArray, nest: IntArray) -> PlacesSeen:
+        """Return nests (n,) at configurations (n, J)."""
+        stops = Stops(config=np.arange(1, len(nest) + 1), joints_rad=joints_rad)
+        state = evaluate(self.structure, self._start, Targets(stops, nest))
+        motion = np.moveaxis(position_jacobian(state), 0, -1) * self.structure.prior_widths
+        return PlacesSeen(motion, self._certified(state), state.position_mm)
+
+    def told(self, joints_rad: FloatArray, nest: IntArray) -> Told:
+        """Return what a reading at each of n configurations tells."""
+        seen = self.places(joints_rad, nest)
+        variance = self._per_axis_mm2(seen.position_mm) + self._scatter_mm**2
+        sigma = np.sqrt(variance)[:, None, None]
+        frame = _rigid_motion(seen.position_mm) @ self._frame
+        return Told(seen.motion / sigma, np.concatenate([seen.certified, frame], axis=2) / sigma)
+
+    def prior(self) -> FloatArray:
+        """Return the information that there is before any reading, shape (P, P)."""
+        return np.eye(len(self.structure.specs))
+
+    def errors(self, told: Told, seen: PlacesSeen) -> FloatArray:
+        """Return the errors of predicted places after readings.
+
+        Parameters
+        ----------
+        told : Told
+            Of all readings.
+        seen : PlacesSeen
+            m places.
+
+        Returns
+        -------
+        ndarray, shape (m, 3, P + H)
+            What a standard deviation of each of P + H independent causes does [mm].
+        """
+        rows, held = (np.concatenate(list(part)) for part in (told.rows, told.held))
+        information = self.prior() + rows.T @ rows
+        gain = np.linalg.solve(information, rows.T @ held)
+        own = np.zeros((*seen.certified.shape[:2], held.shape[1]))
+        own[..., : seen.certified.shape[2]] = seen.certified
+        root = np.linalg.inv(np.linalg.cholesky(information)).T
+        return np.concatenate([seen.motion @ root, seen.motion @ gain - own], axis=2)
+
+    def left_open(self, told: Told, joints_rad: FloatArray) -> tuple[NotIdentifiable, ...]:
+        """Return what readings at configurations (n, J) would leave open; nothing where they tell it all."""
+        rows = told.rows.reshape(-1, told.rows.shape[2])
+        widths = self.structure.prior_widths
+        covariance = np.linalg.inv(self.prior() + rows.T @ rows) * np.outer(widths, widths)
+        moved = np.ptp(joints_rad, axis=0) > _MOVED_RAD
+        return left_open(self.structure, covariance, rows.T / widths[:, None], moved)
+
+    def reading_mm(self, joints_rad: FloatArray, nest: IntArray) -> float:
+        """Return the standard uncertainty per axis of readings at configurations, RMS over all."""
+        return float(np.sqrt(self._per_axis_mm2(self.places(joints_rad, nest).position_mm).mean()))
+
+    def _per_axis_mm2(self, places_mm: FloatArray) -> FloatArray:
+        """Return the variance of readings, mean of the three axes: what most files state of each."""
+        return np.asarray(np.trace(self._reading_mm2(places_mm), axis1=1, axis2=2) / 3.0)
+
+    def _reading_mm2(self, places_mm: FloatArray) -> FloatArray:
+        return self._knowns.accuracy.covariance_mm2(places_mm - self._tracker_mm)
+
+    def _certified(self, state: State) -> FloatArray:
+        last = state.chain.end_rotation
+        each = [
+            np.where((state.targets.nest == number)[:, None, None], last, 0.0) * nest.standard_uncertainty_mm
+            for number, nest in enumerate(self._nests, start=1)
+            if nest.centre_mm is not None and nest.standard_uncertainty_mm
+        ]
+        return np.concatenate([np.zeros((len(last), 3, 0)), *each], axis=2)
+
+    def _registration(self) -> FloatArray:
+        """Return the motion of the world per independent cause, shape (6, 6); (6, 0) without fixed nests."""
+        nests = self._knowns.fixed_nests
+        if len(nests) < _PLACE_A_FRAME:
+            return np.zeros((6, 0))
+        centres = np.array([nest.centre_mm for nest in nests])
+        certified = np.array([nest.standard_uncertainty_mm for nest in nests])[:, None, None] ** 2 * np.eye(3)
+        covariance = self._reading_mm2(centres) / _REGISTRATION_READINGS + certified
+        motion = _rigid_motion(centres)
+        information = np.swapaxes(motion, 1, 2) @ np.linalg.solve(covariance, motion)
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(information.sum(axis=0))).T)
+
+
+def _rigid_motion(places_mm: FloatArray) -> FloatArray:
+    """Return how places (n, 3) move with a small motion of the world, shape (n, 3, 6)."""
+    shifts = np.broadcast_to(np.eye(3), (len(places_mm), 3, 3))
+    return np.concatenate([shifts, -cross_matrix(places_mm)], axis=2)
+
+
+def _as_known(campaign: Campaign, knowns: Knowns) -> Campaign:
+    """Return a campaign that knows no more than is known."""
+    base = campaign.base_nominal if knowns.base_known else None
+    return replace(campaign, base_nominal=base, nests=knowns.nests or campaign.nests)

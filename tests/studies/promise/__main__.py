@@ -1,0 +1,58 @@
+"""Whether the accuracy that a plan promises is attained: plan, measure the simulated cell, identify, compare.
+
+`python -m tests.studies.promise --out out/promise` takes a minute on one core. The mean of one calibration
+scatters by some 15 % (tracker) and 30 % (ballbar, one placement) about what is promised; the standard error
+of the mean over all cells is given beside it.
+"""
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Final
+
+from tests.studies.promise.ballbar import ballbar_promises
+from tests.studies.promise.kept import Tally, tally
+from tests.studies.promise.tracker import tracker_promise
+
+_SCENARIO: Final = "irb120-tilted"
+
+
+def main() -> int:
+    """Measure, print and write what was promised and attained."""
+    options = _options()
+    seeds = range(options.first, options.first + options.seeds)
+    found = [
+        tally("tracker", [tracker_promise(options.scenario, seed, options.n) for seed in seeds]),
+        tally("ballbar", ballbar_promises(options.scenario, seeds, options.n)),
+    ]
+    for one in found:
+        sys.stdout.write(_told(one))
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / "promise.json").write_text(json.dumps([asdict(one) for one in found], indent=1))
+    return 0
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--scenario", default=_SCENARIO)
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--first", type=int, default=1, help="the first seed")
+    parser.add_argument("--n", type=int, help="configurations (default: the knee of the curve)")
+    return parser.parse_args()
+
+
+def _told(one: Tally) -> str:
+    return (
+        f"{one.kind}: promised {1e3 * one.promised_mm:.2f} um, attained {1e3 * one.attained_mm:.2f} um "
+        f"({one.off_percent:+.1f} +-{one.spread_percent:.1f} %); {one.inside} of {one.cells} inside the "
+        f"stated 90 %; worst {1e3 * one.worst_promised_mm:.1f} against {1e3 * one.worst_attained_mm:.1f} um\n"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,86 @@
+"""Tracker campaigns of the simulated cell at the planned configurations, held against what was promised."""
+
+import tempfile
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from tests.studies.promise.kept import Kept, kept
+from truepose.domain.arrays import FloatArray
+from truepose.domain.campaign import Campaign, Stops
+from truepose.domain.results import Model
+from truepose.exchange.campaigns.folder import read_campaign
+from truepose.exchange.cells.file import simulated_cell
+from truepose.identification import identify, predict
+from truepose.planning.promise.knowledge import Knowns
+from truepose.planning.promise.plan import PromisedPlan
+from truepose.planning.promise.tracker import promised_session
+from truepose.planning.promise.volume import VolumeSample, WorkVolume, sample
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose_simulators.cell.clock import CellClock
+from truepose_simulators.cell.true_cell import Cell
+from truepose_simulators.recording import Stops as RecordedStops
+from truepose_simulators.recording import Wishes, write_campaign
+from truepose_simulators.recording.campaign import record_at
+from truepose_simulators.scenarios.file import load_scenario
+
+_APPROACH_RAD: Final = -0.0872664626  # -5 deg on all joints, thesis of A. Nubiola, 2014, section 2.4
+_STOP_S: Final = 28.0
+VOLUME: Final = 300  # configurations over which the true error is averaged
+OTHER_PLACES: Final = 77  # a stream of its own: not the places that the promise was computed at
+
+
+def tracker_promise(scenario: str, seed: int, n: int | None = None) -> Kept:
+    """Plan, record and identify one simulated cell."""
+    described = simulated_cell(scenario, seed)
+    space = space_to_measure(described, _APPROACH_RAD)
+    plan = promised_session(space, n, knowns=Knowns(fixed_nests=described.fixed_nests), seed=seed)
+    cell = Cell(load_scenario(scenario), seed, CellClock(0))
+    model = identified(recorded(cell, plan))
+    places = sample(space, WorkVolume(), VOLUME, np.random.default_rng([seed, OTHER_PLACES]))
+    return kept(plan, np.linalg.norm(predicted_mm(model, places) - true_mm(cell, places), axis=1))
+
+
+def recorded(cell: Cell, plan: PromisedPlan) -> Campaign:
+    """Return the campaign of a cell at the configurations of a plan, read back from its files."""
+    n = len(plan.joints_rad)
+    joints = np.round(np.degrees(plan.joints_rad), 5)
+    stops = RecordedStops(
+        joints_deg=joints,
+        direction=np.ones_like(joints),
+        time_s=_STOP_S * np.arange(1.0, n + 1.0),
+        attachment=np.ones(n),
+        nest=np.ones(n, dtype=int) if plan.nest is None else plan.nest,
+        repeat_of=np.zeros(n, dtype=int),
+    )
+    recording, _ = record_at(cell, stops, Wishes(configurations=n, validation=0, attachments=1))
+    with tempfile.TemporaryDirectory() as folder:
+        write_campaign(recording, Path(folder))
+        return read_campaign(Path(folder))
+
+
+def identified(campaign: Campaign) -> Model:
+    """Return the model of a campaign, which a study takes for granted."""
+    model = identify(campaign).model
+    if model is None:
+        raise AssertionError(f"nothing could be identified of {campaign.robot.name}")
+    return model
+
+
+def predicted_mm(model: Model, places: VolumeSample) -> FloatArray:
+    """Return where a model has the nests, shape (m, 3)."""
+    stops = Stops(
+        np.arange(1, len(places) + 1),
+        places.joints_rad,
+        direction=np.ones(places.joints_rad.shape, dtype=np.int64),
+    )
+    return predict(model, stops, places.nest)[0]
+
+
+def true_mm(cell: Cell, places: VolumeSample) -> FloatArray:
+    """Return where the nests truly are, scatter of the arm not included, shape (m, 3)."""
+    n = len(places)
+    upwards = np.ones_like(places.joints_rad)
+    conditions = cell.conditions(places.joints_rad, upwards, np.full(n, _STOP_S), np.ones(n))
+    return cell.true_positions(conditions)[np.arange(n), places.nest - 1]
