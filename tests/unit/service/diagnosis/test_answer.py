@@ -33,8 +33,21 @@ def campaign():
 
 
 @pytest.fixture(scope="module")
-def explained(campaign):
-    return diagnose(campaign, START)
+def explained_step_by_step(campaign):
+    """A diagnosis, and what was told of its progress."""
+    told = []
+    return diagnose(campaign, START, lambda share, doing: told.append((share, doing))), told
+
+
+@pytest.fixture(scope="module")
+def explained(explained_step_by_step):
+    return explained_step_by_step[0]
+
+
+@pytest.fixture(scope="module")
+def crossed(campaign):
+    """A diagnosis without validation readings."""
+    return diagnose(replace(campaign, validation=None), START)
 
 
 @pytest.fixture(scope="module")
@@ -70,9 +83,7 @@ def test_a_finding_says_where_it_acts_over_what_and_what_it_is_worth(explained, 
     assert finding.worth.max_mm < 400.0 * np.abs(turn).max()  # no reading is farther from the axis than that
 
 
-def test_a_curve_holds_the_validation_readings_where_there_are_some(explained, campaign):
-    crossed = diagnose(replace(campaign, validation=None), START)
-
+def test_a_curve_holds_the_validation_readings_where_there_are_some(explained, crossed):
     assert len(explained.findings[0].curve.unseen.x) > 30
     assert crossed.findings[0].curve.unseen is None
     assert (explained.remaining.described, explained.remaining.described_gain) == ((), None)
@@ -105,9 +116,7 @@ def test_the_first_line_and_the_statistics_tell_the_same_numbers(explained):
     assert explained.after.mean_mm < 1.9 * NOISE_MM < explained.before.mean_mm
 
 
-def test_without_validation_the_answer_says_that_it_was_cross_validated(campaign):
-    crossed = diagnose(replace(campaign, validation=None), START)
-
+def test_without_validation_the_answer_says_that_it_was_cross_validated(crossed):
     assert crossed.held_out == "cross_validation"
     assert crossed.before.n == 80
     assert crossed.verdict is Verdict.EXPLAINED
@@ -168,10 +177,8 @@ def test_every_cause_is_found_ruled_out_or_not_visible(explained):
     assert ("joint_gain", "joint 4") not in {(one.effect, one.subject) for one in explained.ruled_out}
 
 
-def test_progress_never_goes_back(campaign):
-    told = []
-
-    diagnose(campaign, START, lambda share, doing: told.append((share, doing)))
+def test_progress_never_goes_back(explained_step_by_step):
+    _, told = explained_step_by_step
 
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
