@@ -15,7 +15,7 @@ _TRIAL = "trial"
 def candidate_terms(state: State, effect: str, names: tuple[str, ...], first: int) -> tuple[Term, ...]:
     """Return the terms of parameters `names` of an effect, numbered from `first`."""
     terms = effect_named(effect).terms(names, rows_of(state))
-    return tuple(term._replace(parameter=first + term.parameter) for term in terms)
+    return tuple(Term(first + parameter, port, weight) for parameter, port, weight in terms)
 
 
 def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...]) -> State:
@@ -42,7 +42,7 @@ def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...
         state,
         structure=state.structure.extended(_TRIAL, specs),
         values=np.concatenate([state.values, np.zeros(len(specs))]),
-        terms=tuple(term._replace(parameter=present + term.parameter) for term in terms),
+        terms=tuple(Term(present + parameter, port, weight) for parameter, port, weight in terms),
         motions=state.motions | still,
         instrument_motion=instrument,
     )
