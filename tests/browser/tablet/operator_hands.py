@@ -1,8 +1,12 @@
 """A person at the tablet: reads the screen, does what it asks with the simulated hands, taps."""
 
+import contextlib
 import time
 
-PATIENCE_S = 20.0
+from playwright.sync_api import TimeoutError
+
+PATIENCE_S = 60.0  # with the next screen, on a busy machine
+UNHEARD_S = 5.0  # after which the page has said that nobody heard
 READ = ("initialise", "measure_side", "connect_leg")
 DONE = ("place_base", "fit_ball", "clamp_cup", "remove_ball", "detach")
 
@@ -67,8 +71,18 @@ class Operator:
         hold_long_enough(self.page)
 
     def _next(self, before):
-        end = time.monotonic() + PATIENCE_S
+        began = time.monotonic()
+        end, again = began + PATIENCE_S, began + UNHEARD_S
         while (now := self.screen()) == before:
             assert time.monotonic() < end, (before, self.page.locator("body").inner_text())
+            if before[0] == "move" and time.monotonic() > again:
+                self._hold_again()
+                again = time.monotonic() + UNHEARD_S
             self.page.wait_for_timeout(30)
         return now
+
+    def _hold_again(self):
+        """Confirm once more where a busy service did not hear in time, if it is still asked for."""
+        with contextlib.suppress(TimeoutError):
+            self.page.locator("#actions button.hold:enabled").hover(timeout=500)
+            hold_long_enough(self.page)
