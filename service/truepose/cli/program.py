@@ -29,6 +29,7 @@ _COMMANDS = {
     "diagnose": "diagnoses",
     "predict": "campaigns",
     "validate": "campaigns",
+    "plan": "plans",
     "correct": "corrections",
     "nightly": "cells",
     "inspect": "inspection",

@@ -36,6 +36,7 @@ _KEYS = frozenset({
 })  # fmt: skip
 _TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
+SCENARIO_PREFIXES: Final = tuple(_ROBOT_OF_SCENARIOS)  # that say which robot stands in a simulated cell
 
 
 def read_cell(path: Path) -> Cell:
@@ -70,11 +71,26 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
     UnknownRobotError
         The name does not say which robot stands in the cell.
     """
-    root = _template()
+    cell = cell_on_usual_table(_robot_of_scenario(scenario))
     name = f"Simulated cell {Path(scenario).stem}"
-    entries = {**root.entries(), "robot": _robot_of_scenario(scenario), "name": name}
-    cell = _read(replace(root, value=entries), Path())
-    return replace(cell, simulated=SimulatedCell(scenario, seed))
+    return replace(cell, name=name, simulated=SimulatedCell(scenario, seed))
+
+
+def cell_on_usual_table(robot: str) -> Cell:
+    """Return the cell of a robot with the table, tool and tracker of simulated cells.
+
+    Parameters
+    ----------
+    robot : str
+        Shipped name, or the path of a robot file.
+
+    Raises
+    ------
+    InputFileError
+        The robot file cannot be used, or no shipped robot has that name.
+    """
+    root = _template()
+    return _read(replace(root, value={**root.entries(), "robot": robot}), Path())
 
 
 def _template() -> Node:

@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.ballbar import Leg
+from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
 from truepose.domain.cell import Cell
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
 from truepose.planning.ballbar.choice import candidates, known_after, stacked_rows
@@ -106,6 +107,32 @@ def promised_at(
     points = curve(errors, numbers)
     advised = knee(points)
     return choice.plan(model, advised if n is None else n, points, advised, discrepancy_mm)
+
+
+def session_plan(cell: Cell, plan: PromisedPlan) -> BallbarPlan:
+    """Return the session that measures a plan, without ways from stop to stop."""
+    if plan.poses is None:
+        raise ConfigurationError("The plan is of positions; no ballbar session measures them.")
+    limits, poses = ballbar_cell(cell), plan.poses
+    return BallbarPlan(
+        tuple(
+            PlannedPlacement(
+                fixture.number,
+                fixture.frame,
+                tuple((float(x), float(y), float(z)) for x, y, z in fixture.cups_mm),
+                setups(limits, fixture),
+                _planned_poses(plan.joints_rad, poses, fixture.number),
+            )
+            for fixture in poses.fixtures
+        )
+    )
+
+
+def _planned_poses(joints_rad: FloatArray, poses: BallbarPoses, placement: int) -> tuple[PlannedPose, ...]:
+    return tuple(
+        PlannedPose(row + 1, placement, tuple(joints_rad[row].tolist()), poses.legs[row])
+        for row in np.flatnonzero(poses.placement == placement).tolist()
+    )
 
 
 @dataclass(frozen=True, slots=True)

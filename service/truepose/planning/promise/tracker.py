@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.promise.curve import CurvePoint, Errors, curve, knee, sizes
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns, Told
 from truepose.planning.promise.order import most_informative_first
@@ -81,6 +82,14 @@ def promised_session(
 
 def _none(space: WorkSpace) -> tuple[FloatArray, IntArray]:
     return np.zeros((0, space.robot.n_joints)), np.zeros(0, dtype=np.int64)
+
+
+def session_plan(plan: PromisedPlan) -> SessionPlan:
+    """Return the session that measures a plan, each stop approached from below; no stop is visited twice."""
+    nests = () if plan.nest is None else tuple(plan.nest.tolist())
+    rows = enumerate(zip(plan.joints_rad.tolist(), nests, strict=True), start=plan.measured + 1)
+    stops = tuple(PlannedStop(config, tuple(joints), nest) for config, (joints, nest) in rows)
+    return SessionPlan("calibration", stops)
 
 
 class _Choice:

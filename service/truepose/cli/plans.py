@@ -1,0 +1,173 @@
+"""The command that plans a session and says what it promises. Heavy imports wait until it runs."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.files import Json, Language, read_measured, require_folders, writing
+from truepose.cli.output import print_json, print_lines, print_tables
+from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import ENGLISH, catalogue, english
+
+if TYPE_CHECKING:
+    from truepose.domain.robot import Robot
+    from truepose.planning.promise.plan import PromisedPlan
+    from truepose.planning.promise.subjects import Subject
+    from truepose.planning.promise.volume import WorkVolume
+
+
+def plan_command(
+    subject: Annotated[
+        str, typer.Argument(help="Shipped robot, robot or cell file (TOML), scenario, or campaign folder.")
+    ],
+    n: Annotated[
+        int | None, typer.Option(min=1, help="Configurations to measure; by default the knee of the curve.")
+    ] = None,
+    volume: Annotated[
+        Path | None, typer.Option(help="Where accuracy counts: a box, joint ranges, or both (TOML or JSON).")
+    ] = None,
+    ballbar: Annotated[bool, typer.Option("--ballbar", help="Lengths of a ballbar, no tracker.")] = False,
+    reading_mm: Annotated[
+        float | None, typer.Option(help="Standard uncertainty of a reading per axis; else a usual tracker's.")
+    ] = None,
+    discrepancy_mm: Annotated[
+        float | None, typer.Option(help="What no parameter expresses, per axis; else what is known of it.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same plan.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write the configurations here (CSV).")] = None,
+    language: Language = ENGLISH,
+    json: Json = False,
+) -> int:
+    """Choose configurations to measure and say what accuracy they promise, before anything moves.
+
+    Of a campaign the curve goes on from what was measured. Status 1: the plan cannot determine a parameter.
+
+    Example: truepose plan abb-irb-120 --n 40 --out plan.csv
+    """
+    require_folders(out)
+    asked = _Asked(subject, n, volume, _size(reading_mm, "--reading-mm"), seed)
+    lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
+    made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
+    if out is not None:
+        _write(out, made.plan)
+    _print(made, language, as_json=json)
+    return 1 if made.plan.left_open else 0
+
+
+def _size(size_mm: float | None, option: str) -> float | None:
+    if size_mm is not None and not 0.0 <= size_mm < math.inf:
+        raise ConfigurationError(f"{option} {size_mm:g}: give a standard deviation in mm, 0 or more.")
+    return size_mm
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What the command line asks for."""
+
+    subject: str
+    n: int | None
+    volume: Path | None
+    reading_mm: float | None
+    seed: int
+
+    @property
+    def is_campaign(self) -> bool:
+        """Whether the subject is a folder, or the zip of one."""
+        path = Path(self.subject)
+        return path.is_dir() or path.suffix.lower() == ".zip"
+
+    def work_volume(self, robot: "Robot") -> "WorkVolume | None":
+        """Return the volume that a file describes."""
+        from truepose.exchange.volumes import read_volume
+
+        return None if self.volume is None else read_volume(self.volume, robot.n_joints)
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """A plan and what it is of."""
+
+    robot: "Robot"
+    plan: "PromisedPlan"
+    minutes: float
+
+
+def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
+    from truepose.planning.promise.tracker import promised_session, session_plan
+    from truepose.sequencing.tracker.dry_run import dry_run
+
+    subject = _subject(asked, discrepancy_mm)
+    space, knowns = subject.space, subject.knowns
+    volume = asked.work_volume(space.robot)
+    plan = promised_session(
+        space, asked.n, knowns=knowns, volume=volume, measured=subject.measured, seed=asked.seed
+    )
+    session = session_plan(plan)
+    if not session.stops:
+        return _Made(space.robot, plan, 0.0)
+    run = dry_run(session, space.robot, space.base, space.nests, len(knowns.fixed_nests))
+    return _Made(space.robot, plan, run.duration_s / 60.0)
+
+
+def _subject(asked: _Asked, discrepancy_mm: float | None) -> "Subject":
+    from truepose.exchange.cells.given import cell_given
+    from truepose.planning.promise.subjects import of_cell
+
+    subject = _of_campaign(asked) if asked.is_campaign else of_cell(cell_given(asked.subject))
+    if asked.reading_mm is not None:
+        subject = subject.reading(asked.reading_mm)
+    return subject if discrepancy_mm is None else subject.lacking(discrepancy_mm)
+
+
+def _of_campaign(asked: _Asked) -> "Subject":
+    from truepose.identification import identify
+    from truepose.planning.promise.subjects import of_campaign
+
+    campaign = read_measured(Path(asked.subject))
+    answer = identify(campaign)
+    if answer.model is None:
+        raise ConfigurationError(f"Nothing can be promised from this campaign: {english(answer.message)}")
+    return of_campaign(campaign, answer.model)
+
+
+def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
+    from truepose.domain.artefacts import BallbarKit
+    from truepose.exchange.cells.given import cell_given
+    from truepose.planning.promise.ballbar import promised_ballbar_session, session_plan
+    from truepose.planning.promise.subjects import expected_discrepancy_mm
+    from truepose.sequencing.ballbar.plan.dry_run import dry_run
+
+    if asked.is_campaign:
+        raise ConfigurationError("--ballbar plans for a robot or a cell file, not for a campaign; give one.")
+    if asked.reading_mm is not None:
+        raise ConfigurationError("--reading-mm is of positions; leave it out with --ballbar.")
+    cell = cell_given(asked.subject)
+    lacking_mm = expected_discrepancy_mm(cell) if discrepancy_mm is None else discrepancy_mm
+    volume = asked.work_volume(cell.robot)
+    plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy_mm=lacking_mm, seed=asked.seed)
+    run = dry_run(session_plan(cell, plan), cell.ballbar or BallbarKit())
+    return _Made(cell.robot, plan, run.duration_s / 60.0)
+
+
+def _write(file: Path, plan: "PromisedPlan") -> None:
+    from truepose.exchange.tables.plans import write_plan
+
+    with writing(file):
+        write_plan(file, plan)
+
+
+def _print(made: _Made, language: str, *, as_json: bool) -> None:
+    from truepose.reports.plans import curve_table, plan_sentences
+
+    sentences = list(plan_sentences(made.plan, made.minutes))
+    if as_json:
+        from truepose.exchange.results.plans import plan_document
+
+        print_json(plan_document(made.plan, made.robot.name, made.minutes, sentences))
+        return
+    words = catalogue(language)
+    print_lines(map(words.spoken, sentences))
+    print_tables(curve_table(made.plan, words))

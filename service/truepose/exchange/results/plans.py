@@ -1,0 +1,96 @@
+"""A plan with its promise, as a document."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from truepose.domain.sentences import Text
+from truepose.exchange.json_text import Json
+from truepose.exchange.outgoing import Quantities, Quantity
+from truepose.exchange.results.document import Document, Spoken
+from truepose.planning.promise.plan import BallbarPoses, PromisedPlan
+
+
+class PromiseDocument(Document):
+    """The accuracy that a number of configurations promises: norms of position errors over the volume."""
+
+    n: int
+    mean_mm: Quantity = Field(description="Expected mean over the volume, of where the arm is on average.")
+    worst_mm: Quantity = Field(description="Expected largest in the volume.")
+    interval_90_mm: Quantities = Field(description="Nine calibrations of ten have their mean within.")
+    visit_mean_mm: Quantity = Field(description="Mean of single visits: with the arm's own scatter.")
+
+
+class LeftOpen(Document):
+    """Parameters that the configurations cannot determine, and why."""
+
+    parameters: list[str]
+    reason: Spoken
+
+
+class Assumed(Document):
+    """What the promise takes for granted; standard deviations per axis."""
+
+    reading_mm: Quantity
+    repeatability_mm: Quantity
+    discrepancy_mm: Quantity = Field(description="What no parameter expresses.")
+
+
+class PlacementDocument(Document):
+    """Where the base fixture of a ballbar stands: its cups in the world."""
+
+    number: int
+    cups_mm: list[list[float]]
+
+
+class PlanDocument(Document):
+    """Configurations to measure, and what they promise."""
+
+    robot: str
+    instrument: Literal["tracker", "ballbar"]
+    configurations_deg: list[list[float]]
+    nests: list[int] | None = Field(None, description="Tool nest that faces the tracker.")
+    legs: list[list[list[int]]] | None = Field(None, description="Base and tool point of each length.")
+    placement: list[int] | None = Field(None, description="Of the base fixture, of each configuration.")
+    placements: list[PlacementDocument] | None = None
+    n: int = Field(description="Configurations that the promise rests on, measured ones included.")
+    measured: int
+    advised: int = Field(description="The knee of the curve.")
+    predicted: list[PromiseDocument]
+    open: list[LeftOpen]
+    observability: dict[str, float] = Field(examples=[{"O1": 64.8}])
+    minutes: Quantity
+    assumptions: Assumed
+    remarks: list[Spoken]
+
+
+def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Sequence[Text]) -> dict[str, Json]:
+    """Return what `truepose plan --json` prints."""
+    document = {
+        "robot": robot,
+        "instrument": "tracker" if plan.poses is None else "ballbar",
+        "configurations_deg": np.round(np.degrees(plan.joints_rad), 9).tolist(),
+        **({} if plan.nest is None else {"nests": plan.nest.tolist()}),
+        **({} if plan.poses is None else _ballbar(plan.poses)),
+        "n": plan.total,
+        "measured": plan.measured,
+        "advised": plan.advised,
+        "predicted": plan.curve,
+        "open": plan.left_open,
+        "observability": plan.observability,
+        "minutes": minutes,
+        "assumptions": plan.assumptions,
+        "remarks": remarks,
+    }
+    return PlanDocument.model_validate(document).printed()
+
+
+def _ballbar(poses: BallbarPoses) -> dict[str, object]:
+    placements = [
+        PlacementDocument(number=fixture.number, cups_mm=fixture.cups_mm.tolist())
+        for fixture in poses.fixtures
+    ]
+    legs = [[list(leg) for leg in own] for own in poses.legs]
+    return {"legs": legs, "placement": poses.placement.tolist(), "placements": placements}

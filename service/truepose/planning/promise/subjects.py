@@ -1,0 +1,134 @@
+"""What is planned for: a cell as its owner describes it, or a robot as a campaign has shown it."""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.cell import Cell
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model
+from truepose.domain.robot import JointRange, Nest
+from truepose.identification.model.stops import sites
+from truepose.planning.promise.accuracy import TrackerAccuracy, stated
+from truepose.planning.promise.knowledge import Knowns
+from truepose.planning.promise.tracker import Measured
+from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.planning.work_volume.work_space import TABLE_CLEARANCE_MM, WorkSpace
+
+# Per axis: 0.146 mm on average were left of a small arm (A. Nubiola, thesis, 2014, section 4.2), 0.022 mm of
+# it the tracker's.
+TYPICAL_DISCREPANCY_MM: Final = 0.09
+APPROACH_RAD: Final = -0.0872664626  # -5 deg on all joints, thesis of A. Nubiola, 2014, section 2.4
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What a tracker session is planned for."""
+
+    space: WorkSpace
+    knowns: Knowns
+    measured: Measured | None = None
+
+    def reading(self, per_axis_mm: float) -> "Subject":
+        """Return the subject with an instrument of this standard uncertainty."""
+        return replace(self, knowns=replace(self.knowns, accuracy=stated(per_axis_mm)))
+
+    def lacking(self, discrepancy_mm: float) -> "Subject":
+        """Return the subject with another discrepancy per axis."""
+        return replace(self, knowns=replace(self.knowns, discrepancy_mm=discrepancy_mm))
+
+
+def of_cell(cell: Cell) -> Subject:
+    """Return a cell before anything is measured.
+
+    Raises
+    ------
+    ConfigurationError
+        Neither the cell nor its robot says in which ranges configurations are chosen.
+    """
+    knowns = Knowns(fixed_nests=cell.fixed_nests, discrepancy_mm=expected_discrepancy_mm(cell))
+    return Subject(space_to_measure(cell, APPROACH_RAD), knowns)
+
+
+def expected_discrepancy_mm(cell: Cell) -> float:
+    """Return what parameters are likely not to express: nothing where no real robot is behind the cell."""
+    return TYPICAL_DISCREPANCY_MM if cell.devices else 0.0
+
+
+def of_campaign(campaign: Campaign, model: Model) -> Subject:
+    """Return the robot of a campaign as it was measured and identified, to go on from there.
+
+    Raises
+    ------
+    ConfigurationError
+        The campaign has no positions.
+    """
+    points = campaign.calibration
+    if points is None:
+        raise ConfigurationError(
+            "The campaign has no positions to go on from; plan a ballbar session from the cell file."
+        )
+    measured = Measured(points.stops.joints_rad, points.nest, len(np.unique(sites(points.stops))))
+    return Subject(_space(campaign, points, model), _knowns(campaign, points, model), measured)
+
+
+def _space(campaign: Campaign, points: PointReadings, model: Model) -> WorkSpace:
+    """Return where it was measured: in the ranges of its joints, no lower, before the same tracker."""
+    robot, tracker = campaign.robot, campaign.tracker_position_mm
+    lowest = float(points.position_mm[:, 2].min())
+    return WorkSpace(
+        robot=robot,
+        base=model.base,
+        nests=_nests(campaign, model),
+        ranges=robot.calibration_ranges or _ranges(points),
+        tracker_position_mm=tracker,
+        joint_limits=robot.joint_limits,
+        table_z_mm=lowest - TABLE_CLEARANCE_MM,
+        approach_offset_rad=APPROACH_RAD,
+    )
+
+
+def _ranges(points: PointReadings) -> tuple[JointRange, ...]:
+    joints = points.stops.joints_rad
+    ends = zip(joints.min(axis=0).tolist(), joints.max(axis=0).tolist(), strict=True)
+    return tuple(JointRange(*pair) for pair in ends)
+
+
+def _nests(campaign: Campaign, model: Model) -> tuple[Nest, ...]:
+    """Return the nests where they were found."""
+    seen = campaign.tracker_position_mm is not None
+    values = {parameter.name: parameter.value for parameter in model.parameters}
+    return tuple(
+        replace(
+            nest,
+            centre_mm=_centre(centre.centre_mm, centre.nest, values),
+            facing=nest.facing if seen else None,
+        )
+        for nest, centre in zip(campaign.nests, sorted(model.nests, key=lambda c: c.nest), strict=True)
+    )
+
+
+def _centre(
+    start_mm: tuple[float, float, float], number: int, values: dict[str, float]
+) -> tuple[float, float, float]:
+    x, y, z = (
+        start + values.get(f"nest_{number}_{axis}", 0.0) for start, axis in zip(start_mm, "xyz", strict=True)
+    )
+    return (x, y, z)
+
+
+def _knowns(campaign: Campaign, points: PointReadings, model: Model) -> Knowns:
+    return Knowns(
+        accuracy=_accuracy(points),
+        fixed_nests=campaign.fixed_nests,
+        discrepancy_mm=model.discrepancy_mm,
+        nests=campaign.nests,
+        base_known=campaign.base_nominal is not None,
+    )
+
+
+def _accuracy(points: PointReadings) -> TrackerAccuracy:
+    """Return how exactly the readings of the campaign were stated to be."""
+    return stated(float(np.sqrt(np.mean(points.standard_uncertainty_mm**2))))

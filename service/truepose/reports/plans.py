@@ -1,0 +1,93 @@
+"""A plan with its promise, in sentences and as a table."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from rich.table import Table
+
+from truepose.domain.sentences import Sentence, said
+from truepose.planning.promise.curve import STEP, CurvePoint
+from truepose.planning.promise.plan import PromisedPlan
+from truepose.words.catalogue import Catalogue
+
+_MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
+_HEADS: Final = (
+    "plans.head.n",
+    "plans.head.mean",
+    "plans.head.interval",
+    "plans.head.worst",
+    "plans.head.gain",
+)
+
+
+def plan_sentences(plan: PromisedPlan, minutes: float) -> Iterator[Sentence]:
+    """Yield what a plan promises, what more would bring, what it leaves open, what it rests on."""
+    yield _promise(plan)
+    if plan.measured:
+        yield said("plans.measured", measured=plan.measured, new=len(plan.joints_rad))
+    yield from _worth_of_more(plan)
+    yield from _left_open(plan)
+    if len(plan.joints_rad):
+        yield said("plans.minutes", minutes=minutes)
+    yield from _assumptions(plan)
+
+
+def _promise(plan: PromisedPlan) -> Sentence:
+    promised = plan.promised
+    low, high = promised.interval_90_mm
+    return said(
+        "plans.promise",
+        n=promised.n,
+        mean_mm=promised.mean_mm,
+        low_mm=low,
+        high_mm=high,
+        worst_mm=promised.worst_mm,
+        visit_mm=promised.visit_mean_mm,
+    )
+
+
+def _worth_of_more(plan: PromisedPlan) -> Iterator[Sentence]:
+    after = next((point for point in plan.curve if point.n >= plan.total + STEP), None)
+    if after is None:
+        yield said("plans.all", n=plan.curve[-1].n)
+        return
+    gain_um = 1e3 * (plan.promised.mean_mm - after.mean_mm) * STEP / (after.n - plan.total)
+    if plan.total >= plan.advised:
+        enough = plan.measured == plan.total
+        yield said("plans.enough" if enough else "plans.knee", n=plan.advised, gain_um=gain_um)
+    else:
+        yield said("plans.more", n=plan.advised, gain_um=gain_um)
+
+
+def _left_open(plan: PromisedPlan) -> Iterator[Sentence]:
+    for group in plan.left_open[:_MOST_SAID]:
+        yield said("plans.open", parameters=", ".join(group.parameters), reason=group.reason)
+    more = len(plan.left_open) - _MOST_SAID
+    if more > 0:
+        yield said("plans.open.more", more=more)
+
+
+def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:
+    assumed = plan.assumptions
+    key = "plans.readings" if plan.poses is None else "plans.lengths"
+    yield said(key, reading_um=1e3 * assumed.reading_mm, repeatability_um=1e3 * assumed.repeatability_mm)
+    if assumed.discrepancy_mm > 0.0:
+        yield said("plans.discrepancy", discrepancy_mm=assumed.discrepancy_mm)
+    else:
+        yield said("plans.complete")
+
+
+def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
+    """Return the curve, one row for each number of configurations."""
+    table = Table()
+    for head in _HEADS:
+        table.add_column(words.say(head), justify="right")
+    before: CurvePoint | None = None
+    for point in plan.curve:
+        gain = "" if before is None else f"{1e3 * (before.mean_mm - point.mean_mm):.1f}"
+        low, high = point.interval_90_mm
+        mark = "*" if point.n == plan.total else ""
+        cells = (f"{point.mean_mm:.4f}", f"{low:.4f} - {high:.4f}", f"{point.worst_mm:.4f}", gain)
+        table.add_row(f"{mark}{point.n}", *cells)
+        before = point
+    return table

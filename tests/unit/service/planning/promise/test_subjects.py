@@ -1,0 +1,66 @@
+"""What is planned for: cells as described, robots as measured."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.ballbar.cells import IRB_120, domain_cell
+from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign
+from truepose.domain.cell import DeviceEntry
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import Nest
+from truepose.identification import identify
+from truepose.planning.promise.subjects import TYPICAL_DISCREPANCY_MM, of_campaign, of_cell
+from truepose.planning.promise.tracker import promised_session
+
+TRACKER_MM = (2600.0, -700.0, 500.0)
+
+
+def test_a_cell_without_devices_is_taken_to_be_what_its_parameters_say():
+    cell = domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)
+    real = replace(cell, devices=(DeviceEntry("tracker", "emscon", {}),))
+
+    assert of_cell(cell).knowns.discrepancy_mm == 0.0
+    assert of_cell(real).knowns.discrepancy_mm == TYPICAL_DISCREPANCY_MM
+
+
+def test_sizes_that_are_given_count():
+    subject = of_cell(domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)).reading(0.07).lacking(0.2)
+
+    assert subject.knowns.accuracy.along_mm == subject.knowns.accuracy.across_mm == 0.07
+    assert subject.knowns.discrepancy_mm == 0.2
+
+
+def test_a_campaign_is_gone_on_with_from_what_was_measured():
+    campaign, _ = measured(nominal_campaign(40))
+
+    subject = of_campaign(campaign, identify(campaign).model)
+    plan = promised_session(
+        subject.space, 5, knowns=subject.knowns, measured=subject.measured, n_candidates=300
+    )
+
+    assert subject.measured.configurations == plan.measured == 40
+    assert len(plan.joints_rad) == 5
+    lowest = campaign.calibration.position_mm[:, 2].min()
+    assert subject.space.table_z_mm < lowest
+
+
+def test_unknown_nests_stay_unknown_and_are_where_they_were_found():
+    known, _ = measured(nominal_campaign(80))
+    unknown = tuple(Nest(None) for _ in known.nests)
+
+    campaign = replace(known, nests=unknown)
+    subject = of_campaign(campaign, identify(campaign).model)
+
+    found = np.array([nest.centre_mm for nest in subject.space.nests])
+    true = np.array([nest.centre_mm for nest in known.nests])
+    assert np.abs(found - true).max() < 1.0
+    assert all(nest.centre_mm is None for nest in subject.knowns.nests)
+
+
+def test_a_campaign_of_lengths_cannot_be_gone_on_with():
+    model = identify(measured(nominal_campaign(40))[0]).model
+
+    with pytest.raises(ConfigurationError, match="ballbar"):
+        of_campaign(leg_campaign(12), model)
