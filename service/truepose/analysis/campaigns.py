@@ -6,9 +6,10 @@ from dataclasses import replace
 from datetime import date
 from typing import TypeAlias
 
-from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
+from truepose.analysis.assembly import assemble_campaign, judged_by
 from truepose.analysis.campaign_summary import summary_of
 from truepose.analysis.errors import RoleError
+from truepose.analysis.measured import measured_session
 from truepose.analysis.workers.tasks import stored_campaign
 from truepose.analysis.workers.uploads import Uploads
 from truepose.domain.campaign import Campaign
@@ -69,8 +70,12 @@ class CampaignDesk:
         await self._sessions.require_intact(calibration_id)
         if validation_id is not None:
             await self._sessions.require_intact(validation_id)
-        calibration = await self._measured(calibration_id)
-        validation = None if validation_id is None else await self._measured(validation_id)
+        calibration = await measured_session(self._sessions, self._readings, calibration_id)
+        validation = (
+            None
+            if validation_id is None
+            else await measured_session(self._sessions, self._readings, validation_id)
+        )
         if role == "ballbar":
             campaign = await self._of_ballbar(calibration_id)
             campaign = campaign if validation is None else judged_by(campaign, calibration, validation)
@@ -105,15 +110,6 @@ class CampaignDesk:
                 "name a session with the tracker as its validation session."
             )
         return role
-
-    async def _measured(self, session_id: int) -> MeasuredSession:
-        return MeasuredSession(
-            id=session_id,
-            setup=await self._sessions.setup(session_id),
-            points=tuple(await self._readings.points(session_id)),
-            fixed_nests=tuple(await self._readings.fixed_nests(session_id)),
-            registration=await self._sessions.registration(session_id),
-        )
 
 
 def _zipped(content: bytes) -> bytes:

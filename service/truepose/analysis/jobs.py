@@ -119,7 +119,9 @@ class JobDesk:
         }
         return await self._queue(JobKind.DIAGNOSIS, request, _Work(load, store), key)
 
-    async def plan(self, name: str, task: PlanTask, key: RequestKey | None = None) -> int:
+    async def plan(
+        self, name: str, task: PlanTask, key: RequestKey | None = None, proved_id: int | None = None
+    ) -> int:
         """Queue the choice of a session's configurations and return the job's number."""
 
         async def load() -> Task:
@@ -128,12 +130,14 @@ class JobDesk:
         async def store(job_id: int, plan: SessionPlan) -> int:
             return await self._results.keep_plan(job_id, name, task.setup, plan)
 
-        request = {
+        request: dict[str, Any] = {
             "name": name,
             "role": task.template.role,
             "configurations": task.n_configurations,
             "seed": task.seed,
         }
+        if proved_id is not None:
+            request["proves_model_id"] = proved_id
         return await self._queue(JobKind.PLAN, request, _Work(load, store), key)
 
     async def cancel(self, job_id: int) -> None:

@@ -9,6 +9,7 @@ from truepose.storage.records import Page, RequestKey
 from truepose.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
+ModelId = Annotated[int, Query(ge=1, le=NUMBER_LIMIT, description="Number of the model.", examples=[3])]
 Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as the list gives it.")]
 IdempotencyKey = Annotated[
     str | None,

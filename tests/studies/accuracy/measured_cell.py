@@ -15,12 +15,15 @@ import numpy as np
 from tests.helpers.domain import asking
 from truepose.analysis.assembly import point_readings
 from truepose.app.simulation import running_simulation
+from truepose.correction.proof.pairs import plan_proof
+from truepose.correction.proof.verdict import Proof, proof_of
 from truepose.demo.cell.truth import CellEndpoint, cell_endpoint
 from truepose.demo.errors import ServiceFailedError
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.cell import Cell, SimulatedCell
 from truepose.domain.ledger import LedgerEntry
+from truepose.domain.results import Identification
 from truepose.domain.robot import Nest, WorldRegistration
 from truepose.domain.session import (
     PointTaken,
@@ -29,6 +32,7 @@ from truepose.domain.session import (
     SessionState,
 )
 from truepose.exchange.cells.file import simulated_cell
+from truepose.identification import identify
 from truepose.planning.tracker.session_plans import plan_calibration, plan_validation
 from truepose.planning.work_volume.cell_space import space_of_cell
 from truepose.planning.work_volume.work_space import WorkSpace
@@ -96,6 +100,25 @@ async def measure_cell(scenario: str, seed: int, n_calibration: int, n_validatio
         if n_validation:
             validation, _ = await _session(session_cell, plan_validation(space, n_validation, seed + 1))
         return await _with_truth(cell, calibration, validation, registration, truth)
+
+
+async def prove_in_cell(
+    scenario: str, seed: int, n_calibration: int, n_validation: int, n_targets: int
+) -> tuple[Identification, Proof]:
+    """Measure a simulated cell, identify it, and prove the model on targets that no one measured."""
+    cell = simulated_cell(scenario, seed)
+    async with _opened(cell, SimulatedCell(scenario, seed)) as (session_cell, truth):
+        space = _work_space(cell)
+        calibration, registration = await _session(session_cell, plan_calibration(space, n_calibration, seed))
+        validation, _ = await _session(session_cell, plan_validation(space, n_validation, seed + 1))
+        measured = await _with_truth(cell, calibration, validation, registration, truth)
+        found = identify(measured.campaign)
+        if found.model is None:
+            raise ServiceFailedError(found.message)
+        template = SessionPlan("validation", ())
+        plan = plan_proof(space, template, found.model, n_targets, seed + 2)
+        visited, _ = await _session(session_cell, plan)
+        return found, proof_of(found.model, visited, found.model.repeatability_mm)
 
 
 @asynccontextmanager

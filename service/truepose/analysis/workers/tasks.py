@@ -75,20 +75,24 @@ class DiagnoseTask:
 
 @dataclass(frozen=True, slots=True)
 class PlanTask:
-    """Choose the configurations of a session: by observability, or at random to validate."""
+    """Choose the configurations of a session: by observability, at random to validate, in pairs to prove."""
 
     setup: SessionSetup
     template: SessionPlan  # role, speeds and limits; its stops are chosen here
     n_configurations: int
     seed: int
+    proved: Model | None = None  # whose corrections are to be proved; each configuration is a target then
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
+        from truepose.correction.proof.pairs import plan_proof
         from truepose.planning.tracker.session_plans import plan_session
         from truepose.planning.work_volume.cell_space import space_to_measure
 
         report(0.0, f"choosing {self.n_configurations} configurations")
         space = space_to_measure(self.setup.cell, self.template.approach_offset_rad)
+        if self.proved is not None:
+            return plan_proof(space, self.template, self.proved, self.n_configurations, self.seed)
         return plan_session(space, self.template, self.n_configurations, self.seed)
 
 

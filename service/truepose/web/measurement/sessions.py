@@ -6,15 +6,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, Body, Response, status
 
+from truepose.analysis.measured import proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
-from truepose.domain.session import Registration
+from truepose.domain.session import Registration, SessionPlan
+from truepose.exchange.results.proofs import ProofDocument, proof_document
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.storage.errors import ConflictError
-from truepose.storage.records import SessionRecord, SessionSetup
+from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, OptionalKey, PageQuery
+from truepose.web.parameters import Id, ModelId, OptionalKey, PageQuery
 from truepose.web.problems import problems
 from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
 from truepose.web.schemas.identities import identity_reply
@@ -22,10 +24,12 @@ from truepose.web.schemas.jobs import JobReply
 from truepose.web.schemas.sessions import (
     ActionReply,
     AnswerRequest,
+    ChosenStops,
     ConfirmRequest,
     GivenStops,
     PlanReply,
     ProgressReply,
+    ProvingStops,
     RegistrationReply,
     RequestOfPerson,
     SessionDetailReply,
@@ -70,10 +74,30 @@ async def plan_session(
             await here.sessions.note(number, notice)
         response.headers["Location"] = f"/api/v1/sessions/{number}"
         return await get_session(here, number)
-    task = PlanTask(setup, plan, wanted.plan.configurations, wanted.plan.seed)
-    number = await here.job_desk.plan(wanted.name, task, key)
+    number = await _queue_plan(here, wanted, setup, plan, key)
     response.status_code = status.HTTP_202_ACCEPTED
     return await queued(here, number, response)
+
+
+async def _queue_plan(
+    here: Context, wanted: SessionRequest, setup: SessionSetup, plan: SessionPlan, key: RequestKey | None
+) -> int:
+    match wanted.plan:
+        case ProvingStops(model_id=model_id, targets=targets, seed=seed):
+            proved = (await here.results.model(model_id)).model
+            return await here.job_desk.plan(
+                wanted.name, PlanTask(setup, plan, targets, seed, proved), key, model_id
+            )
+        case ChosenStops(configurations=configurations, seed=seed):
+            return await here.job_desk.plan(wanted.name, PlanTask(setup, plan, configurations, seed), key)
+    raise AssertionError("given stops are no job")
+
+
+@router.get("/{id}/proof", responses=problems(404, 409, 422, 503))
+async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
+    """Say what the corrections of a model are worth, by a session that was planned to prove it."""
+    model = (await here.results.model(model_id)).model
+    return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
 
 
 @router.get("", responses=problems(422, 503))

@@ -25,6 +25,7 @@ class JobRequestReply(Reply):
     role: str | None = None
     configurations: int | None = None
     seed: int | None = None
+    proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
 
 
 class JobReply(Reply):

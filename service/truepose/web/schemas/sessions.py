@@ -1,8 +1,8 @@
 """Sessions: what is planned, where they stand, what they measured."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from truepose.domain.cell import Cell
 from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState
@@ -53,6 +53,15 @@ class ChosenStops(Request):
     seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
 
 
+class ProvingStops(Request):
+    """Targets at random, each approached without correction and with that of a model: a proof move."""
+
+    method: Literal["prove"]
+    model_id: Number
+    targets: int = Field(ge=2, le=MOST_STOPS // 2, description="Each is visited twice.", examples=[30])
+    seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
+
+
 class SessionRequest(Request):
     """A session to plan; nothing moves by planning. What is left out is as the cell file says."""
 
@@ -64,7 +73,16 @@ class SessionRequest(Request):
 
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     role: Role = Field(description="What the readings are for; validation readings never identify.")
-    plan: Annotated[GivenStops | ChosenStops, Field(discriminator="method")]
+    plan: Annotated[GivenStops | ChosenStops | ProvingStops, Field(discriminator="method")]
+
+    @model_validator(mode="after")
+    def _of_one_kind(self) -> Self:
+        if isinstance(self.plan, ProvingStops) and self.role != "validation":
+            raise ValueError(
+                'the readings of a proof judge a model and never identify: its role is "validation"'
+            )
+        return self
+
     attachment: Number = Field(1, description="How often the tool has been mounted.")
     approach_offset_deg: Annotated[float, Field(ge=-45, le=45)] | None = Field(
         -5.0, description="Each stop is approached from here on all joints; null: mixed directions."

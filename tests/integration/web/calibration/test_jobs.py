@@ -263,3 +263,30 @@ async def test_configurations_are_chosen_by_a_job_whose_result_is_the_session(cl
     assert asked.status_code == 202
     assert (job["kind"], job["state"]) == ("plan", "succeeded"), job["message"]
     assert (session["name"], session["role"], session["planned"]) == ("a", "validation", 5)
+
+
+async def test_the_job_that_plans_a_proof_names_the_model_and_nothing_is_proved_yet(
+    client, until, campaign_id
+):
+    job = await until(await identification_job(client, campaign_id), "state", "succeeded", "failed")
+    model_id = (await client.get(job["result_url"])).json()["model_id"]
+    plan = {"method": "prove", "model_id": model_id, "targets": 4}
+
+    asked = await client.post("/api/v1/sessions", json={"name": "p", "role": "validation", "plan": plan})
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+    proof = await client.get(f"{job['result_url']}/proof", params={"model_id": model_id})
+
+    assert (job["state"], job["request"]["proves_model_id"]) == ("succeeded", model_id), job["message"]
+    assert proof.status_code == 409
+    assert "no reading of a tool nest yet" in proof.json()["detail"]
+
+
+async def test_what_a_proof_reads_never_identifies(client):
+    wanted = {"name": "p", "role": "calibration", "plan": {"method": "prove", "model_id": 1, "targets": 4}}
+
+    refused = await client.post("/api/v1/sessions", json=wanted)
+    unknown = await client.post("/api/v1/sessions", json=wanted | {"role": "validation"})
+
+    assert refused.status_code == 422
+    assert 'its role is "validation"' in refused.json()["detail"]
+    assert unknown.status_code == 404

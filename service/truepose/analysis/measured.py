@@ -1,0 +1,39 @@
+"""What a session measured, out of the storage."""
+
+import asyncio
+
+from truepose.analysis.assembly import MeasuredSession, point_readings
+from truepose.analysis.errors import NothingMeasuredError
+from truepose.correction.proof.verdict import Proof, proof_of
+from truepose.domain.results import Model
+from truepose.storage.measurement.readings import ReadingRepository
+from truepose.storage.measurement.sessions import SessionRepository
+
+
+async def measured_session(
+    sessions: SessionRepository, readings: ReadingRepository, session_id: int
+) -> MeasuredSession:
+    """Return a session with its readings; raises NotFoundError."""
+    return MeasuredSession(
+        id=session_id,
+        setup=await sessions.setup(session_id),
+        points=tuple(await readings.points(session_id)),
+        fixed_nests=tuple(await readings.fixed_nests(session_id)),
+        registration=await sessions.registration(session_id),
+    )
+
+
+async def proof_by_session(
+    sessions: SessionRepository, readings: ReadingRepository, session_id: int, model: Model
+) -> Proof:
+    """Judge a model by a session that was planned to prove it.
+
+    Raises NotFoundError, StorageError, NothingMeasuredError, and ConfigurationError where the session was
+    not planned with this model.
+    """
+    await sessions.require_intact(session_id)
+    measured = await measured_session(sessions, readings, session_id)
+    if not measured.points:
+        raise NothingMeasuredError(f"Session {session_id} has no reading of a tool nest yet.")
+    points = point_readings(measured.points)
+    return await asyncio.to_thread(proof_of, model, points, model.repeatability_mm)

@@ -1,0 +1,141 @@
+"""What a proof move says: the gain with its interval, the promise, and what speaks against the correction."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from truepose.correction.proof.pairs import pairs_of
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import PointReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model, Statistics
+from truepose.domain.sentences import Sentence, said
+from truepose.identification.model.estimates import identified_estimate, structure_of
+from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.prediction import placed_variance
+from truepose.identification.observations.observed import observed
+from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
+
+_SAME_RAD: Final = (
+    1e-5  # plans keep all digits; controllers report 1e-4 rad, and commanded angles are compared
+)
+_RESAMPLED: Final = 2000
+_CORRECTS_ITSELF: Final = 0.5  # share of the foretold errors below which something else makes up for them
+# One draw of the parameters makes the mean error of a whole robot larger or smaller by about a quarter.
+_WITHIN: Final = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """A correction proved, or not, on n targets of the robot itself; errors of measured tool nests [mm]."""
+
+    before: Statistics
+    after: Statistics
+    gain: float  # mean error without over mean error with correction
+    gain_interval_95: tuple[float, float]
+    promised_mm: float  # mean error that model, arm and readings let expect with correction
+    foretold_share: float  # of the foretold errors, how much was there without correction; 1 where all
+    cautions: tuple[Sentence, ...]
+
+    @property
+    def keeps_promise(self) -> bool:
+        """Whether what is left is what was promised."""
+        return self.after.mean_mm <= _WITHIN * self.promised_mm
+
+    @property
+    def proved(self) -> bool:
+        """Whether the correction helps beyond chance and keeps its promise."""
+        return self.gain_interval_95[0] > 1.0 and self.keeps_promise
+
+
+def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int = 0) -> Proof:
+    """Judge a model by pairs of readings, at stops that `plan_proof` planned with it.
+
+    Parameters
+    ----------
+    model : Model
+    readings : PointReadings
+        Of stops numbered as planned; a target of which one reading is missing is left out.
+    scatter_mm : float
+        Repeatability of the arm per axis beside the stated uncertainties.
+    seed : int, optional
+        Of the resampling that the interval comes from (percentiles of resampled pairs).
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    ConfigurationError
+        There are fewer than two pairs, or they were not planned with this model.
+    """
+    first, second = _paired(readings.stops.config)
+    pairs = pairs_of(model, readings.stops.taken(first), readings.nest[first])
+    _require_planned(pairs.corrected_rad, readings.stops.joints_rad[second])
+    foretold, before = _errors(model, readings.taken(first), pairs.target_mm)
+    _, after = _errors(model, readings.taken(second), pairs.target_mm)
+    noise, promised = _expected(model, readings.taken(second), scatter_mm)
+    share = float((foretold * before).sum() / (foretold**2).sum())
+    statistics_before, statistics_after = statistics(before, noise), statistics(after, noise)
+    gain, interval = _gain(before, after, seed)
+    return Proof(
+        statistics_before, statistics_after, gain, interval, promised, share, tuple(_cautions(share, gain))
+    )
+
+
+def _paired(config: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the rows of uncorrected and of corrected stops, of targets that have both."""
+    row_of = {number: row for row, number in enumerate(config.tolist())}
+    both = [number for number in sorted(row_of) if number % 2 == 1 and number + 1 in row_of]
+    if len(both) < 2:
+        raise ConfigurationError(
+            "A proof needs two targets at least that were measured without and with correction: "
+            f"these readings have {len(both)}."
+        )
+    return np.array([row_of[n] for n in both]), np.array([row_of[n + 1] for n in both])
+
+
+def _require_planned(corrected_rad: FloatArray, visited_rad: FloatArray) -> None:
+    away = np.abs(corrected_rad - visited_rad).max(axis=1)
+    if not (away < _SAME_RAD).all():
+        raise ConfigurationError(
+            f"These readings are no proof of this model: target {int(np.argmax(away)) + 1} was approached at "
+            "other joints than this model corrects it to. Plan a proof with the model that it is to prove."
+        )
+
+
+def _errors(model: Model, readings: PointReadings, target_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far nests are off their targets as the model foretells it, and as it was read, (n, 3)."""
+    estimate = identified_estimate(model)
+    state = evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
+    seen_mm = target_mm + state.position_mm - state.unscaled_mm
+    return state.unscaled_mm - target_mm, readings.position_mm - seen_mm
+
+
+def _expected(model: Model, readings: PointReadings, scatter_mm: float) -> tuple[float, float]:
+    """Return the mean norm of what readings and scatter alone give, and with what the model leaves."""
+    block = observed(readings, scatter_mm, structure_of(model))
+    estimate = identified_estimate(model)
+    state = evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
+    own = placed_variance(model, state) - model.repeatability_mm**2 + scatter_mm**2
+    promised = mean_norm(block.covariance() + own[:, None, None] * np.eye(3))
+    return expected_noise_mm(block), promised
+
+
+def _gain(before: FloatArray, after: FloatArray, seed: int) -> tuple[float, tuple[float, float]]:
+    norms = np.stack([np.linalg.norm(errors, axis=1) for errors in (before, after)])
+    drawn = np.random.default_rng(seed).integers(0, norms.shape[1], (_RESAMPLED, norms.shape[1]))
+    means = norms[:, drawn].mean(axis=2)
+    low, high = np.percentile(means[0] / means[1], [2.5, 97.5])
+    return float(norms[0].mean() / norms[1].mean()), (float(low), float(high))
+
+
+def _cautions(share: float, gain: float) -> list[Sentence]:
+    """Say what explains a correction that does not help."""
+    if share >= _CORRECTS_ITSELF:
+        return []
+    if gain < 1.0:
+        return [said("proof.corrects_itself", share=share)]
+    return [said("proof.not_as_foretold", share=share)]

@@ -1,0 +1,82 @@
+"""The proof move on a simulated cell, over REST: measure, identify, correct, measure again."""
+
+import asyncio
+import contextlib
+
+import httpx
+import pytest
+
+from truepose.app import create_app
+from truepose.settings import Settings
+
+CALIBRATION = {
+    "name": "calibration",
+    "role": "calibration",
+    "plan": {"method": "choose", "configurations": 35, "seed": 1},
+    "registration_readings": 5,
+}
+PROOF = {"name": "proof", "role": "validation", "registration_readings": 5}
+
+
+@contextlib.asynccontextmanager
+async def client_of(settings):
+    application = create_app(settings)
+    transport = httpx.ASGITransport(application)
+    async with (
+        application.router.lifespan_context(application),
+        httpx.AsyncClient(transport=transport, base_url="http://localhost", timeout=60) as client,
+    ):
+        yield client
+
+
+async def until(client, path, condition):
+    async with asyncio.timeout(120):
+        while not condition(found := (await client.get(path)).json()):
+            await asyncio.sleep(0.05)
+    return found
+
+
+async def made(client, asked):
+    assert asked.status_code == 202, asked.text
+    job = await until(client, asked.headers["Location"], lambda job: job["state"] in {"succeeded", "failed"})
+    assert job["state"] == "succeeded", job["message"]
+    return job["result_url"]
+
+
+async def measured(client, wanted):
+    path = await made(client, await client.post("/api/v1/sessions", json=wanted))
+    await client.post(f"{path}/start")
+    await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
+    await client.post(f"{path}/confirm", json={"person": "Ada"})
+    session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
+    assert session["state"] == "finished", session["reason"]
+    return path, session["id"]
+
+
+@pytest.fixture
+async def client(tmp_path):
+    settings = Settings(f"sqlite:///{tmp_path}/truepose.sqlite3", simulated_pace=0)
+    async with client_of(settings) as opened:
+        yield opened
+
+
+async def test_a_correction_is_proved_on_the_robot_that_it_was_made_for(client):
+    first, session_id = await measured(client, CALIBRATION)
+    campaign = await client.post(f"{first}/campaign", json={"name": "c"})
+    identified = await made(
+        client, await client.post("/api/v1/identifications", json={"campaign_id": campaign.json()["id"]})
+    )
+    model_id = (await client.get(identified)).json()["model_id"]
+    plan = {"method": "prove", "model_id": model_id, "targets": 12, "seed": 3}
+
+    path, _ = await measured(client, PROOF | {"plan": plan})
+    proof = (await client.get(f"{path}/proof", params={"model_id": model_id})).json()
+    calibration = await client.get(f"/api/v1/sessions/{session_id}/proof", params={"model_id": model_id})
+
+    assert proof["targets"] == 12
+    assert proof["proved"], proof
+    assert proof["gain"] > 10.0
+    assert proof["after"]["mean_mm"] < 0.06  # tracker 0.025, model 0.02
+    assert abs(proof["foretold_share"] - 1.0) < 0.1
+    assert calibration.status_code == 422
+    assert "no proof of this model" in calibration.json()["detail"]

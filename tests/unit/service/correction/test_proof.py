@@ -1,0 +1,114 @@
+"""The proof move: what pairs of readings say of a correction, and when they say nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.identification.synthetic import configurations
+from truepose.correction.proof.pairs import pairs_of, require_same_robot
+from truepose.correction.proof.verdict import proof_of
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRow
+from truepose.identification.model.estimates import structure_of, values_of
+from truepose.identification.model.evaluation import Targets, evaluate
+
+N, NOISE_MM, SCATTER_MM = 40, 0.012, 0.004
+
+
+def model(seed=1):
+    plain = model_of(IRB_120, *plain_parameters(IRB_120, seed), repeatability_mm=SCATTER_MM)
+    return replace(plain, nominal_base=plain.base)
+
+
+def visited(robot, believed=None, *, n=N, noise_mm=NOISE_MM, seed=0):
+    """Readings of a robot that is `robot`, at the pairs that `believed` plans."""
+    believed = believed or robot
+    joints = configurations(n, 100 + seed)
+    nest = 1 + np.arange(n) % 2
+    pairs = pairs_of(believed, Stops(np.arange(n), joints), nest)
+    kept = np.flatnonzero(pairs.solved)  # as a plan leaves out what cannot be corrected
+    pairs, nest, n = pairs.taken(kept), nest[kept], len(kept)
+    both = np.stack([pairs.uncorrected_rad, pairs.corrected_rad], axis=1).reshape(-1, 6)
+    stops = Stops(np.arange(1, 2 * n + 1), both)
+    nests = np.repeat(nest, 2)
+    places = evaluate(structure_of(robot), values_of(robot), Targets(stops, nests)).unscaled_mm
+    scatter = np.hypot(noise_mm, SCATTER_MM)
+    read = places + scatter * np.random.default_rng(seed).standard_normal(places.shape)
+    return PointReadings(stops, nests, read, np.full(len(both), noise_mm))
+
+
+def test_a_model_that_is_the_robot_is_proved_and_keeps_its_promise():
+    proof = proof_of(model(), visited(model()), SCATTER_MM)
+
+    assert proof.proved
+    assert proof.foretold_share == pytest.approx(1.0, abs=0.02)
+    assert proof.after.mean_mm == pytest.approx(proof.promised_mm, rel=0.15)
+    assert proof.gain_interval_95[0] < proof.gain < proof.gain_interval_95[1]
+    assert proof.gain > 10.0
+    assert proof.cautions == ()
+
+
+def test_the_interval_holds_the_gain_of_many_more_targets():
+    true = proof_of(model(), visited(model(), n=1000, seed=9), SCATTER_MM).gain
+
+    proofs = [proof_of(model(), visited(model(), seed=seed), SCATTER_MM) for seed in range(20)]
+
+    inside = [proof.gain_interval_95[0] < true < proof.gain_interval_95[1] for proof in proofs]
+    assert sum(inside) >= 16
+
+
+def test_a_controller_that_corrects_itself_is_suspected():
+    # what the model foretells is made up for already: the robot is as its nominal model, and corrected twice
+    nominal = replace(model(), parameters=(), effects=(), covariance=np.zeros((0, 0)))
+
+    proof = proof_of(model(), visited(nominal, believed=model()), SCATTER_MM)
+
+    assert not proof.proved
+    assert proof.gain < 1.0
+    assert abs(proof.foretold_share) < 0.1
+    assert [caution.key for caution in proof.cautions] == ["proof.corrects_itself"]
+
+
+def test_a_model_of_another_robot_breaks_its_promise():
+    proof = proof_of(model(1), visited(model(2), believed=model(1)), SCATTER_MM)
+
+    assert not proof.keeps_promise
+    assert not proof.proved
+
+
+def test_where_there_is_nothing_to_correct_nothing_is_proved():
+    nothing = model_of(IRB_120, *plain_parameters(IRB_120)[:1], repeatability_mm=SCATTER_MM)
+    nothing = replace(
+        nothing, parameters=(replace(nothing.parameters[0], value=1e-9),), nominal_base=nothing.base
+    )
+
+    proof = proof_of(nothing, visited(nothing), SCATTER_MM)
+
+    assert not proof.proved
+    assert proof.gain == pytest.approx(1.0, abs=0.3)
+
+
+def test_a_target_with_one_reading_is_left_out_and_without_pairs_there_is_no_proof():
+    readings = visited(model())
+    kept = np.delete(np.arange(len(readings)), [1, 6])
+
+    assert proof_of(model(), readings.taken(kept), SCATTER_MM).before.n == len(readings) // 2 - 2
+    with pytest.raises(ConfigurationError, match="two targets at least"):
+        proof_of(model(), readings.taken(np.arange(0, len(readings), 2)), SCATTER_MM)
+
+
+def test_readings_of_another_plan_are_refused():
+    with pytest.raises(ConfigurationError, match="no proof of this model"):
+        proof_of(model(1), visited(model(2)), SCATTER_MM)
+
+
+def test_a_model_of_another_nominal_table_is_refused_with_its_row():
+    rows = (*IRB_120.joints[:2], JointRow(0.0, 271.0, 0.0, 0.0), *IRB_120.joints[3:])
+
+    require_same_robot(model(), IRB_120)
+    with pytest.raises(ConfigurationError, match="Row 3"):
+        require_same_robot(model(), replace(IRB_120, joints=rows))
