@@ -132,7 +132,7 @@ def predict_command(
     remark(rows.ignored)
     stops, nest = rows.of_each_nest(nests)
     position, uncertainty = predict(identified, stops, nest)
-    remark(prediction_cautions(identified, rows.stops))
+    remark(map(english, prediction_cautions(identified, rows.stops)))
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
@@ -161,7 +161,7 @@ def validate_command(
     )
     remark(measured.ignored)
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
-    remark(validation_cautions(identified, measured.readings))
+    remark(map(english, validation_cautions(identified, measured.readings)))
     if json:
         from truepose.exchange.results.documents import validation_document
 

@@ -10,7 +10,7 @@ import typer
 
 from truepose.cli.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
-from truepose.words.catalogue import ENGLISH, catalogue
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
     from truepose.correction import Summary
@@ -41,7 +41,8 @@ def correct_command(
     from truepose.exchange.models.file import read_model
 
     require_folders(out)
-    summary = _corrected(read_model(model), targets, out, frame)
+    words = catalogue(language)
+    summary = _corrected(read_model(model), targets, out, frame, words)
     if json:
         from truepose.exchange.results.corrections import correction_document
 
@@ -49,11 +50,11 @@ def correct_command(
     else:
         from truepose.reports.corrections import correction_sentences
 
-        print_lines(map(catalogue(language).spoken, correction_sentences(summary)))
+        print_lines(map(words.spoken, correction_sentences(summary)))
     return 0 if summary.solved == summary.targets else 1
 
 
-def _corrected(model: "Model", targets: Path, out: Path, frame: Frame) -> "Summary":
+def _corrected(model: "Model", targets: Path, out: Path, frame: Frame, words: Catalogue) -> "Summary":
     from truepose.correction import Summary, correct, in_world
     from truepose.exchange.tables.targets import CorrectionWriter, read_targets
     from truepose.judgement.cautions import prediction_cautions
@@ -65,7 +66,8 @@ def _corrected(model: "Model", targets: Path, out: Path, frame: Frame) -> "Summa
             goals = part.goals if frame is Frame.WORLD else in_world(model, part.goals)
             found = correct(model, goals, part.branch)
             if not summary.targets:
-                remark([*part.ignored, *prediction_cautions(model, goals.at(found.joints_rad))])
+                cautions = prediction_cautions(model, goals.at(found.joints_rad))
+                remark([*part.ignored, *map(words.spoken, cautions)])
             writer.write(part.names, found)
             summary.add(part.names, found)
             progress(part.share, f"{summary.targets:,} targets")

@@ -64,7 +64,7 @@ class NotIdentifiable:
     """Parameters that the data see only together, or not at all, and why."""
 
     parameters: tuple[str, ...]
-    reason: str
+    reason: Text  # without a full stop: it stands in the midst of what is told
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Outlier:
     config: int
     nest: int
     residual_mm: float
-    reason: str
+    reason: Text  # without a full stop, as above
 
 
 @dataclass(frozen=True, slots=True)

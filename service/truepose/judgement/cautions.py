@@ -4,28 +4,26 @@ from collections.abc import Iterator
 
 from truepose.domain.campaign import Readings, Stops
 from truepose.domain.results import Model
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import NAME as BASE
 from truepose.identification import unpredictable, unpredictable_readings
 
 
-def prediction_cautions(model: Model, stops: Stops) -> Iterator[str]:
+def prediction_cautions(model: Model, stops: Stops) -> Iterator[Sentence]:
     """Yield what the predictions at these stops do not contain."""
     yield from _unseen_base(model)
     for sentence in unpredictable(model, stops):
-        yield f"{sentence}, and u_mm says how far off that may be."
+        yield said("cautions.predicted", sentence=sentence)
 
 
-def validation_cautions(model: Model, readings: Readings) -> Iterator[str]:
+def validation_cautions(model: Model, readings: Readings) -> Iterator[Sentence]:
     """Yield what the judgement of a model by these readings does not contain."""
-    yield from (f"{sentence}." for sentence in unpredictable_readings(model, readings))
+    yield from unpredictable_readings(model, readings)
     if readings.quantity == "position":
         yield from _unseen_base(model)
 
 
-def _unseen_base(model: Model) -> Iterator[str]:
+def _unseen_base(model: Model) -> Iterator[Sentence]:
     """Say of a model of lengths that its positions stand or fall with the stated base."""
     if model.nominal_anchors and BASE not in model.effects:
-        yield (
-            "The model was made from lengths, which do not see where the robot stands: positions are those "
-            "of the base as the campaign states it, and their uncertainty does not contain its error."
-        )
+        yield said("cautions.unseen_base")

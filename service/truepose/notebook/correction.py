@@ -153,7 +153,7 @@ def correct(
         goals = in_world(data, part.goals) if frame == "base" else part.goals
         found = correct_goals(data, goals, part.branch)
         if not parts:
-            remarks += [*part.ignored, *prediction_cautions(data, goals.at(found.joints_rad))]
+            remarks += [*part.ignored, *map(english, prediction_cautions(data, goals.at(found.joints_rad)))]
         names += part.names
         parts.append(found)
         summary.add(part.names, found)

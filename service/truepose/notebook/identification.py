@@ -120,7 +120,7 @@ class Identification:
             row for name, pair in self._blocks() for row in rows_of(name, "nominal", "identified", pair)
         ]
         left_open = [
-            f"Not told apart: {', '.join(group.parameters)}: {group.reason}."
+            f"Not told apart: {', '.join(group.parameters)}: {english(group.reason)}."
             for group in self.answer.not_identifiable
         ]
         return html.page(

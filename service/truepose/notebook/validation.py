@@ -20,6 +20,7 @@ from truepose.notebook.frames import frame
 from truepose.notebook.model import Model, model_given
 from truepose.notebook.tables import TableOrFile, named_data
 from truepose.notebook.wording import STATISTICS, change, counted, rows_of
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -149,5 +150,5 @@ def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | N
     nests = [nest.nest for nest in data.nests]
     table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
     answer = validate_model(data, table.readings, limit_mm=limit_mm)
-    remarks = (*table.ignored, *validation_cautions(data, table.readings))
+    remarks = (*table.ignored, *map(english, validation_cautions(data, table.readings)))
     return Validation(answer, data, table.readings, remarks)

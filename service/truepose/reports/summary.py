@@ -24,11 +24,11 @@ def identification_summary(identification: Identification) -> Group:
     if identification.parameters:
         parts.append(_parameter_table(identification))
     parts += [
-        Text(f"Not told apart: {', '.join(group.parameters)}: {group.reason}.")
+        Text(f"Not told apart: {', '.join(group.parameters)}: {english(group.reason)}.")
         for group in identification.not_identifiable
     ]
     parts += [
-        Text(f"No weight: configuration {outlier.config}, nest {outlier.nest}: {outlier.reason}.")
+        Text(f"No weight: configuration {outlier.config}, nest {outlier.nest}: {english(outlier.reason)}.")
         for outlier in identification.outliers
     ]
     return Group(*parts)

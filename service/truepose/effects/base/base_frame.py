@@ -1,6 +1,7 @@
 """Where the robot stands: six parameters of its base in the world."""
 
 from truepose.domain.results import NotIdentifiable
+from truepose.domain.sentences import said
 from truepose.effects.ports import NOTHING, Need, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
 NAME = "base"
@@ -38,5 +39,5 @@ class Base:
         of_table = ("d_", "theta_", "alpha_")
         if "base_z" not in names or not any(name.startswith(of_table) for name in names):
             return []
-        reason = "row 1 of the table acts as the base does: only the base is a parameter"
+        reason = said("open.row_1")
         return [NotIdentifiable(("d_1", "theta_1", "base_z", "base_rz"), reason)]

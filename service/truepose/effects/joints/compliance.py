@@ -25,10 +25,7 @@ VISIBLE_RAD = 1e-5  # a joint that never deflects by this much has no spring tha
 _GRAVITY_M_S2 = 9.81
 _FIRST_WRIST_FRAME = 3  # 0-based; beyond it links are light
 _MOMENT_DEFLECTION_RAD = 5e-3
-_ONLY_PRODUCTS = (
-    "the masses are unknown: only the products of compliance and mass moment are seen, "
-    "never a compliance itself"
-)
+_ONLY_PRODUCTS = said("open.only_products")
 
 
 class Compliance:
@@ -169,9 +166,6 @@ def _regressor(name: str, chain: Chain, gravity_m_s2: FloatArray) -> FloatArray:
 
 
 def _idle_spring(joint: int, largest_rad: float) -> NotIdentifiable:
-    why = "axis 1 is parallel to gravity" if joint == 0 else "it hardly carries torque"
-    reason = (
-        f"the spring of joint {joint + 1} is never loaded, {why}: "
-        f"it would turn by {largest_rad:.1g} rad at most"
-    )
+    key = "open.spring_upright" if joint == 0 else "open.spring_idle"
+    reason = said(key, joint=joint + 1, largest_rad=largest_rad)
     return NotIdentifiable((joint_name("c", joint),), reason)

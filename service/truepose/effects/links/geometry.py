@@ -12,6 +12,7 @@ import numpy as np
 
 from truepose.domain.results import NotIdentifiable
 from truepose.domain.robot import Robot
+from truepose.domain.sentences import said
 from truepose.effects.names import joint_name, joint_of
 from truepose.effects.ports import NOTHING, ParameterSpec, Port, PortKind, Rows, Setting, Term, Trait
 
@@ -78,8 +79,7 @@ class Geometry:
         return [
             NotIdentifiable(
                 (f"d_{joint}", f"d_{joint + 1}"),
-                f"axes {joint} and {joint + 1} are parallel: only the sum of their d is seen, "
-                f"so d_{joint + 1} is no parameter",
+                said("open.parallel_axes", first=joint, second=joint + 1),
             )
             for joint in range(1, setting.robot.n_joints)
             if is_parallel_to_previous(setting.robot, joint)

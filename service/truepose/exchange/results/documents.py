@@ -81,14 +81,14 @@ class NotIdentifiableDocument(Document):
     """Parameters that the data see only together, or not at all."""
 
     parameters: list[str] = Field(examples=[["theta_6", "nest_1_x"]])
-    reason: str
+    reason: Spoken
 
 
 class OutlierDocument(Document):
     """A reading that was given no weight; it stays in the data."""
 
     config: int
-    reason: str
+    reason: Spoken
     nest: int = Field(description="Tool nest.")
     row: int = Field(description="Of its table, from 0.")
     residual_mm: Quantity

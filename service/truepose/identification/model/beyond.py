@@ -21,6 +21,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Stops
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.registry import goes_on
 from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.derivatives import position_jacobian
@@ -28,15 +29,14 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
 
 
-def held(structure: Structure, targets: Targets) -> tuple[str, ...]:
+def held(structure: Structure, targets: Targets) -> tuple[Sentence, ...]:
     """Return one sentence for every effect that is held in some rows because nobody followed it there."""
     hours = _hours_beyond(structure, targets.stops)
     rows = int((hours > 0.0).sum())
     if rows == 0:
         return ()
     return tuple(
-        f"{effect} was followed from the first to the last reading only, and {rows} of {len(targets)} rows "
-        "are earlier or later: it is held there as it was then"
+        said("cautions.held", effect=effect, rows=rows, targets=len(targets))
         for effect in _going_on(structure)
     )
 

@@ -15,19 +15,20 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.robot import Robot
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.ports import Need, Trait
 from truepose.effects.registry import effects_with, needs_of
 from truepose.effects.shapes.times import SECONDS_PER_HOUR
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
 
-_COLUMNS: dict[Need, str] = {
-    "time": "time_s",
-    "temperature": "temperature_C",
-    "direction": "dir1..",
-    "move": "the stop before (time_s of all rows)",
-    "attachment": "an attachment that the model was made with",
-    "initialisation": "an init that the model was made with",
+_LACKED: dict[Need, str] = {
+    "time": "cautions.time",
+    "temperature": "cautions.temperature",
+    "direction": "cautions.direction",
+    "move": "cautions.move",
+    "attachment": "cautions.attachment",
+    "initialisation": "cautions.initialisation",
 }
 _ANY_RANGE_RAD = np.pi  # of joints whose ranges are not stated
 _STEPS = 8  # temperatures that stand for the whole of their range
@@ -75,16 +76,13 @@ def _known(column: FloatArray | None) -> FloatArray:
     return np.zeros(0) if column is None else column[np.isfinite(column)]
 
 
-def left_out(structure: Structure, targets: Targets) -> tuple[str, ...]:
+def left_out(structure: Structure, targets: Targets) -> tuple[Sentence, ...]:
     """Return one sentence for every effect that some of the targets do not tell enough about."""
     sentences = []
     for effect, need in _asked(structure, targets):
         rows = int(_lacking(structure, effect, need, targets).sum())
         if rows:
-            sentences.append(
-                f"{effect} needs {_COLUMNS[need]}, which {rows} of {len(targets)} rows lack: "
-                f"it is {'as after the last reading' if need == 'time' else 'left out'} there"
-            )
+            sentences.append(said(_LACKED[need], effect=effect, rows=rows, targets=len(targets)))
     return tuple(sentences)
 
 
@@ -129,7 +127,7 @@ def _asked(structure: Structure, targets: Targets) -> list[tuple[str, Need]]:
         for effect in structure.effects
         if effect in structure.owners and effect not in idle
         for need in sorted(needs_of(effect, structure.names_of(effect)))
-        if need in _COLUMNS
+        if need in _LACKED
     ]
 
 

@@ -6,6 +6,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model
+from truepose.domain.sentences import Sentence
 from truepose.identification.model.beyond import held, held_variance
 from truepose.identification.model.derivatives import place_jacobian, position_jacobian, rotation_jacobian
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
@@ -66,12 +67,12 @@ def turned_variance(model: Model, state: State) -> FloatArray:
     return np.asarray(variance / 3.0)
 
 
-def unpredictable(model: Model, stops: Stops) -> tuple[str, ...]:
+def unpredictable(model: Model, stops: Stops) -> tuple[Sentence, ...]:
     """Return one sentence for every effect whose part in the positions of some rows is not known well."""
     return unpredictable_at(model, Targets(told_moves(stops), np.ones(len(stops), dtype=np.int64)))
 
 
-def unpredictable_at(model: Model, targets: Targets) -> tuple[str, ...]:
+def unpredictable_at(model: Model, targets: Targets) -> tuple[Sentence, ...]:
     """Return one sentence for every effect whose part in some of the predictions is not known well."""
     structure = structure_of(model)
     return left_out(structure, targets) + held(structure, targets)

@@ -10,6 +10,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.results import NotIdentifiable
+from truepose.domain.sentences import Sentence, said
 from truepose.effects.base.base_frame import PARAMETERS as BASE
 from truepose.effects.ports import Setting, Trait
 from truepose.effects.registry import effects_with, left_open_by
@@ -18,10 +19,16 @@ from truepose.identification.model.structure import Structure
 UNDETERMINED = 0.5  # of the prior width: what is not known better, the data leave open
 _TOGETHER = 0.05  # share of the largest motion at which a parameter takes part in a combination
 
+# By whether there is one unknown nest, and whether the zero of the last joint takes part.
+_TOOL_AND_LAST = {
+    (True, True): "open.nest_and_zero",
+    (True, False): "open.nest_and_length",
+    (False, True): "open.nests_and_zero",
+    (False, False): "open.nests_and_length",
+}
 _BASE_OF_CUPS = NotIdentifiable(
     BASE,
-    "lengths to cups of unknown place do not see where the arm stands: positions are in the world of "
-    "base_in_world_nominal, and the cups are found there",
+    said("open.base_of_cups"),
 )
 
 
@@ -117,44 +124,28 @@ def _members(direction: FloatArray, jacobian: FloatArray, structure: Structure) 
     return tuple(name for name, part in zip(structure.names, taking_part, strict=True) if part)
 
 
-def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) -> str:
+def _reason(members: tuple[str, ...], structure: Structure, moved: BoolArray) -> Sentence:
     still = [k + 1 for k in range(structure.robot.n_joints) if not moved[k]]
     joints_named = {int(name.split("*")[0].rsplit("_", 1)[1]) for name in members if _of_joint(name)}
     nests = sorted({name.split("_")[1] for name in members if name.startswith("nest_")})
     last = structure.robot.n_joints
     if {"length_offset", *(name for name in members if name.startswith("anchor_"))} & set(members):
-        return (
-            "lengths from an unknown anchor: its place, the offset of the length "
-            "and these quantities of the arm are seen only together"
-        )
+        return said("open.anchor")
     if "scale" in members:
-        return (
-            "no certified length is among the observations: "
-            "the instrument's scale and the lengths of the arm are seen only together"
-        )
+        return said("open.scale")
     if nests and {f"theta_{last}", f"d_{last}"} & set(members) and not set(still) & joints_named:
-        count = "one unknown nest" if len(nests) == 1 else "unknown nests"
-        what = "zero" if f"theta_{last}" in members else "length"
-        return f"{count}: the place of the tool and the {what} of joint {last} are seen only together"
+        return said(_TOOL_AND_LAST[len(nests) == 1, f"theta_{last}" in members], joint=last)
     if any("*" in name for name in members):
-        return (
-            "the masses are unknown and these products load the same joints "
-            "in the same way at these configurations"
-        )
+        return said("open.products")
     standing = sorted({joint for joint in still if joint in joints_named or joint + 1 in joints_named})
     if standing:
-        which = ", ".join(str(joint) for joint in standing)
-        moved_text = "never moved" if len(standing) == 1 else "never moved in these data"
-        noun = "joints" if len(standing) > 1 else "joint"
-        return f"{noun} {which} {moved_text}: what lies before and behind is seen only together"
+        key = "open.standing_joint" if len(standing) == 1 else "open.standing_joints"
+        return said(key, joints=tuple(standing))
     if any(name.startswith("c_") for name in members) and len(members) > 1:
-        return (
-            "these springs are loaded alike at these configurations: "
-            "compliance and geometry are seen only together"
-        )
+        return said("open.springs_alike")
     if len(members) == 1:
-        return "these configurations hardly depend on it: its prior holds it"
-    return "these configurations see only a combination of them: their priors hold the rest"
+        return said("open.prior_holds_it")
+    return said("open.combination")
 
 
 def _of_joint(name: str) -> bool:

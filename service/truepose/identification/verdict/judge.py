@@ -11,6 +11,7 @@ from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.campaign import Readings, Stops
 from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model, NominalAndIdentified
+from truepose.domain.sentences import Sentence
 from truepose.identification.model.estimates import (
     Estimate,
     check_targets,
@@ -131,7 +132,7 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
     return replace(found, variance=found.variance + unknown_variance(model, found.identified.state))
 
 
-def unpredictable_readings(model: Model, readings: Readings) -> tuple[str, ...]:
+def unpredictable_readings(model: Model, readings: Readings) -> tuple[Sentence, ...]:
     """Return one sentence for every effect whose part in some of the readings is not known well."""
     structure = identified_estimate(model).structure
     return unpredictable_at(model, _observed(model, readings, 0.0, structure).targets)

@@ -4,6 +4,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Outlier
+from truepose.domain.sentences import Sentence, said
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.model.evaluation import Targets, evaluate
 
@@ -32,31 +33,30 @@ def _outlier(fit: RobustFit, number: int, row: int) -> Outlier:
     )
 
 
-def _turned(turn_rad: float) -> str:
-    return f"its orientation is off by {np.rad2deg(turn_rad):.3g} deg; the position is kept"
+def _turned(turn_rad: float) -> Sentence:
+    return said("gross.turned", turn_deg=float(np.rad2deg(turn_rad)))
 
 
-def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> str:
+def _off(fit: RobustFit, number: int, row: int, norm_mm: float) -> Sentence:
     block = fit.blocks[number]
     expected = float(np.sqrt(np.mean(block.component_variance()) + block.scatter_mm**2))
-    plain = f"off by {norm_mm:.3g} mm where {expected:.2g} mm per axis is usual in these data"
-    rival = "" if block.place_mm is None else _rival(fit, number, row, block.place_mm, _EXPLAINED * norm_mm)
-    return f"{plain}: {rival}" if rival else plain
+    plain = said("gross.off", norm_mm=norm_mm, expected_mm=expected)
+    rival = None if block.place_mm is None else _rival(fit, number, row, block.place_mm, _EXPLAINED * norm_mm)
+    return said("gross.off_and", off=plain, rival=rival) if rival else plain
 
 
-def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_mm: float) -> str:
+def _rival(fit: RobustFit, number: int, row: int, places_mm: FloatArray, limit_mm: float) -> Sentence | None:
     """Another nest or another row that this place fits, if there is one."""
     targets = fit.blocks[number].targets
     nest = _fitting_nest(fit, targets.taken(np.array([row])), places_mm[row], limit_mm)
     if nest:
-        return f"it fits nest {nest}, its label is probably wrong"
+        return said("gross.other_nest", nest=nest)
     distance = np.linalg.norm(fit.results[number].state.position_mm - places_mm[row], axis=1)
     distance[row] = np.inf
     other = int(np.argmin(distance))
     if distance[other] < limit_mm:
-        config = int(targets.stops.config[other])
-        return f"it fits configuration {config}, the two rows are probably exchanged"
-    return ""
+        return said("gross.exchanged", config=int(targets.stops.config[other]))
+    return None
 
 
 def _fitting_nest(fit: RobustFit, one: Targets, place_mm: FloatArray, limit_mm: float) -> int:

@@ -17,9 +17,9 @@ from truepose.identification.verdict.conventions import reach_mm
 
 _FAR: Final = 4.0  # reaches; two are possible
 _TOOL_MM: Final = 2000.0  # no unknown nest is further from the last frame
-_COMPARED: Final[dict[Quantity, str]] = {
-    "position": "from the middle of all readings",
-    "length": "off the other lengths from its cup",
+_BEYOND: Final[dict[Quantity, str]] = {
+    "position": "gross.beyond_reach.position",
+    "length": "gross.beyond_reach.length",
 }
 _ACCIDENTS: Final = 0.2  # share of the readings beyond which they are none: the table is of another robot
 
@@ -88,6 +88,5 @@ def _outlier(readings: Readings, row: int, away_mm: float, reach: float) -> Outl
         config=int(readings.stops.config[row]),
         nest=int(readings.nest[row]),
         residual_mm=away_mm,
-        reason=f"{away_mm:.3g} mm {_COMPARED[readings.quantity]}, where this arm with its tool reaches "
-        f"{reach:.0f} mm: no place of the arm gives that, it was set aside before the fit",
+        reason=said(_BEYOND[readings.quantity], away_mm=away_mm, reach_mm=reach),
     )

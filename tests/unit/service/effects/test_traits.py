@@ -7,6 +7,7 @@ from truepose.effects.registry import EFFECTS, automatic_in, effects_with, left_
 from truepose.exchange.campaigns.path import read_campaign_at
 from truepose.identification.problem.build import automatic_effects
 from truepose.identification.problem.setting import outline, setting_of
+from truepose.words.catalogue import english
 
 
 @pytest.mark.parametrize("trait", Trait)
@@ -56,7 +57,7 @@ def test_what_an_effect_leaves_open_by_construction_it_says_itself(example_campa
         ("c_4",),
         ("c_6",),
     ]
-    assert "axis 1 is parallel to gravity" in said[2].reason
+    assert "axis 1 is parallel to gravity" in english(said[2].reason)
 
 
 def test_an_effect_with_all_its_parameters_leaves_nothing_open(example_campaign):

@@ -11,6 +11,7 @@ from tests.helpers.identification.synthetic import configurations
 from truepose.domain.campaign import Stops
 from truepose.domain.results import Parameter
 from truepose.identification import predict, unpredictable
+from truepose.words.catalogue import english
 
 N = 5
 RATE = 0.3  # mm/h
@@ -165,7 +166,7 @@ def test_the_sentence_says_who_is_held_and_in_how_many_rows(effect):
     made = model(**{DRIFTS[effect]: 1e-3})
     times = np.array([ORIGIN_S - 60.0, ORIGIN_S, LAST_S, LAST_S + 1.0, LAST_S + 1e6])
 
-    (sentence,) = unpredictable(made, replace(stops(), time_s=times))
+    (sentence,) = map(english, unpredictable(made, replace(stops(), time_s=times)))
 
     assert sentence.startswith(f"{effect} was followed from the first to the last reading only")
     assert "3 of 5 rows are earlier or later: it is held there" in sentence

@@ -11,6 +11,7 @@ from tests.helpers.diagnosis.point_scenes import telling_campaign
 from truepose.domain.results import Parameter
 from truepose.identification import identify, judge, predict, unpredictable, unpredictable_readings
 from truepose.identification.model.missing import Span, span_of
+from truepose.words.catalogue import english
 
 ARM = ("base", "geometry")
 COLUMNS = {
@@ -70,7 +71,7 @@ def test_rows_without_the_column_leave_the_effect_out_and_are_less_certain(effec
     model = model_with(effect, **EXAMPLES[effect])
     stops, nest = rows(**COLUMNS[effect])
 
-    (sentence,) = unpredictable(model, stops)
+    (sentence,) = map(english, unpredictable(model, stops))
     position, uncertainty = predict(model, stops, nest)
 
     plain, known = predict(arm(), stops, nest)
@@ -90,7 +91,7 @@ def test_only_the_rows_that_lack_it_are_less_certain():
     position, after = predict(model, replace(stops, temperature_c=some), nest)
 
     lacking = np.isin(np.arange(N), [10, 11, 12])
-    assert "3 of 60 rows" in unpredictable(model, replace(stops, temperature_c=some))[0]
+    assert "3 of 60 rows" in english(unpredictable(model, replace(stops, temperature_c=some))[0])
     assert np.all(after[lacking] > before[lacking])
     assert after[~lacking] == pytest.approx(before[~lacking])
     assert position[~lacking] == pytest.approx(told[~lacking])
@@ -126,7 +127,7 @@ def test_rows_in_the_order_of_time_tell_their_moves_themselves():
     model = model_with("unnamed", cell_lag_2_line_share=1e-3)
     stops, _ = rows(move_rad=None, direction=None)
 
-    (sentence,) = unpredictable(model, stops)
+    (sentence,) = map(english, unpredictable(model, stops))
 
     assert "the stop before (time_s of all rows), which 1 of 60 rows lack" in sentence
 
@@ -146,7 +147,7 @@ def test_a_mounting_that_the_model_was_not_made_with_is_unpredictable():
     model = model_with("tool_reseating", **EXAMPLES["tool_reseating"])
     stops, nest = rows(attachment=np.where(np.arange(N) < 20, 1, 9))
 
-    (sentence,) = unpredictable(model, stops)
+    (sentence,) = map(english, unpredictable(model, stops))
     _, uncertainty = predict(model, stops, nest)
 
     assert "needs an attachment that the model was made with, which 40 of 60 rows lack" in sentence
@@ -168,7 +169,7 @@ def test_two_effects_that_need_the_same_are_both_named():
         covariance=np.pad(model.covariance, (0, 1)),
     )
 
-    sentences = unpredictable(model, rows(time_s=None)[0])
+    sentences = [english(sentence) for sentence in unpredictable(model, rows(time_s=None)[0])]
 
     assert [sentence.split()[0] for sentence in sentences] == ["base_drift", "base_shift"]
     assert all("60 of 60 rows lack: it is as after the last reading there" in line for line in sentences)
@@ -205,7 +206,7 @@ def test_positions_know_nothing_of_a_ballbar_but_lengths_do():
     model = identify(campaign, ("tool", "geometry", "ballbar_zero")).model
     unseen = replace(campaign.legs, initialisation=np.full(len(campaign.legs), 99))
 
-    (sentence,) = unpredictable_readings(model, unseen)
+    (sentence,) = map(english, unpredictable_readings(model, unseen))
 
     assert "ballbar_zero needs an init that the model was made with, which 60 of 60 rows lack" in sentence
     assert unpredictable(model, unseen.stops) == ()

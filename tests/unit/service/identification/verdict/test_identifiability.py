@@ -7,6 +7,7 @@ from truepose.effects.ports import ParameterSpec, Setting
 from truepose.identification.fit.solver import posterior_covariance
 from truepose.identification.model.structure import Structure
 from truepose.identification.verdict.identifiability import not_identifiable
+from truepose.words.catalogue import english
 
 ROBOT = Robot("skew", tuple(JointRow(0.0 if k == 0 else 1.5, 100.0, 0.0, 50.0) for k in range(4)))
 SETTING = Setting(ROBOT, (), has_orientations=False, torque_source="masses", largest_torque_n_mm=np.zeros(4))
@@ -47,7 +48,7 @@ def test_what_moves_nothing_is_named_alone():
     (entry,) = named(np.array([[50.0, 0.0], [0.0, 0.0]]), ["a_3", "a_4"])
 
     assert entry.parameters == ("a_4",)
-    assert "its prior holds it" in entry.reason
+    assert "its prior holds it" in english(entry.reason)
 
 
 def test_half_the_prior_width_is_the_border():
@@ -68,4 +69,4 @@ def test_a_joint_that_stood_still_is_the_reason_given():
 
     (entry,) = named(jacobian, ["theta_3", "theta_4"], moved=np.array([True, True, False, True]))
 
-    assert entry.reason.startswith("joint 3 never moved")
+    assert english(entry.reason).startswith("joint 3 never moved")
