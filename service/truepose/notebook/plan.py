@@ -10,16 +10,23 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.session import SessionPlan
-from truepose.exchange.cells.file import read_cell
+from truepose.exchange.cells.given import cell_given
 from truepose.exchange.tables.stops import NO_REPEAT, joint_names
 from truepose.notebook import html
 from truepose.notebook.frames import frame
 from truepose.notebook.given import path_of
 from truepose.notebook.wording import counted
+from truepose.planning.promise.curve import CurvePoint
+from truepose.planning.promise.plan import PromisedPlan
+from truepose.planning.promise.subjects import of_cell
+from truepose.planning.promise.tracker import promised_session
 from truepose.planning.tracker.session_plans import plan_session
 from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.reports.plans import promise_sentence
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 
@@ -35,6 +42,9 @@ class Plan:
         The tool nest that faces the tracker best, from 1.
     repeat_of : ndarray, shape (n,)
         The earlier stop that is visited once more, -1 for none.
+    promise : PromisedPlan or None
+        What so many configurations promise, and what more would (`curve`, `advised`, `left_open`); None of
+        a validation.
 
     Examples
     --------
@@ -50,6 +60,25 @@ class Plan:
     joints_rad: FloatArray
     nest: IntArray
     repeat_of: IntArray
+    promise: PromisedPlan | None
+
+    def plot(self) -> "Figure | None":
+        """Return the promised error against the number of configurations; None of a validation.
+
+        The figure is of matplotlib and belongs to no window: change and save it as any other.
+        """
+        from truepose.reports.figures.promise_curve import plain_promise_curve
+
+        return None if self.promise is None else plain_promise_curve(self.promise)
+
+    def curve_to_frame(self) -> "DataFrame":
+        """Return one row per number of configurations: the promised errors, no rows of a validation.
+
+        Columns `n, mean_mm, low_mm, high_mm, worst_mm, visit_mean_mm`. Raises MissingExtraError where pandas
+        is not installed.
+        """
+        points = () if self.promise is None else self.promise.curve
+        return frame([_row(point) for point in points])
 
     def to_frame(self) -> "DataFrame":
         """Return one row per stop: `config, q1_deg.., nest, repeat_of`, as a service takes them.
@@ -75,12 +104,27 @@ class Plan:
                 self.config, np.degrees(self.joints_rad).tolist(), self.nest, strict=True
             )
         ]
-        return html.page(html.paragraphs([repr(self)]), html.first_rows(("config", *names, "nest"), rows))
+        sentences = [] if self.promise is None else [english(promise_sentence(self.promise))]
+        return html.page(
+            html.paragraphs([repr(self), *sentences]), html.first_rows(("config", *names, "nest"), rows)
+        )
+
+
+def _row(point: CurvePoint) -> dict[str, float]:
+    low, high = point.interval_90_mm
+    return {
+        "n": point.n,
+        "mean_mm": point.mean_mm,
+        "low_mm": low,
+        "high_mm": high,
+        "worst_mm": point.worst_mm,
+        "visit_mean_mm": point.visit_mean_mm,
+    }
 
 
 def plan(
     cell: str | Path,
-    n: int,
+    n: int | None = None,
     role: Literal["calibration", "validation"] = "calibration",
     *,
     seed: int = 0,
@@ -88,16 +132,17 @@ def plan(
 ) -> Plan:
     """Choose the configurations of a tracker session in a cell, as the service does; nothing moves.
 
-    To calibrate they are chosen by observability and some are revisited at the end; to validate they are
-    drawn at random. All are within the joint ranges of the cell, clear of table and column, and in sight of
-    the tracker.
+    To calibrate they are chosen by observability and some are revisited at the end, and the plan says what
+    accuracy that promises; to validate they are drawn at random. All are within the joint ranges of the cell,
+    clear of table and column, and in sight of the tracker.
 
     Parameters
     ----------
-    cell : path
-        Cell file (TOML), as `truepose serve --cell` takes it.
-    n : int
-        Different configurations; the revisits come on top.
+    cell : path or str
+        Cell file (TOML), as `truepose serve --cell` takes it; or the name of a shipped robot.
+    n : int, optional
+        Different configurations; the revisits come on top. To calibrate, by default as many as the knee of
+        the curve of promised accuracy says.
     role : {"calibration", "validation"}
     seed : int
         The same seed gives the same plan.
@@ -123,12 +168,20 @@ def plan(
     >>> tp.plan("docs/examples/networked-cell.toml", 10, role="validation", seed=1)
     Plan of a validation of ABB IRB 120: 10 configurations, no revisit
     """
-    if n < 1:
+    if n is None and role == "validation":
+        raise ConfigurationError("A validation has no number of its own: say how many configurations, n.")
+    if n is not None and n < 1:
         raise ConfigurationError(f"n is {n}: ask for one configuration at least.")
-    described = read_cell(path_of(cell, "cell file", "give the path of one (TOML), as truepose serve --cell"))
+    advice = "give the path of one (TOML), as truepose serve --cell"
+    described = cell_given(str(path_of(cell, "cell file", advice)))
     offset_rad = None if approach_deg is None else math.radians(approach_deg)
+    space = space_to_measure(described, offset_rad)
+    promise = None
+    if role == "calibration":
+        promise = promised_session(space, n, knowns=of_cell(described).knowns, seed=seed)
+    many = promise.total if promise is not None else n or 0
     template = SessionPlan(role, (), approach_offset_rad=offset_rad)
-    stops = plan_session(space_to_measure(described, offset_rad), template, n, seed).stops
+    stops = plan_session(space, template, many, seed).stops
     return Plan(
         described.robot.name,
         role,
@@ -136,4 +189,5 @@ def plan(
         np.array([stop.joints_rad for stop in stops]),
         np.array([stop.nest for stop in stops]),
         np.array([NO_REPEAT if stop.repeat_of is None else stop.repeat_of for stop in stops]),
+        promise,
     )

@@ -22,7 +22,7 @@ _HEADS: Final = (
 
 def plan_sentences(plan: PromisedPlan, minutes: float) -> Iterator[Sentence]:
     """Yield what a plan promises, what more would bring, what it leaves open, what it rests on."""
-    yield _promise(plan)
+    yield promise_sentence(plan)
     if plan.measured:
         yield said("plans.measured", measured=plan.measured, new=len(plan.joints_rad))
     yield from _worth_of_more(plan)
@@ -32,7 +32,8 @@ def plan_sentences(plan: PromisedPlan, minutes: float) -> Iterator[Sentence]:
     yield from _assumptions(plan)
 
 
-def _promise(plan: PromisedPlan) -> Sentence:
+def promise_sentence(plan: PromisedPlan) -> Sentence:
+    """Return what a plan promises."""
     promised = plan.promised
     low, high = promised.interval_90_mm
     return said(

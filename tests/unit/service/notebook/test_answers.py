@@ -159,6 +159,34 @@ def test_a_plan_to_calibrate_visits_some_again():
     assert (plan.repeat_of[:12] == -1).all()
 
 
+def test_a_plan_to_calibrate_promises_an_accuracy_and_draws_it(tmp_path):
+    pandas = pytest.importorskip("pandas")
+
+    plan = tp.plan("abb-irb-120", 30)
+
+    assert plan.promise.promised.n == 30
+    assert "30 configurations promise a mean error of" in plan._repr_html_()
+    frame = plan.curve_to_frame()
+    assert isinstance(frame, pandas.DataFrame)
+    assert list(frame["n"]) == sorted(frame["n"])
+    assert frame["mean_mm"].is_monotonic_decreasing
+    plan.plot().savefig(tmp_path / "curve.png")
+    assert (tmp_path / "curve.png").stat().st_size > 5000
+
+
+def test_without_a_number_a_calibration_has_as_many_as_the_knee_says():
+    plan = tp.plan("abb-irb-120")
+
+    assert (plan.repeat_of == -1).sum() == plan.promise.advised
+
+
+def test_a_validation_promises_nothing_and_needs_a_number(answers):
+    assert answers["Plan"].promise is None
+    assert answers["Plan"].plot() is None
+    with pytest.raises(ConfigurationError, match="no number of its own"):
+        tp.plan(EXAMPLES / "networked-cell.toml", role="validation")
+
+
 def test_without_pandas_a_frame_says_what_to_install(identified, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
 

@@ -1,0 +1,50 @@
+"""The promised accuracy against the number of configurations."""
+
+from collections.abc import Callable
+
+from markupsafe import Markup
+
+from truepose.planning.promise.plan import PromisedPlan
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+
+def promise_curve(plan: PromisedPlan, words: Catalogue = IN_ENGLISH) -> Markup:
+    """Return the curve of a plan, its band and the number that is planned, for a page."""
+    with page_style():
+        return to_svg(_drawn(plan, PAGE, words.say), "promise", words.say("plans.figure"))
+
+
+def plain_promise_curve(plan: PromisedPlan) -> Drawing:
+    """Return the same in ordinary colours, for a program."""
+    with plain_style():
+        return _drawn(plan, PLAIN, IN_ENGLISH.say)
+
+
+def _drawn(plan: PromisedPlan, colours: Colours, say: Callable[[str], str]) -> Drawing:
+    figure = new_figure(7.0, 3.6)
+    axes = figure.add_subplot()
+    numbers = [point.n for point in plan.curve]
+    low, high = zip(*(point.interval_90_mm for point in plan.curve), strict=True)
+    axes.fill_between(
+        numbers, low, high, color=colours.after, alpha=0.2, linewidth=0.0, label=say("plans.head.interval")
+    )
+    means = [point.mean_mm for point in plan.curve]
+    axes.plot(numbers, means, "o-", color=colours.after, markersize=3.5, label=say("plans.head.mean"))
+    worst = [point.worst_mm for point in plan.curve]
+    axes.plot(numbers, worst, "--", color=colours.before, label=say("plans.head.worst"))
+    axes.axvline(plan.total, color=colours.ink, linewidth=1.0, label=say("plans.figure.planned"))
+    axes.set_xlabel(say("plans.head.n"))
+    axes.set_ylabel("mm")
+    axes.set_ylim(bottom=0.0)
+    axes.legend()
+    return figure
