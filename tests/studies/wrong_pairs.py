@@ -27,7 +27,7 @@ from tests.studies.wrong_pairs_session import (
     whole_session,
 )
 from truepose.exchange.cells.file import simulated_cell
-from truepose.judgement.connections.early import refuted_stops
+from truepose.judgement.ball_pairs.early import refuted_stops
 from truepose.planning.ballbar.plan import ballbar_plan
 from truepose.storage.records import SessionSetup
 

@@ -10,9 +10,9 @@ from tests.studies.wrong_pairs_cell import KIT, NOMINAL_MM, RANGE_MM, Gauge, in_
 from truepose.analysis.ballbar.assembly import Counting, LegKept, SetupKept, SideKept, Standing
 from truepose.analysis.ballbar.precalibration import precalibrate
 from truepose.domain.ballbar import ArrivalTaken, Leg, PlannedPose, PoseForecast
-from truepose.judgement.connections.accounts import begin
-from truepose.judgement.connections.early import judge_early
-from truepose.judgement.connections.judge import judge_leg, judge_pose
+from truepose.judgement.ball_pairs.accounts import begin
+from truepose.judgement.ball_pairs.early import judge_early
+from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 from truepose.planning.ballbar.lengths.beforehand import known_beforehand
 
 _NOISE = {"reading_u_mm": KIT.reading_u_mm, "zero_u_mm": KIT.zero_u_mm}

@@ -17,8 +17,8 @@ from truepose.domain.session import SessionRole
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 from truepose.storage.calibration.campaigns import CampaignRepository, NewCampaign
 from truepose.storage.columns import pack
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import RequestKey
 
 OfBallbar: TypeAlias = Callable[[int], Awaitable[Campaign]]  # of a ballbar session, by its number

@@ -17,7 +17,7 @@ from truepose.app.simulation import Simulation, running_simulation
 from truepose.domain.cell import Cell, DeviceEntry
 from truepose.exchange.cells.file import read_cell, simulated_cell
 from truepose.operation.ballbar.sessions import BallbarSessions
-from truepose.operation.ballbar.work import BallbarWork
+from truepose.operation.ballbar.worker_tasks import BallbarWork
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.repeated_diagnosis import RepeatedDiagnosis
@@ -34,8 +34,8 @@ from truepose.storage.events import EventRepository
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.web.application import Application, create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.hosts import AllowedHosts

@@ -50,7 +50,7 @@ def identify_command(
         _write_report(report, measured, answer)
     thesis = _as_thesis(measured) if compare_thesis else None
     if json:
-        from truepose.exchange.results.documents import identification_document
+        from truepose.exchange.results.identification_and_validation import identification_document
 
         document = identification_document(answer, measured.robot.name)
         print_json(document if thesis is None else document | {"thesis_procedure": thesis})
@@ -62,7 +62,7 @@ def identify_command(
 
 def _as_thesis(campaign: "Campaign") -> "dict[str, JsonValue]":
     """Return the document of the thesis' procedure; where it cannot be followed, why."""
-    from truepose.exchange.results.documents import identification_document
+    from truepose.exchange.results.identification_and_validation import identification_document
     from truepose.identification.thesis_procedure import identify_as_thesis
 
     try:
@@ -163,7 +163,7 @@ def validate_command(
     answer = validate(identified, measured.readings, limit_mm=limit_mm)
     remark(map(english, validation_cautions(identified, measured.readings)))
     if json:
-        from truepose.exchange.results.documents import validation_document
+        from truepose.exchange.results.identification_and_validation import validation_document
 
         print_json(validation_document(answer))
     else:

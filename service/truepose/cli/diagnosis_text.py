@@ -7,7 +7,7 @@ from rich.table import Table
 from truepose.domain.diagnosis import Diagnosis, Finding, Gain, NextMeasurement, Remaining
 from truepose.domain.results import Statistics
 from truepose.domain.sentences import Text
-from truepose.reports.causes import (
+from truepose.reports.cause_words import (
     causes_listed,
     confidence_word,
     place_words,

@@ -50,7 +50,7 @@ from truepose.identification.fit.considered import considered
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
 from truepose.identification.identify import nominal_fit
-from truepose.identification.models import Fits, model_of
+from truepose.identification.model_of_fit import Fits, model_of
 from truepose.identification.verdict.judge import USUAL
 from truepose.identification.verdict.statistics import statistics
 from truepose.version import __version__

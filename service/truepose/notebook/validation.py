@@ -10,7 +10,7 @@ from truepose.domain import results as domain
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.json_text import Json
-from truepose.exchange.results.documents import statistics_document, validation_document
+from truepose.exchange.results.identification_and_validation import statistics_document, validation_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
 from truepose.judgement.cautions import validation_cautions

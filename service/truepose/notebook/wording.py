@@ -8,7 +8,7 @@ from truepose.domain.diagnosis import Finding
 from truepose.domain.results import NominalAndIdentified, Parameter, Statistics
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.notebook import html
-from truepose.reports.causes import printed_unit
+from truepose.reports.cause_words import printed_unit
 from truepose.reports.rounding import MISSING, millimetres, rounded, uncertainty, with_uncertainty
 from truepose.words.catalogue import english
 

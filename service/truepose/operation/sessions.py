@@ -17,11 +17,11 @@ from truepose.domain.people import readable_name
 from truepose.domain.session import SessionState
 from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
+from truepose.operation.followers import Watching
 from truepose.operation.present_cell import PresentCell
 from truepose.operation.requests_under_way import RequestsUnderWay
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
-from truepose.operation.watching import Watching
 from truepose.sequencing.engine.acts import HALTS, LETS_MOVE, Act, ActName
 from truepose.sequencing.engine.halts import ENDED_AT_REST
 from truepose.sequencing.engine.runner import SessionRunner

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from truepose.lazy_names import loader
 
 if TYPE_CHECKING:
-    from truepose.reports.causes import VerdictWords, verdict_words
+    from truepose.reports.cause_words import VerdictWords, verdict_words
     from truepose.reports.conditions import Instrument, Period, ReportConditions
     from truepose.reports.diagnosis_report import DiagnosisInput, diagnosis_content, write_diagnosis_report
     from truepose.reports.identification_report import DiagnosisLink, ReportInput, write_identification_report

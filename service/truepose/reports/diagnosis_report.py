@@ -11,7 +11,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.diagnosis import Confidence, Dependence, Diagnosis, NextMeasurement
 from truepose.domain.results import Model
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.reports.causes import causes_listed, printed_unit, verdict_words
+from truepose.reports.cause_words import causes_listed, printed_unit, verdict_words
 from truepose.reports.causes_found.cause_map import MapCell, cause_map
 from truepose.reports.causes_found.described import described_rows, described_sentence
 from truepose.reports.causes_found.findings import finding_blocks

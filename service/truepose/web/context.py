@@ -21,8 +21,8 @@ from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.database import Database
 from truepose.storage.events import EventRepository
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ READING_U_MM = 0.0016  # of a reading with its zero, as the kit states them
 class TrueArm:
     """The arm as it is, and where its cups came to be clamped."""
 
-    cell: object  # truepose.planning.ballbar.motion.bodies.BallbarCell
+    cell: object  # truepose.planning.ballbar.clear_ways.bodies.BallbarCell
     errors: np.ndarray  # (4, J): alpha [rad], a [mm], theta [rad], d [mm]
 
     @staticmethod

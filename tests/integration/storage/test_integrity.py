@@ -14,8 +14,8 @@ from truepose.storage.errors import DamagedDatabaseError, DatabaseAddressError
 from truepose.storage.integrity.arrival import verify_left
 from truepose.storage.integrity.guard import Guard
 from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 
 UNPROTECTED = "DROP TRIGGER readings_no_update; DROP TRIGGER readings_no_delete;"
 PROTECTED = """

@@ -23,8 +23,8 @@ from truepose.storage.connection.library import LIBRARY
 from truepose.storage.database import Database
 from truepose.storage.integrity.verification import verify
 from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 
 OLD = Path(__file__).parents[2] / "vectors" / "databases" / "schema_0008.sql"
 FINISHED, VALIDATION, KILLED, AT_LUNCH, NOT_BEGUN = 1, 2, 3, 4, 5

@@ -22,8 +22,8 @@ from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.added_stops import AddedStopsRepository
 from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.storage.records import AddedStops, JobKind, JobState, Page, RequestKey
 
 

@@ -11,7 +11,7 @@ from tests.studies.ballbar_report.coded_stops import READING_U_MM, ZERO_U_MM, Co
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import Leg, PoseForecast, Suspicion
 from truepose.exchange.cells.file import simulated_cell
-from truepose.judgement.connections.judge import judge_leg, judge_pose
+from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 from truepose.kinematics.pose_device import base_triangle
 
 _NOMINAL_MM: Final = 300.0

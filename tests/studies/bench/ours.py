@@ -25,7 +25,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import all_branches, branch_of
-from truepose.planning.exchange import choose_by_exchange
+from truepose.planning.choice_by_exchange import choose_by_exchange
 
 _NOISE_MM: Final = 0.015
 _LOOP: Final = "s = 0\nfor i in range(10**7):\n    s += i * i"

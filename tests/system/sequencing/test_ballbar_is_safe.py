@@ -22,7 +22,7 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.sequencing.errors import SequencingError
 from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRefusedError

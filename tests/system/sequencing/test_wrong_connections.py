@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.coded_stops import BALLBAR, UNCERTAINTIES, coded_stop
-from truepose.judgement.connections.judge import judge_leg, judge_pose
+from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 
 STOPS = 100
 

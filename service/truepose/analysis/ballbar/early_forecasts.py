@@ -12,8 +12,8 @@ from truepose.analysis.ballbar.assembly import Counting, LegKept
 from truepose.domain.arrays import FloatArray
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import PlannedPose, PoseForecast
-from truepose.judgement.connections.accounts import Accounts, begin
-from truepose.judgement.connections.early import refuted_stops
+from truepose.judgement.ball_pairs.accounts import Accounts, begin
+from truepose.judgement.ball_pairs.early import refuted_stops
 from truepose.planning.ballbar.lengths.aiming import Lengths
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
 

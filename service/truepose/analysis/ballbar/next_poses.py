@@ -14,9 +14,9 @@ from truepose.analysis.ballbar.assembly import Counting, Standing
 from truepose.analysis.ballbar.early_forecasts import EarlyForeseen
 from truepose.analysis.ballbar.forecasts import Foreseen
 from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.again import aimed_again, coded_or_kept
-from truepose.planning.ballbar.motion.bodies import BallbarCell
 
 
 def next_poses(

@@ -16,7 +16,7 @@ from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, PlannedPose, PoseForecast, PreCalibration
 from truepose.domain.results import Identification, Status
 from truepose.identification import identify
-from truepose.judgement.connections.judge import judge_pose
+from truepose.judgement.ball_pairs.judge import judge_pose
 from truepose.planning.ballbar.lengths.beforehand import known_beforehand
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.storage.records import SessionSetup

@@ -5,7 +5,7 @@ from pydantic import Field
 from truepose.correction import Summary
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document import Document
+from truepose.exchange.results.document_base import Document
 
 
 class FailedTarget(Document):

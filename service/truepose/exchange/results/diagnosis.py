@@ -10,8 +10,8 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from truepose.domain.diagnosis import Confidence, Diagnosis, HeldOut, HeldOutErrors, Shape, Verdict
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
-from truepose.exchange.results.document import Document, Spoken
-from truepose.exchange.results.documents import StatisticsDocument
+from truepose.exchange.results.document_base import Document, Spoken
+from truepose.exchange.results.identification_and_validation import StatisticsDocument
 
 
 class CauseDocument(Document):

@@ -9,7 +9,7 @@ from truepose.domain.cell import Cell
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.ledger import Control, LedgerEntry
 from truepose.domain.session import SessionPlan, SessionState
-from truepose.operation.ballbar.aside import require_ballbar_aside
+from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.present_cell import speed_limits
 from truepose.operation.session_kind import SessionKind
 from truepose.operation.session_ledger import SessionLedger
@@ -18,7 +18,7 @@ from truepose.operation.tracker.plans import judged_addition, refuse_below_floor
 from truepose.planning.tracker.added_stops import Addition, WantedStop, addition
 from truepose.planning.work_volume.cell_bodies import bodies_of
 from truepose.sequencing.engine.acts import Act, ActName
-from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.motion.plausible_robot import WatchfulRobot
 from truepose.sequencing.engine.states import after_restart, has_ended, words
 from truepose.sequencing.errors import NotNowError

@@ -23,7 +23,7 @@ from truepose.planning.ballbar.lengths.information import (
 )
 from truepose.planning.ballbar.lengths.least_error import exchanged_for_error
 from truepose.planning.ballbar.poses import Reached, reach
-from truepose.planning.exchange import choose_by_exchange
+from truepose.planning.choice_by_exchange import choose_by_exchange
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement
 from truepose.kinematics.frames import placement_rotation, placement_translation
-from truepose.planning.ballbar.motion.capsules import Capsules, joined, still
+from truepose.planning.ballbar.clear_ways.capsules import Capsules, joined, still
 
 BALL_MM: Final = 10.0  # from the centre of a half-inch ball to the body of the cup behind it
 CUP_RADIUS_MM: Final = 8.0

@@ -24,6 +24,7 @@ from truepose.kinematics.frames import (
 from truepose.kinematics.inverse import has_closed_form
 from truepose.kinematics.pose_device import Assembly
 from truepose.planning.ballbar.choice import Candidates, candidates, known_after
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 from truepose.planning.ballbar.fixture import BaseFixture, base_fixture
 from truepose.planning.ballbar.lengths.information import (
     SPACE_POINTS,
@@ -33,7 +34,6 @@ from truepose.planning.ballbar.lengths.information import (
     predicted_error_mm,
     work_space_sample,
 )
-from truepose.planning.ballbar.motion.bodies import BallbarCell
 from truepose.planning.ballbar.poses import device
 from truepose.planning.ballbar.setups import setup_joints
 from truepose.planning.errors import TooFewCandidatesError

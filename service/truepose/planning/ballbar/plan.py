@@ -11,14 +11,14 @@ from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedSetup
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.planning.ballbar.choice import Candidates, candidates, choose
+from truepose.planning.ballbar.clear_ways.away import away
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
+from truepose.planning.ballbar.clear_ways.clearance import is_clear
+from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, lift
+from truepose.planning.ballbar.clear_ways.tours import Tour, tour
+from truepose.planning.ballbar.clear_ways.ways import way
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.information import SPACE_POINTS, ArmModel, arm_model, work_space_sample
-from truepose.planning.ballbar.motion.away import away
-from truepose.planning.ballbar.motion.bodies import BallbarCell
-from truepose.planning.ballbar.motion.clearance import is_clear
-from truepose.planning.ballbar.motion.motions import Stop, Surroundings, lift
-from truepose.planning.ballbar.motion.tours import Tour, tour
-from truepose.planning.ballbar.motion.ways import way
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.poses import planned, subset
 from truepose.planning.ballbar.setups import setups

@@ -16,9 +16,9 @@ from truepose.domain.ballbar import Leg, PlannedPose
 from truepose.kinematics.frames import placement_rotation, placement_translation
 from truepose.kinematics.inverse import BRANCH_NAMES, all_branches, brought_within, has_closed_form
 from truepose.kinematics.pose_device import Assembly, assemblies, measurable
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, pose_in_base
+from truepose.planning.ballbar.clear_ways.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at
 from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.motion.bodies import BallbarCell, pose_in_base
-from truepose.planning.ballbar.motion.clearance import Bars, arm_room_mm, bar_room_mm, bodies_at
 
 
 @dataclass(frozen=True, slots=True)

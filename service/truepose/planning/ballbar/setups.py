@@ -13,10 +13,10 @@ from truepose.kinematics.frames import (
     rotation_z,
 )
 from truepose.kinematics.inverse import all_branches, brought_within
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, pose_in_base, tool_normal
+from truepose.planning.ballbar.clear_ways.clearance import arm_room_mm, bodies_at, without_cups
+from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, can_lift
 from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.motion.bodies import BallbarCell, pose_in_base, tool_normal
-from truepose.planning.ballbar.motion.clearance import arm_room_mm, bodies_at, without_cups
-from truepose.planning.ballbar.motion.motions import Stop, Surroundings, can_lift
 from truepose.planning.errors import WorkSpaceError
 
 _SPINS: Final = 24  # of the tool about the cup's axis

@@ -12,7 +12,7 @@ from truepose.domain.session import PlannedStop, Role, SessionPlan
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import automatic_effects, build
-from truepose.planning.exchange import Selection, choose_by_exchange, rank_substitutes
+from truepose.planning.choice_by_exchange import Selection, choose_by_exchange, rank_substitutes
 from truepose.planning.tracker.clear_ways import clear_order
 from truepose.planning.tracker.mended_ways import is_clear, mended, pool_of
 from truepose.planning.work_volume.candidates import Candidates, draw_candidates

@@ -15,8 +15,8 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.cell import Cell
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
-from truepose.planning.ballbar.motion.bodies import BallbarCell, arm_body, arm_links, chain_of
-from truepose.planning.ballbar.motion.capsules import Capsules, gaps
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, arm_body, arm_links, chain_of
+from truepose.planning.ballbar.clear_ways.capsules import Capsules, gaps
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim

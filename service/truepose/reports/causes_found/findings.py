@@ -11,7 +11,7 @@ from truepose.domain.diagnosis import Cause, Detail, Diagnosis, Finding, Gain, W
 from truepose.effects.cells import amplitude_of
 from truepose.effects.ports import Trait
 from truepose.effects.registry import effects_with
-from truepose.reports.causes import (
+from truepose.reports.cause_words import (
     cause_words,
     confidence_meaning,
     confidence_word,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from truepose.domain.diagnosis import Cause, Diagnosis, Finding, NextMeasurement, RuledOut
 from truepose.effects.cells import alike, named_cell, of_legs
 from truepose.effects.unnamed.cause import NAME as UNNAMED
-from truepose.reports.causes import cause_words
+from truepose.reports.cause_words import cause_words
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.diagnosis import Cause, Finding
-from truepose.reports.causes import cause_words
+from truepose.reports.cause_words import cause_words
 from truepose.reports.figures.canvas import AFTER, INK, label, new_figure, page_style, to_svg
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Curve
 from truepose.domain.sentences import Sentence, said, together
-from truepose.reports.causes import printed_unit
+from truepose.reports.cause_words import printed_unit
 from truepose.reports.figures.canvas import (
     PAGE,
     PLAIN,

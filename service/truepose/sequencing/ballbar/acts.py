@@ -6,7 +6,7 @@ from typing import Final
 from truepose.domain.ballbar import BallbarStep, StepKind
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import ActName
 
 

@@ -28,13 +28,13 @@ from truepose.sequencing.ballbar.measuring.readings import Readings
 from truepose.sequencing.ballbar.motion import Motion
 from truepose.sequencing.ballbar.plan.dry_run import check_plan, check_structure, motion_limits
 from truepose.sequencing.ballbar.precalibration import PreCalibrator, precalibrated
-from truepose.sequencing.ballbar.record import BallbarRecord
 from truepose.sequencing.ballbar.situation import Situation, situation_of
+from truepose.sequencing.ballbar.state_so_far import BallbarRecord
 from truepose.sequencing.ballbar.transitions import Transitions
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.engine.halts import Halts
 from truepose.sequencing.engine.identity_check import IdentityCheck
-from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.notices import end_of_motion
 from truepose.sequencing.engine.runner import SessionRunner

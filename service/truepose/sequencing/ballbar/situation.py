@@ -28,11 +28,11 @@ from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.plan.agenda import MAX_ATTEMPTS, Course, forecast_of, steps
 from truepose.sequencing.ballbar.plan.pace import BallbarProgress, pace_s_per_reading, remaining_s
 from truepose.sequencing.ballbar.plan.way import ways
-from truepose.sequencing.ballbar.record import READINGS, BallbarRecord, OpenSuspicion, Outcome
+from truepose.sequencing.ballbar.state_so_far import READINGS, BallbarRecord, OpenSuspicion, Outcome
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.identities import KnownDevice, sentence
 from truepose.sequencing.engine.prompts import CELL_CLEAR
-from truepose.sequencing.engine.record import ActingTablet
+from truepose.sequencing.engine.state_so_far import ActingTablet
 from truepose.sequencing.engine.states import ASKS
 
 

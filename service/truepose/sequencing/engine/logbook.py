@@ -11,8 +11,8 @@ from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import SessionState
 from truepose.sequencing.engine.acts import Act, ActOutcome
-from truepose.sequencing.engine.ledger import Ledger
-from truepose.sequencing.engine.record import Record
+from truepose.sequencing.engine.ledger_port import Ledger
+from truepose.sequencing.engine.state_so_far import Record
 from truepose.sequencing.engine.states import ASKS, after_restart, require_transition
 from truepose_drivers.api import Clock
 from truepose_drivers.errors import DriverError

@@ -17,7 +17,7 @@ from truepose.domain.people import tidy_name
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
 from truepose.sequencing.engine.acts import HALTS, Act, ActName, ActOutcome
 from truepose.sequencing.engine.halts import Halts
-from truepose.sequencing.engine.ledger import Ledger
+from truepose.sequencing.engine.ledger_port import Ledger
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm, Permission
 from truepose.sequencing.engine.motion.limits import binding_speed
@@ -33,8 +33,8 @@ from truepose.sequencing.tracker.execution import Execution
 from truepose.sequencing.tracker.faults import Line, is_interruption, lines_after
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.plans import extended_plan
-from truepose.sequencing.tracker.record import TrackerRecord
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
+from truepose.sequencing.tracker.state_so_far import TrackerRecord
 from truepose.sequencing.tracker.steps import Move, Step, StepKind
 from truepose.sequencing.tracker.way_preview import what_lies_ahead
 from truepose_drivers.errors import DriverError

@@ -13,7 +13,7 @@ from truepose.domain.session import PlannedStop, Progress, Registration, Session
 from truepose.sequencing.engine.identities import KnownDevice, same_number
 from truepose.sequencing.engine.states import ASKS
 from truepose.sequencing.tracker import plans
-from truepose.sequencing.tracker.record import TrackerRecord
+from truepose.sequencing.tracker.state_so_far import TrackerRecord
 from truepose.sequencing.tracker.steps import Step, StepKind
 
 

@@ -21,7 +21,7 @@ from truepose.storage.integrity.seal import digest
 from truepose.storage.integrity.verification import missing_protection
 
 _LOG: Final = logging.getLogger(__name__)
-_COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verifying")
+_COMMAND: Final = (sys.executable, "-m", "truepose.storage.integrity.verifying_process")
 _FIRST_S: Final = 2.0  # the service is ready before anything is looked through
 _LOOK_S: Final = 1.0
 _AGAIN_S: Final = 6 * 3600.0

@@ -1,4 +1,8 @@
-"""The ledger of sessions: appended when something happened; it says where a session stands."""
+"""The ledger of sessions: lengths of the ballbar, prompts, answers and states, appended as they happen.
+
+It says where a session stands. Readings of a tracker have records of their own (`tracker_readings`), to which
+the line that tells of one refers.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -11,7 +15,6 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import KeyReusedError
 from truepose.storage.events import add_event
-from truepose.storage.measurement.readings import add_fixed_nest, add_point
 from truepose.storage.measurement.sessions import (
     IDENTITY,
     PROGRESS,
@@ -20,6 +23,7 @@ from truepose.storage.measurement.sessions import (
     add_skip,
     add_state,
 )
+from truepose.storage.measurement.tracker_readings import add_fixed_nest, add_point
 from truepose.storage.records import ActAnswer, LedgerRecord, Page, RequestKey
 from truepose.storage.rows import add_row
 from truepose.storage.tables import ballbar_answers, readings, session_entries, sessions

@@ -3,9 +3,9 @@
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from truepose.web.door.admission import Asked, Refusal, judge
 from truepose.web.door.headers import with_protection
 from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.judgement import Asked, Refusal, judge
 from truepose.web.problems import problem_response
 
 _POLICY_VIOLATION = 1008  # of the WebSocket protocol

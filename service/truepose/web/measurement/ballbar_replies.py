@@ -9,8 +9,8 @@ from truepose.domain.ballbar import (
 )
 from truepose.operation.ballbar.view import BallbarView
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import Outcome
 from truepose.sequencing.ballbar.situation import Situation
+from truepose.sequencing.ballbar.state_so_far import Outcome
 from truepose.storage.records import LedgerRecord
 from truepose.web.schemas.ballbar_sessions import (
     ActingReply,

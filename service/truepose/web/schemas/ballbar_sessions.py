@@ -6,7 +6,7 @@ from truepose.domain.ballbar import BarSet, StepKind, SuspicionKind
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import SessionState
 from truepose.exchange.outgoing import Quantity
-from truepose.sequencing.ballbar.record import OutcomeKind
+from truepose.sequencing.ballbar.state_so_far import OutcomeKind
 from truepose.sequencing.engine.acts import ActName
 from truepose.web.schemas.base import PromptShown, RecordedAt, RecordId, Reply
 from truepose.web.schemas.identities import IdentityReply

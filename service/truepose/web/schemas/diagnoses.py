@@ -7,7 +7,7 @@ from pydantic import Field
 from truepose.domain.diagnosis import Confidence, Verdict
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.diagnosis import DiagnosisDocument
-from truepose.exchange.results.document import Spoken
+from truepose.exchange.results.document_base import Spoken
 from truepose.storage.records import DiagnosisRecord
 from truepose.web.schemas.base import (
     Day,

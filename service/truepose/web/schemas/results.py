@@ -6,7 +6,7 @@ from pydantic import Field
 
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.documents import (
+from truepose.exchange.results.identification_and_validation import (
     IdentificationDocument,
     ParameterDocument,
     ValidationDocument,

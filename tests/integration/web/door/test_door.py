@@ -7,8 +7,8 @@ from fastapi.responses import HTMLResponse
 
 from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_of
 from truepose.web.application import create_application
+from truepose.web.door.admission import PAGES
 from truepose.web.door.hosts import AllowedHosts
-from truepose.web.door.judgement import PAGES
 
 APP = create_application("test", contextlib.nullcontext, AllowedHosts(["cell3.shop", "https://proxy.shop"]))
 ADDRESSES = addresses_of(APP)

@@ -7,7 +7,10 @@ import pytest
 
 from tests.helpers.domain.builders import make_identification, make_pair
 from truepose.domain.results import NotIdentifiable, Outlier, PureError, Validation
-from truepose.exchange.results.documents import identification_document, validation_document
+from truepose.exchange.results.identification_and_validation import (
+    identification_document,
+    validation_document,
+)
 
 STATISTICS = {"n", "mean_mm", "rms_mm", "sd_mm", "max_mm", "noise_mm"}
 

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.ballbar import PlannedPose
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
+from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings
+from truepose.planning.ballbar.clear_ways.tours import tour
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.aiming import Lengths, aimed, aimed_pose
-from truepose.planning.ballbar.motion.bodies import BallbarCell
-from truepose.planning.ballbar.motion.motions import Stop, Surroundings
-from truepose.planning.ballbar.motion.tours import tour
 from truepose.planning.errors import AimError
 
 # An aim moves the tool by a millimetre or two, and so far the cups may be from where they were planned.

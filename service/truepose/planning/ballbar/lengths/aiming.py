@@ -14,8 +14,8 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import Leg, PlannedPose
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of, nest_places
 from truepose.planning.ballbar.lengths.coding import coded_lengths
-from truepose.planning.ballbar.motion.bodies import BallbarCell, chain_of, nest_places
 from truepose.planning.errors import AimError
 
 Lengths: TypeAlias = Callable[[FloatArray], FloatArray]  # joints (n, J) -> lengths (n, L) [mm]

@@ -22,8 +22,8 @@ from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.linear_lengths import ArmKind, StopLengths
 from truepose.kinematics.frames import cross_matrix
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of
 from truepose.planning.ballbar.lengths.information import arm_model
-from truepose.planning.ballbar.motion.bodies import BallbarCell, chain_of
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.errors import WorkSpaceError
 

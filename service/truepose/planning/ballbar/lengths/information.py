@@ -27,7 +27,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
 from truepose.identification.problem.build import build
 from truepose.kinematics.frames import cross_matrix
-from truepose.planning.ballbar.motion.bodies import BallbarCell
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 
 SPACE_POINTS: Final = 200  # configurations over which errors are averaged
 _CUP_WIDTH_MM: Final = 10.0  # nothing worth mentioning is known of a cup beforehand

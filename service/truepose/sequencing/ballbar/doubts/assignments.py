@@ -7,7 +7,7 @@ from typing import Protocol
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
 from truepose.domain.errors import ConfigurationError
-from truepose.judgement.connections.judge import judge_leg, judge_pose
+from truepose.judgement.ball_pairs.judge import judge_leg, judge_pose
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.doubts.misplaced import NO_PAIR, calibrator_doubt, contact_doubt
 from truepose.sequencing.ballbar.plan import step_ids
@@ -15,7 +15,7 @@ from truepose.sequencing.ballbar.situation import Situation
 
 
 class JudgeLeg(Protocol):
-    """Looks at one length; see truepose.judgement.connections.judge."""
+    """Looks at one length; see truepose.judgement.ball_pairs.judge."""
 
     def __call__(
         self,
@@ -34,7 +34,7 @@ class JudgeLeg(Protocol):
 
 
 class JudgePose(Protocol):
-    """Looks at all lengths of a pose; see truepose.judgement.connections.judge."""
+    """Looks at all lengths of a pose; see truepose.judgement.ball_pairs.judge."""
 
     def __call__(
         self, lengths: Mapping[Leg, float], forecast: PoseForecast, *, reading_u_mm: float, zero_u_mm: float

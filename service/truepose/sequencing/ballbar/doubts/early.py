@@ -13,8 +13,8 @@ import numpy as np
 
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarStep, Leg, LengthTaken, PoseForecast, StepKind, Suspicion
-from truepose.judgement.connections.accounts import Accounts, begin
-from truepose.judgement.connections.early import alike, indistinct, judge_early
+from truepose.judgement.ball_pairs.accounts import Accounts, begin
+from truepose.judgement.ball_pairs.early import alike, indistinct, judge_early
 from truepose.planning.ballbar.lengths.beforehand import Beforehand
 from truepose.sequencing.ballbar.acts import Answer
 from truepose.sequencing.ballbar.plan import step_ids

@@ -23,8 +23,8 @@ from truepose.sequencing.ballbar.measuring.live import (
     is_usable,
     live_state,
 )
-from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.situation import Situation
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.errors import NotNowError
 from truepose_drivers.api import BallbarReading, Clock, DeviceIdentity

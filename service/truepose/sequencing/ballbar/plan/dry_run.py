@@ -12,7 +12,7 @@ from truepose.domain.ballbar import BallbarPlan, BallbarStep, PlannedPlacement, 
 from truepose.domain.robot import JointRange, Robot
 from truepose.sequencing.ballbar.plan.agenda import sides, steps
 from truepose.sequencing.ballbar.plan.pace import remaining_s
-from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.motion.interlocks import MAX_STATE_AGE_S, joint_outside
 from truepose.sequencing.engine.pace import StepTimes
 from truepose.sequencing.errors import PlanRefusedError

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.pose_device import ALL_LEGS, CUPS, FOUR_CUPS, NESTS, lengths
-from truepose.judgement.connections.judge import judge_pose
+from truepose.judgement.ball_pairs.judge import judge_pose
 from truepose.kinematics.frames import rotation_from_vector
 from truepose.kinematics.pose_device import Fixtures, Pose, assemblies, foreseen, linear_legs, measurable
 

@@ -9,8 +9,8 @@ from tests.helpers.ballbar.cells import ballbar_cell, fixture_before_the_arm
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
 from truepose.kinematics.inverse import all_branches
+from truepose.planning.ballbar.clear_ways.bodies import chain_of
 from truepose.planning.ballbar.lengths.aiming import aimed, aimed_pose, nominal_lengths
-from truepose.planning.ballbar.motion.bodies import chain_of
 from truepose.planning.ballbar.poses import reachable
 from truepose.planning.errors import AimError
 

@@ -10,11 +10,11 @@ from tests.helpers.ballbar.cells import ballbar_cell, domain_cell, fixture_befor
 from truepose.domain.ballbar import BallbarKit, BallbarPlan, Bars
 from truepose.domain.cell import CellLimits
 from truepose.domain.errors import ConfigurationError
+from truepose.planning.ballbar.clear_ways.bodies import chain_of
+from truepose.planning.ballbar.clear_ways.clearance import is_clear
+from truepose.planning.ballbar.clear_ways.short_moves import between
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.lengths.information import arm_model, of_poses, pose_rows
-from truepose.planning.ballbar.motion.bodies import chain_of
-from truepose.planning.ballbar.motion.clearance import is_clear
-from truepose.planning.ballbar.motion.motions import between
 from truepose.planning.ballbar.plan import ballbar_cell as cell_for
 from truepose.planning.ballbar.plan import ballbar_plan, plan_at
 from truepose.planning.errors import NoWayError, TooFewCandidatesError, WorkSpaceError

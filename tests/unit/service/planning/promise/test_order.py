@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.exchange import choose_by_exchange
+from truepose.planning.choice_by_exchange import choose_by_exchange
 from truepose.planning.observability import observability_o1
 from truepose.planning.promise.order import most_informative_first
 

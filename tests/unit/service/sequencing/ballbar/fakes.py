@@ -16,8 +16,8 @@ from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.cell import BallbarCell
 from truepose.sequencing.ballbar.doubts.assignments import Judges
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.runner import BallbarRunner
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError

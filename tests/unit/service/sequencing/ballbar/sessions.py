@@ -21,8 +21,8 @@ from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import READINGS
 from truepose.sequencing.ballbar.situation import Situation, situation
+from truepose.sequencing.ballbar.state_so_far import READINGS
 
 LEGS = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1))
 SIDE = 300.0

@@ -1,7 +1,7 @@
 """How far a session is: what will be tried again is planned, what was left out for good is not."""
 
 from tests.unit.service.sequencing.ballbar.sessions import Story, make_plan
-from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.state_so_far import READINGS
 
 PLAN = make_plan((1, 2, 3), precalibrate_after=2)
 PER_POSE = 7  # the calibrator and six legs

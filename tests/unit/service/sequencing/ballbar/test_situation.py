@@ -14,7 +14,7 @@ from truepose.domain.ballbar import Suspicion
 from truepose.domain.ledger import Control, EntryKind
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.ballbar.record import READINGS
+from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import ActName
 from truepose.sequencing.engine.prompts import CELL_CLEAR
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import Registration, SessionState, config_of
-from truepose.sequencing.engine.record import Record
+from truepose.sequencing.engine.state_so_far import Record
 from truepose.sequencing.tracker.steps import StepKind
 
 

@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.planning.ballbar.motion.bodies import chain_of
-from truepose.planning.ballbar.motion.motions import (
+from truepose.planning.ballbar.clear_ways.bodies import chain_of
+from truepose.planning.ballbar.clear_ways.short_moves import (
     RETREATS_MM,
     Stop,
     Surroundings,

@@ -8,8 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.kinematics.chain import Chain
-from truepose.planning.ballbar.fixture import BaseFixture, fixture_body
-from truepose.planning.ballbar.motion.bodies import (
+from truepose.planning.ballbar.clear_ways.bodies import (
     BallbarCell,
     arm_body,
     arm_links,
@@ -19,7 +18,15 @@ from truepose.planning.ballbar.motion.bodies import (
     tool_body,
     tool_normal,
 )
-from truepose.planning.ballbar.motion.capsules import Capsules, gaps, joined, lowest_mm, smallest_gap, still
+from truepose.planning.ballbar.clear_ways.capsules import (
+    Capsules,
+    gaps,
+    joined,
+    lowest_mm,
+    smallest_gap,
+    still,
+)
+from truepose.planning.ballbar.fixture import BaseFixture, fixture_body
 
 # A half-inch ball lies in its magnetic cup to a bit below its middle; further over, the bar touches the rim.
 LEAN_RAD: Final = float(np.radians(100.0))

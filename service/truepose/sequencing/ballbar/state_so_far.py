@@ -17,7 +17,7 @@ from truepose.domain.ballbar import ArrivalTaken, LengthTaken, PreCalibration, S
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.plan import step_ids
-from truepose.sequencing.engine.record import ActingTablet, Record
+from truepose.sequencing.engine.state_so_far import ActingTablet, Record
 
 OutcomeKind: TypeAlias = Literal["open", "confirmed", "measured", "moved", "skipped", "computed"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.ballbar.early_sessions import EarlySession
-from truepose.judgement.connections.early import alike, refuted_stops
+from truepose.judgement.ball_pairs.early import alike, refuted_stops
 
 FIRST, LATER = 0, 8  # poses: of which nothing is foreseen, and of which much is
 

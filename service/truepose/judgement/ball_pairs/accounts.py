@@ -22,7 +22,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import Leg
 from truepose.domain.linear_lengths import ArmKind, StopLengths
-from truepose.judgement.connections.slips import next_slips
+from truepose.judgement.ball_pairs.slips import next_slips
 
 _MOST: Final = 250  # accounts, each with a kind of arm
 _FORGOTTEN: Final = float(np.log(1e-7))  # odds against the likeliest one below which an account is dropped

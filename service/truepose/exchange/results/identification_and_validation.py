@@ -15,7 +15,7 @@ from truepose.domain.results import (
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document import Document, Spoken
+from truepose.exchange.results.document_base import Document, Spoken
 
 
 class StatisticsDocument(Document):

@@ -11,9 +11,9 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import PlannedAway
-from truepose.planning.ballbar.motion.clearance import bodies_at, hands_room_mm
-from truepose.planning.ballbar.motion.motions import Stop, Surroundings, is_clear_along, shifted
-from truepose.planning.ballbar.motion.ways import way
+from truepose.planning.ballbar.clear_ways.clearance import bodies_at, hands_room_mm
+from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings, is_clear_along, shifted
+from truepose.planning.ballbar.clear_ways.ways import way
 from truepose.planning.errors import NoWayError
 
 # Free about cups and sides: two hands at a cup are comfortable; one gets through with the bar in it.

@@ -14,7 +14,7 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import Leg, Suspicion, SuspicionKind
 from truepose.domain.linear_lengths import TOLD_APART
-from truepose.judgement.connections.accounts import Accounts
+from truepose.judgement.ball_pairs.accounts import Accounts
 
 _AGAIN: Final = float(np.log(0.02))  # odds above which a person is asked whether a pair is read twice
 _OTHER: Final = float(np.log(0.1))  # ... whether it is another pair, or the pose is not as asked

@@ -15,8 +15,8 @@ import numpy as np
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import Leg, PoseForecast, Suspicion, SuspicionKind
 from truepose.domain.errors import ConfigurationError
-from truepose.judgement.connections.likelihood import Foreseen, foreseen_by, log_likelihood, nothing_foreseen
-from truepose.judgement.connections.slips import slips
+from truepose.judgement.ball_pairs.likelihood import Foreseen, foreseen_by, log_likelihood, nothing_foreseen
+from truepose.judgement.ball_pairs.slips import slips
 
 _WRONG_S = 1000.0  # cost of a wrong length that stays
 _ASK = float(np.log(10.0 / _WRONG_S))  # log of the odds of wrong against right above which a person is asked

@@ -9,7 +9,7 @@ from truepose.analysis.errors import BusyError
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan
 from truepose.operation.ballbar.plans import BallbarWish
-from truepose.operation.ballbar.work import BallbarWork
+from truepose.operation.ballbar.worker_tasks import BallbarWork
 from truepose.storage.records import SessionSetup
 
 SETUP = SessionSetup(domain_cell(ballbar=BallbarKit()))

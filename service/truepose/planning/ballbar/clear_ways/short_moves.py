@@ -1,4 +1,4 @@
-"""Short motions with a check all along: straight ones of the joints, and of the tool away from something."""
+"""Short moves, checked all along: straight ones of the joints, and of the tool away from something."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -7,9 +7,9 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.kinematics.inverse import all_branches, brought_within
+from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, chain_of, pose_in_base
+from truepose.planning.ballbar.clear_ways.clearance import Bodies, arm_room_mm, bodies_at, without_cups
 from truepose.planning.ballbar.fixture import BaseFixture
-from truepose.planning.ballbar.motion.bodies import BallbarCell, chain_of, pose_in_base
-from truepose.planning.ballbar.motion.clearance import Bodies, arm_room_mm, bodies_at, without_cups
 from truepose.planning.errors import NoWayError
 
 RETREATS_MM: Final = (60.0, 120.0, 200.0)

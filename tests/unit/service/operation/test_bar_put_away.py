@@ -6,7 +6,7 @@ import pytest
 
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.cell import DeviceEntry
-from truepose.operation.ballbar.aside import require_ballbar_aside
+from truepose.operation.ballbar.bar_put_away import require_ballbar_aside
 from truepose.operation.devices import MountedDevice, Rack
 from truepose.sequencing.errors import NotNowError
 from truepose_drivers.api import BallbarReading

@@ -7,8 +7,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.planning.ballbar.motion.motions import Stop, Surroundings
-from truepose.planning.ballbar.motion.ways import way
+from truepose.planning.ballbar.clear_ways.short_moves import Stop, Surroundings
+from truepose.planning.ballbar.clear_ways.ways import way
 from truepose.planning.errors import NoWayError
 
 Via: TypeAlias = tuple[tuple[float, ...], ...]

@@ -1,4 +1,7 @@
-"""Readings: appended when an instrument spoke, superseded when the same stop is read again, never changed."""
+"""Readings of a tracker: appended as they come, superseded when a stop is read again, never changed.
+
+Lengths of a ballbar are lines of the `ledger`.
+"""
 
 from typing import Any
 

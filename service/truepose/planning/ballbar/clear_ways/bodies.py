@@ -15,8 +15,8 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
+from truepose.planning.ballbar.clear_ways.capsules import Capsules, joined
 from truepose.planning.ballbar.fixture import BALL_MM, CUP_RADIUS_MM
-from truepose.planning.ballbar.motion.capsules import Capsules, joined
 
 PLATE_DEPTH_MM: Final = 30.0
 PLATE_RADIUS_MM: Final = 10.0
