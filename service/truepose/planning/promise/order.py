@@ -1,9 +1,9 @@
 """The order in which configurations are worth measuring: every next one raises O1 most.
 
 det M of the information M grows by det(I + J_a M^-1 J_a') with a candidate a (D-optimality, as in
-`planning.exchange`). Sets of a greedy choice are nested, so that whoever stops early, or goes on, has the
-best begun; an exchange among all candidates is better by 3 % of the predicted error at 30 configurations and
-by 0.3 % at 50 (measured on the simulated cell).
+`planning.choice_by_exchange`). Sets of a greedy choice are nested, so that whoever stops early, or goes on,
+has the best begun; an exchange among all candidates is better by 3 % of the predicted error at 30
+configurations and by 0.3 % at 50 (measured on the simulated cell).
 """
 
 import numpy as np

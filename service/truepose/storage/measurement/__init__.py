@@ -1,1 +1,1 @@
-"""What is measured: sessions, their readings, and the ledger of the ballbar."""
+"""What is measured: sessions, the ledger of what happened in them, and the readings of a tracker."""
