@@ -6,8 +6,8 @@ from truepose.analysis.assembly import MeasuredSession, point_readings
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.correction.proof.verdict import Proof, proof_of
 from truepose.domain.results import Model
-from truepose.storage.measurement.readings import ReadingRepository
 from truepose.storage.measurement.sessions import SessionRepository
+from truepose.storage.measurement.tracker_readings import ReadingRepository
 
 
 async def measured_session(

@@ -9,7 +9,7 @@ from pydantic import Field
 from truepose.domain.sentences import Text
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
-from truepose.exchange.results.document import Document, Spoken
+from truepose.exchange.results.document_base import Document, Spoken
 from truepose.planning.promise.plan import BallbarPoses, PromisedPlan
 
 

@@ -4,8 +4,8 @@ from pydantic import Field
 
 from truepose.correction.proof.verdict import Proof
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.results.document import Document
-from truepose.exchange.results.documents import StatisticsDocument
+from truepose.exchange.results.document_base import Document
+from truepose.exchange.results.identification_and_validation import StatisticsDocument
 from truepose.words.catalogue import english
 
 
