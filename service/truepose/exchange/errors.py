@@ -33,7 +33,7 @@ class InputFileError(ExchangeError):
     row : int, optional
         0-based row of a table that is no file but arrays of a program.
     column : str, optional
-        Name of the column of a table.
+        Name of the column of a table, or the 1-based place in a line of a program.
     key : str, optional
         Path of the key in a JSON or TOML document, such as ``dhm_nominal[2].a_mm`` (0-based).
 

@@ -1,0 +1,1 @@
+"""Robot programs in and out: only the numbers of their targets change, the rest stays byte for byte."""

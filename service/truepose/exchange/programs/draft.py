@@ -1,0 +1,209 @@
+"""A program while it is read: what its targets are, and what is done with each of them.
+
+A target is corrected if the program moves to it, or if nothing in the file says what is done with it. It
+is left alone if the program changes it, if it only serves to compute other places or an arc, or if it is
+used with several tools or work objects, because one set of numbers cannot be right for all of them.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from truepose.exchange.programs.program import (
+    Configuration,
+    Frame,
+    LeftAlone,
+    Motion,
+    Path,
+    Pose,
+    Program,
+    ProgramTarget,
+    Value,
+)
+from truepose.exchange.programs.source import Source
+
+COMPUTED: Final = "its place is computed when the program runs"
+ELSEWHERE: Final = "it is not declared in this file"
+CHOSEN: Final = "which element it is is chosen when the program runs"
+HOLDS_WORK: Final = "the robot holds the work and the tool stands still"
+DISPLACED: Final = "it is displaced when the program runs"
+RELATIVE: Final = "it moves relative to where the robot stands"
+ARC: Final = "an arc runs through points that are no targets"
+_MOST_NAMES: Final = 3  # that a sentence lists
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A motion to one of these targets: of one name, at different moments."""
+
+    line: int
+    targets: tuple[int, ...]
+    path: Path
+    tool: Frame | None
+    work_object: Frame | None
+    near_rad: tuple[float, ...] | None
+    follows: bool  # whether the motion before it in the text is the one before it when the program runs
+
+
+@dataclass(slots=True)
+class _Fate:
+    """What the program does with a target."""
+
+    uses: list[Use] = field(default_factory=list)
+    changed_line: int | None = None
+    serves: bool = False  # to compute other places, or an arc
+
+
+class Draft:
+    """Collects what a reader finds.
+
+    Parameters
+    ----------
+    source : Source
+    angles : str, optional
+        What the caller says of the order of three angles, where the format does not.
+    """
+
+    def __init__(self, source: Source, angles: str | None = None) -> None:
+        self.source = source
+        self.angles = angles
+        self._targets: list[ProgramTarget] = []
+        self._fates: list[_Fate] = []
+        self._uses: list[Use] = []
+        self._left: list[tuple[LeftAlone, tuple[int, ...]]] = []
+        self._follows = False
+
+    def add(self, target: ProgramTarget, *, if_used: bool = False) -> int:
+        """Add a target and return its index.
+
+        With `if_used` it is one only if the program moves to it: its type has other uses.
+        """
+        self._targets.append(target)
+        self._fates.append(_Fate(serves=if_used))
+        return len(self._targets) - 1
+
+    def value(self, target: int) -> Value:
+        """Return the configuration or the pose of a target."""
+        return self._targets[target].value
+
+    def visit(
+        self,
+        line: int,
+        targets: Sequence[int],
+        path: Path,
+        tool: Frame | None = None,
+        work_object: Frame | None = None,
+        near_rad: tuple[float, ...] | None = None,
+    ) -> None:
+        """Say that the program moves to a target; to one of several where a name has several values."""
+        use = Use(line, tuple(targets), path, tool, work_object, near_rad, self._follows)
+        self._uses.append(use)
+        self._follows = True
+        for target in targets:
+            self._fates[target].uses.append(use)
+
+    def leave(
+        self, line: int, what: str, reason: str, serving: Sequence[int] = (), *, moves: bool = True
+    ) -> None:
+        """Leave something alone, for which the targets `serving` are used; `moves` the robot or not."""
+        self._left.append((LeftAlone(line, what, reason), tuple(serving)))
+        for target in serving:
+            self._fates[target].serves = True
+        if moves:
+            self.interrupt()
+
+    def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
+        """Say that targets are handed to something that is not in the file, or not followed."""
+        reason = "what it does with the target is not seen here"
+        self._left.append((LeftAlone(line, what, reason), tuple(targets)))
+        self.interrupt()
+
+    def change(self, line: int, targets: Sequence[int]) -> None:
+        """Say that the program gives targets other values than those that stand in the file."""
+        for target in targets:
+            self._fates[target].changed_line = line
+
+    def interrupt(self) -> None:
+        """Say that it is not known where the robot stands when the next motion begins."""
+        self._follows = False
+
+    def program(self, name_of_format: str) -> Program:
+        """Return what was read."""
+        own = [target for target, found in enumerate(self._targets) if self.source.is_own(found.line)]
+        kept = [target for target in own if self._reason_against(target) is None]
+        index_of = {target: index for index, target in enumerate(kept)}
+        return Program(
+            name=self.source.name,
+            format=name_of_format,
+            data=self.source.data,
+            targets=tuple(map(self._with_frames, kept)),
+            motions=tuple(self._motions(index_of)),
+            left_alone=tuple(self._all_left_alone(own, index_of)),
+        )
+
+    def _reason_against(self, target: int) -> str | None:
+        """Say why a target is left alone; None where it is corrected, empty where its uses say why."""
+        fate = self._fates[target]
+        if fate.changed_line is not None:
+            return f"the program changes it in {self.source.said(fate.changed_line)}"
+        if fate.serves and not fate.uses:
+            return ""
+        return None if isinstance(self._targets[target].value, Configuration) else self._two_frames(fate)
+
+    def _two_frames(self, fate: _Fate) -> str | None:
+        for use in fate.uses[1:]:
+            first = fate.uses[0]
+            if _names(use).casefold() != _names(first).casefold():
+                both = " and ".join(
+                    f"with {_names(one)} in {self.source.said(one.line)}" for one in (first, use)
+                )
+                return f"it is used {both}, and the same numbers cannot be right for both"
+        return None
+
+    def _with_frames(self, target: int) -> ProgramTarget:
+        found = self._targets[target]
+        uses = self._fates[target].uses
+        if not uses or not isinstance(found.value, Pose):
+            return found
+        tool, work_object = uses[0].tool or found.tool, uses[0].work_object or found.work_object
+        near_rad = uses[0].near_rad or found.near_rad
+        return replace(found, tool=tool, work_object=work_object, near_rad=near_rad)
+
+    def _motions(self, index_of: dict[int, int]) -> Iterator[Motion]:
+        before: int | None = None
+        for use in self._uses:
+            index = index_of.get(use.targets[0]) if len(use.targets) == 1 else None
+            if index is not None:
+                file, line = self._place(use.line)
+                yield Motion(line, index, use.path, before if use.follows else None, file)
+            before = index
+
+    def _all_left_alone(self, own: Sequence[int], index_of: dict[int, int]) -> Iterator[LeftAlone]:
+        """Yield what is left alone, by line; of the files beside only what uses targets of this one."""
+        entries = [
+            (LeftAlone(self._targets[target].line, self._targets[target].name, reason), ())
+            for target in own
+            if (reason := self._reason_against(target))
+        ]
+        for entry, serving in sorted([*entries, *self._left], key=lambda pair: pair[0].line):
+            names = list(dict.fromkeys(self._targets[t].name for t in serving if t in index_of))
+            if names or self.source.is_own(entry.line):
+                file, line = self._place(entry.line)
+                yield LeftAlone(line, entry.what, entry.reason + _also_corrected(names), file)
+
+    def _place(self, line: int) -> tuple[str | None, int]:
+        file, number = self.source.file_and_line(line)
+        return None if self.source.is_own(line) else file, number
+
+
+def _also_corrected(names: Sequence[str]) -> str:
+    """Say which targets that serve for something are corrected themselves."""
+    if not names:
+        return ""
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return f"; corrected in the file: {', '.join(names[:_MOST_NAMES])}{more}"
+
+
+def _names(use: Use) -> str:
+    names = [frame.name for frame in (use.tool, use.work_object) if frame is not None]
+    return " in ".join(names) or "frames that are not known"

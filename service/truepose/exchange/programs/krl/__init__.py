@@ -1,0 +1,1 @@
+"""Programs and data lists of KUKA controllers (.src, .dat)."""

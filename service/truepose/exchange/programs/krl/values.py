@@ -1,0 +1,71 @@
+"""Literal values of KRL: aggregates in braces, and the targets and frames that they are.
+
+Source: KUKA System Software, Operating and Programming Instructions for System Integrators, sections on
+the structures E6AXIS, E6POS, FRAME; A, B and C turn about Z, the new Y and the newest X.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
+from truepose.exchange.programs.program import Configuration, Number, Pose, ProgramTarget, Written
+from truepose.exchange.programs.source import Source
+from truepose.exchange.programs.tokens import Tokens, inside, number, shown
+
+_POSE: Final = ("X", "Y", "Z", "A", "B", "C")
+_JOINTS: Final = ("A1", "A2", "A3", "A4", "A5", "A6")
+_EXTERNAL: Final = ("E1", "E2", "E3", "E4", "E5", "E6")
+_BRANCH: Final = ("S", "T")
+
+
+def entries(words: Tokens) -> Mapping[str, Tokens] | None:
+    """Return the entries of an aggregate by name in capitals; None for anything else."""
+    found = inside(words, "{")
+    if found is None:
+        return None
+    if found and len(found[0]) > 1 and found[0][1].text == ":":  # the type may stand in front
+        found[0] = found[0][2:]
+    return {part[0].upper: part[1:] for part in found if part}
+
+
+def target(source: Source, name: str, words: Tokens) -> ProgramTarget | str:
+    """Return the target that an aggregate is, or why it is none that can be corrected."""
+    held = entries(words) or {}
+    names = _JOINTS if _JOINTS[0] in held or any(key in held for key in _JOINTS) else _POSE
+    absent = [key for key in names if key not in held]
+    if absent:
+        return f"it does not say {', '.join(absent)}; what it does not say stays as it was"
+    read = [number(source, held[key]) for key in names]
+    numbers = tuple(entry for entry in read if entry is not None)
+    if len(numbers) < len(read):
+        return "some of its numbers are computed or have a name"
+    line = source.line(words[0].start)
+    return _target(source, name, line, numbers, held)
+
+
+def pose(source: Source, words: Tokens) -> Pose | None:
+    """Return the frame that an aggregate is; None where it is not written out."""
+    found = target(source, "", words) if entries(words) else None
+    return found.value if isinstance(found, ProgramTarget) and isinstance(found.value, Pose) else None
+
+
+def whole(source: Source, words: Tokens) -> int | None:
+    """Return the whole number that stands there, or None."""
+    found = number(source, words)
+    return None if found is None else int(found.value)
+
+
+def _target(
+    source: Source, name: str, line: int, numbers: tuple[Number, ...], held: Mapping[str, Tokens]
+) -> ProgramTarget:
+    given = [number(source, held[key]) for key in _EXTERNAL if key in held]
+    external = tuple(entry.value for entry in given if entry is not None)
+    if _JOINTS[0] in held:
+        joints = Written(numbers, JOINT_DEGREES)
+        return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=external)
+    position, rotation = Written(numbers[:3], MILLIMETRES), Written(numbers[3:], ZYX_DEGREES)
+    x, y, z = position.read()
+    a, b, c, d = rotation.read()
+    branch = ", ".join(f"{key} {shown(source, held[key])}" for key in _BRANCH if key in held)
+    value = Pose((x, y, z), (a, b, c, d))
+    return ProgramTarget(name, line, value, (position, rotation), branch=branch, external=external)

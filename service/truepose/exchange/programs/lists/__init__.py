@@ -1,0 +1,1 @@
+"""Position lists: targets without a program around them."""

@@ -1,0 +1,1 @@
+"""RAPID modules of ABB controllers (.mod, .sys, .prg)."""

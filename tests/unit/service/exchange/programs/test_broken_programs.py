@@ -1,0 +1,286 @@
+"""A broken program ends in one sentence with file, line and place in the line."""
+
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.helpers.exchange.robot_programs import PROGRAMS, read
+from truepose.exchange.errors import (
+    BadValueError,
+    InputFileError,
+    MissingEntryError,
+    UnreadableFileError,
+)
+from truepose.exchange.programs.formats import FORMATS, format_of, read_program
+from truepose.exchange.programs.rewriting import rewritten
+
+TARGET = "[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+FANUC_HEAD = "/PROG M\n/MN\n/POS\n"
+
+BROKEN = {
+    "a bracket that stays open": (
+        "m.mod",
+        "MODULE M\nCONST robtarget p:=[[1,2,3],[1,0,0,0;\nENDMODULE\n",
+        "m.mod, line 2, column 29: the bracket [ that begins here is not closed.",
+    ),
+    "a bracket that was not opened": (
+        "m.mod",
+        "MODULE M\nCONST num a:=1];\nENDMODULE\n",
+        "m.mod, line 2, column 15: ] closes a bracket that was not opened.",
+    ),
+    "a string that stays open": (
+        "m.mod",
+        'MODULE M\nPROC a()\nTPWrite "hello;\nENDPROC\nENDMODULE\n',
+        "m.mod, line 3, column 9: the string that begins here does not end on its line.",
+    ),
+    "a module that is cut off": (
+        "m.mod",
+        f"MODULE M\nCONST robtarget p:={TARGET};\nPROC a()\nMoveL p,v100,fine,tool0;\n",
+        "m.mod, line 3, column 1: the PROC that begins here has no ENDPROC; the file is cut off.",
+    ),
+    "a statement that is cut off": (
+        "m.mod",
+        "MODULE M\nENDMODULE\nCONST num",
+        "m.mod, line 3, column 1: the statement that begins here does not end with ;.",
+    ),
+    "a routine that ends twice": (
+        "m.mod",
+        "MODULE M\nENDPROC\nENDMODULE\n",
+        "m.mod, line 1, column 1: the MODULE that begins here has no ENDMODULE; the file is cut off.",
+    ),
+    "too few numbers": (
+        "m.mod",
+        f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', '1,2')};\nENDMODULE\n",
+        "m.mod, line 2, column 21: this part of a robtarget has 3 parts, 2 stand here.",
+    ),
+    "a part that is missing": (
+        "m.mod",
+        "MODULE M\nCONST jointtarget p:=[[0,0,0,0,0,0]];\nENDMODULE\n",
+        "m.mod, line 2, column 22: jointtarget has 2 parts, 1 stand here.",
+    ),
+    "an element that is missing": (
+        "m.mod",
+        f"MODULE M\nCONST robtarget p{{2}}:=[{TARGET},];\nENDMODULE\n",
+        "m.mod, line 2, column 23: an element of this array is missing.",
+    ),
+    "a number that none can be": (
+        "m.mod",
+        f"MODULE M\nCONST robtarget p:={TARGET.replace('1,2,3', '1,2,3E99')};\nENDMODULE\n",
+        "m.mod, line 2, column 26: 3E99 is too large for any quantity.",
+    ),
+    "a motion without a target": (
+        "m.mod",
+        "MODULE M\nPROC a()\nMoveL \\Conc;\nENDPROC\nENDMODULE\n",
+        "m.mod, line 3, column 1: MoveL has no target.",
+    ),
+    "KRL that is cut off": (
+        "m.src",
+        "DEF M( )\nPTP {A1 0,A2 0,A3 0,A4 0,A5 0,A6 0}\n",
+        "m.src, line 1, column 1: the DEF that begins here has no END; the file is cut off.",
+    ),
+    "braces that stay open": (
+        "m.dat",
+        "DEFDAT M\nDECL E6POS P={X 1,Y 2\nENDDAT\n",
+        "m.dat, line 2, column 14: the bracket { that begins here is not closed.",
+    ),
+    "KRL without a target": (
+        "m.src",
+        "DEF M( )\nLIN\nEND\n",
+        "m.src, line 2, column 1: LIN has no target.",
+    ),
+    "LS that is cut off": (
+        "m.ls",
+        FANUC_HEAD,
+        "m.ls, line 3, column 5: the program has no /END; the file is cut off.",
+    ),
+    "a position that is cut off": (
+        "m.ls",
+        f"{FANUC_HEAD}P[1]{{\n   GP1:\n/END\n",
+        "m.ls, line 4, column 1: the position that begins here is not closed by }.",
+    ),
+    "a position without a number": (
+        "m.ls",
+        f"{FANUC_HEAD}P[1]{{\n GP1:\n X = 1.000 mm, Y = 1.000 mm,\n W = 0.000 deg\n}};\n/END\n",
+        "m.ls, line 5, column 6: P[1] has no Z.",
+    ),
+    "URScript that is cut off": (
+        "m.script",
+        "def m():\n  while True:\n    movel(p[0,0,0,0,0,0])\nend\n",
+        "m.script, line 1, column 1: the def that begins here has no end; the file is cut off.",
+    ),
+    "URScript that ends twice": (
+        "m.script",
+        "def m():\nend\nend\n",
+        "m.script, line 3, column 1: this end closes nothing.",
+    ),
+    "G-code that does not say its angles": (
+        "m.nc",
+        "G1 X0 Y0 Z0 A0 B0 C0\n",
+        "m.nc, line 1, column 14: the file does not say what A, B and C turn about; say it: "
+        "xyz, zyx, fixed xyz.",
+    ),
+    "a word that stands twice": (
+        "m.nc",
+        "G1 X0 Y0 Z0 X1\n",
+        "m.nc, line 1, column 13: X stands twice in this block.",
+    ),
+    "a remark that stays open": (
+        "m.nc",
+        "G1 X0 (here\n",
+        "m.nc, line 1, column 7: the remark that begins here is not closed.",
+    ),
+    "a job without a head": ("m.jbi", "//POS\nEND\n", "m.jbi, line 1, column 1: a job begins with /JOB."),
+    "a job that is cut off": (
+        "m.jbi",
+        "/JOB\n//INST\nNOP\n",
+        "m.jbi, line 3, column 4: the job has no END; the file is cut off.",
+    ),
+    "a position of a job that is cut off": (
+        "m.jbi",
+        "/JOB\n//POS\n///POSTYPE ROBOT\n///RECTAN\nC0=1,2,3\n//INST\nEND\n",
+        "m.jbi, line 5, column 4: C0 has 6 numbers, 3 stand here.",
+    ),
+    "VAL3 that is cut off": (
+        "m.dtx",
+        "<Database>\n<Datas>\n",
+        "m.dtx, line 2, column 8: the Database has no end; the file is cut off.",
+    ),
+    "a tag that stays open": (
+        "m.dtx",
+        '<Database>\n<Value key="0"\n</Database>\n',
+        "m.dtx, line 2, column 1: the tag that begins here is not closed.",
+    ),
+    "VAL3 of another version": (
+        "m.dtx",
+        "<dataList/>\n",
+        "m.dtx, line 1, column 1: this is no data of VAL3 from version 7 on: it has no Database.",
+    ),
+    "text for a number": (
+        "m.dtx",
+        '<Database><Data type="joint"><Value j1="x" j2="0" j3="0" j4="0" j5="0" j6="0"/></Data></Database>',
+        "m.dtx, line 1, column 41: 'x' is not a number.",
+    ),
+    "no orientation in a table": (
+        "m.csv",
+        "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,2,3,1,1,0,0\n",
+        "m.csv, line 2, column 9: qw to qz have the norm 1.41421; that of an orientation is 1.",
+    ),
+    "a table without names": (
+        "m.csv",
+        "x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,2,3,1,0,0,0\n",
+        "m.csv, line 1: column target is missing; it is required.",
+    ),
+    "a table without orientations": (
+        "m.csv",
+        "target,x_mm,y_mm,z_mm\na,1,2,3\n",
+        "m.csv, line 1: column qw is missing; it is required.",
+    ),
+    "a table in metres": (
+        "m.csv",
+        "target,x_m,y_m,z_m,qw,qx,qy,qz\na,1,2,3,1,0,0,0\n",
+        "m.csv, line 1: column x_m has the unit m; x_mm in mm is required.",
+    ),
+    "a table with text": (
+        "m.csv",
+        "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,2,here,1,0,0,0\n",
+        "m.csv, line 2, column z_mm: 'here' is not a number.",
+    ),
+    "a name of two lines": (
+        "m.csv",
+        'target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"a\nb",1,2,3,1,0,0,0\n',
+        "m.csv, line 2, column 1: a cell goes on in the next line; in a list of targets none does.",
+    ),
+    "JSON without a key": (
+        "m.json",
+        '[{"x_mm": 1}]',
+        "m.json, line 1, key [0]: key y_mm is missing; it is required.",
+    ),
+    "a file without anything": (
+        "m.mod",
+        " \n",
+        "m.mod: the file is empty; a program is required.",
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "text", "sentence"), BROKEN.values(), ids=list(BROKEN))
+def test_a_broken_program_is_refused_in_one_sentence(name, text, sentence):
+    with pytest.raises(InputFileError) as refused:
+        read_program(text.encode(), name)
+
+    assert str(refused.value) == sentence
+    assert refused.value.file == name
+
+
+def test_a_binary_file_is_refused():
+    with pytest.raises(UnreadableFileError, match="binary file; the program as text is required"):
+        read_program(b"/PROG\x00\x01", "m.ls")
+
+
+def test_text_of_two_bytes_a_character_is_refused():
+    with pytest.raises(UnreadableFileError, match="UTF-16"):
+        read_program("MODULE M\nENDMODULE\n".encode("utf-16"), "m.mod")
+
+
+def test_a_byte_order_mark_is_no_part_of_a_program():
+    data = b"\xef\xbb\xbf" + PROGRAMS["row.mod"]
+
+    program = read("row.mod", data)
+
+    assert rewritten(program, {i: target.value for i, target in enumerate(program.targets)}) == data
+
+
+def test_an_unknown_ending_is_refused_with_those_that_are_known():
+    with pytest.raises(UnreadableFileError, match=r"known are ABB RAPID \(\.mod .*Staubli VAL3 \(\.dtx\)"):
+        read_program(b"x", "m.pdf")
+
+
+def test_an_ending_belongs_to_one_format():
+    endings = [suffix for known in FORMATS for suffix in known.suffixes]
+
+    assert len(endings) == len(set(endings))
+    assert format_of("A.MOD").name == "ABB RAPID"
+
+
+def test_what_kind_of_fault_it_is_can_be_told():
+    with pytest.raises(BadValueError):
+        read_program(BROKEN["too few numbers"][1].encode(), "m.mod")
+    with pytest.raises(MissingEntryError):
+        read_program(BROKEN["G-code that does not say its angles"][1].encode(), "m.nc")
+
+
+@given(seed=st.integers(0, 2**32), name=st.sampled_from(sorted(PROGRAMS)))
+@settings(max_examples=300, deadline=None)
+def test_a_damaged_program_is_refused_in_a_sentence_or_kept_byte_for_byte(seed, name):
+    draw = random.Random(seed)
+    data = bytearray(PROGRAMS[name])
+    for _ in range(draw.choice([1, 1, 2, 5])):
+        at = draw.randrange(len(data) or 1)
+        match draw.randrange(3):
+            case 0:
+                del data[at : at + draw.randrange(1, 40)]
+            case 1:
+                data[at:at] = draw.choice([
+                    b":=",
+                    b"[",
+                    b"}",
+                    b"END",
+                    b"\n",
+                    b'"',
+                    b",",
+                    b"PTP",
+                    b"P[1]",
+                    b"1e400",
+                ])
+            case _:
+                del data[at:]
+
+    try:
+        program = read(name, bytes(data))
+    except InputFileError as refused:
+        assert "\n" not in str(refused)
+        return
+
+    assert rewritten(program, {i: target.value for i, target in enumerate(program.targets)}) == data

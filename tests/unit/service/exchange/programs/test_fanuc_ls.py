@@ -1,0 +1,154 @@
+"""LS programs of FANUC: positions, their frames, and what is left alone."""
+
+import math
+
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.helpers.exchange.robot_programs import FANUC, line_of, named, read, reasons
+from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame
+
+POSITION = """P[1]{{
+   GP1:
+\tUF : {frame}, UT : {frame},\t\tCONFIG : 'N U T, 0, 0, 0',
+\tX =   100.000  mm,\tY =   200.000  mm,\tZ =   300.000  mm,
+\tW =     0.000 deg,\tP =     0.000 deg,\tR =     0.000 deg{more}
+}};
+"""
+
+
+def program_of(instruction, frame=1, more=""):
+    text = f"/PROG M\n/MN\n   1:{instruction} ;\n/POS\n{POSITION.format(frame=frame, more=more)}/END\n"
+    return read("m.ls", text.encode())
+
+
+def test_a_position_has_its_numbers_branch_and_comment():
+    target = named(read("row.ls"), "P[2: approach]")
+
+    assert target.value.position_mm == (-1371.166, 2539.539, -538.77)
+    assert target.branch == "N U T, 0, 0, 0"
+    assert target.line == line_of(FANUC, b'P[2:"approach"]')
+
+
+def test_w_p_and_r_turn_about_the_fixed_axes():
+    w, x, y, z = named(read("row.ls"), "P[2: approach]").value.quaternion
+
+    expected = Rotation.from_euler("xyz", [-175.187, -34.176, 8.232], degrees=True)
+    assert (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
+
+
+def test_a_position_names_its_frames():
+    target = named(read("row.ls"), "P[2: approach]")
+
+    assert target.tool == Frame("UTOOL 2")
+    assert target.work_object == Frame("UFRAME 1")
+
+
+def test_the_frames_0_are_those_of_the_robot():
+    (target,) = program_of("L P[1] 100mm/sec FINE", frame=0).targets
+
+    assert target.tool == Frame("UTOOL 0", AT_THE_ORIGIN)
+    assert target.work_object == Frame("UFRAME 0", AT_THE_ORIGIN)
+
+
+def test_the_frame_that_is_in_use_is_not_known():
+    (target,) = program_of("L P[1] 100mm/sec FINE", frame="F").targets
+
+    assert target.tool is None
+    assert target.work_object is None
+
+
+def test_joint_angles_are_a_configuration_and_other_axes_are_kept():
+    target = named(read("row.ls"), "P[1: Höhe]")
+
+    degrees = [math.degrees(angle) for angle in target.value.joints_rad]
+    assert degrees == pytest.approx([25, -50, 60, -35, -0.045, 50], abs=1e-12)
+    assert target.external == (100.0, 0.0)
+
+
+def test_motions_follow_each_other_as_far_as_the_text_is_straight():
+    program = read("row.ls")
+    names = [target.name for target in program.targets]
+
+    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
+
+    assert told == [
+        ("P[1: Höhe]", "joints", None),
+        ("P[2: approach]", "line", None),  # behind an offset
+        ("P[6]", "line", "P[2: approach]"),
+        ("P[6]", "line", None),  # behind a jump
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (
+            b"CNT50 Offset,PR[1]",
+            "it is displaced when the program runs; corrected in the file: P[2: approach]",
+        ),
+        (b"C P[3]", "an arc runs through points that are no targets"),
+        (b"L PR[1]", "a position register is not in the file"),
+        (b"L P[R[1]]", "which element it is is chosen when the program runs"),
+        (b"L P[8]", "it is not declared in this file"),
+        (b"FINE INC", "it moves relative to where the robot stands; corrected in the file: P[2: approach]"),
+        (b"P[5]{", "it was never taught"),
+        (b"P[7]{", f"the program changes it in line {line_of(FANUC, b'P[7]=LPOS')}"),
+    ],
+)
+def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
+    assert reasons(read("row.ls"))[line_of(FANUC, text)] == reason
+
+
+def test_everything_that_is_left_alone_is_told_once():
+    assert len(read("row.ls").left_alone) == 8
+
+
+@pytest.mark.parametrize(
+    ("between", "before"),
+    [("DO[1]=ON", 0), ("WAIT .50(sec)", 0), ("!remark", 0), ("CALL GRIP", None), ("AUFRUF GREIF", None)],
+)
+def test_only_what_runs_straight_on_tells_where_a_motion_begins(between, before):
+    program = program_of(f"J P[1] 100% FINE ;\n   2:  {between} ;\n   3:L P[1] 100mm/sec FINE")
+
+    assert [motion.before for motion in program.motions] == [None, before]
+
+
+def test_a_remark_moves_nothing():
+    assert program_of("!L P[1] 100mm/sec FINE INC").left_alone == ()
+
+
+@pytest.mark.parametrize(
+    ("modifier", "words"),
+    [
+        ("Tool_Offset,PR[2]", "displaced"),
+        ("COORD", "coordinated with a group that moves the work"),
+        ("Search[X]", "a search stops"),
+    ],
+)
+def test_a_motion_that_is_changed_while_it_runs_is_told(modifier, words):
+    program = program_of(f"L P[1] 100mm/sec FINE {modifier}")
+
+    assert program.targets == ()
+    assert words in reasons(program)[3]
+
+
+def test_a_program_for_two_arms_is_left_alone():
+    second = "\n   GP2:\n\tUF : 0, UT : 1,\n\tX = 1.000 mm, Y = 1.000 mm, Z = 1.000 mm"
+
+    program = program_of("L P[1] 100mm/sec FINE", more=second)
+
+    assert program.targets == ()
+    assert reasons(program)[5] == "its second group is another arm, which moves with this one"
+
+
+def test_axes_that_are_lengths_are_no_joint_angles():
+    text = "/PROG M\n/MN\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n\tJ1= 1.000 deg,\tJ2= 2.000 mm\n};\n/END\n"
+
+    assert reasons(read("m.ls", text.encode())) == {4: "a joint of it is a length"}
+
+
+def test_a_program_without_positions_has_no_targets():
+    program = read("m.ls", b"/PROG M\n/MN\n   1:  DO[1]=ON ;\n/POS\n/END\n")
+
+    assert (program.targets, program.motions, program.left_alone) == ((), (), ())

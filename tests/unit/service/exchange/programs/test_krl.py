@@ -1,0 +1,197 @@
+"""KRL of KUKA: targets of data lists and of programs, their frames, and what is left alone."""
+
+import math
+
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.helpers.exchange.robot_programs import KRL, line_of, named, read, reasons
+from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
+
+POSE = b"{X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0}"
+
+
+def routine(*lines):
+    return read("m.src", b"\n".join([b"DEF M( )", b"E6POS P1", b"P1=" + POSE, *lines, b"END", b""]))
+
+
+def test_a_point_of_a_data_list_has_numbers_branch_and_axes():
+    target = named(read("row.dat"), "XP1")
+
+    assert target.value.position_mm == (214.483856, 193.590897, 1005.80865)
+    assert target.branch == "S 2, T 3"
+    assert named(read("x.src", KRL), "HOME").external == (12.0,)
+
+
+def test_a_turns_about_z_b_about_the_new_y_c_about_the_newest_x():
+    w, x, y, z = named(read("row.dat"), "XP1").value.quaternion
+
+    expected = Rotation.from_euler("ZYX", [6.59456158, -23.4313526, 9.77940178], degrees=True)
+    assert (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
+
+
+def test_a_point_of_an_inline_form_stands_in_the_frames_of_its_data():
+    target = named(read("row.dat"), "XP1")
+
+    assert target.tool.name == "TOOL_DATA[2]"
+    assert target.tool.pose.position_mm == (0.0, 0.0, 200.0)
+    assert target.work_object == Frame("$NULLFRAME", AT_THE_ORIGIN)
+
+
+def test_a_point_that_the_robot_carries_to_a_standing_tool_is_left_alone():
+    program = read("row.dat")
+
+    assert [target.name for target in program.targets] == ["XP1"]
+    assert reasons(program) == {5: "the robot holds the work and the tool stands still"}
+
+
+def test_targets_of_a_program_stand_in_the_frames_that_hold_there():
+    target = named(read("row.src"), "PTS[1]")
+
+    assert target.tool == Frame("TOOL_DATA[1]")  # only named here
+    assert target.work_object.pose.position_mm == (1000.0, 0.0, 500.0)
+    assert target.branch == "S 'B110', T 'B010011'"
+
+
+def test_axes_are_a_configuration():
+    target = named(read("row.src"), "HOME")
+
+    assert [math.degrees(angle) for angle in target.value.joints_rad] == pytest.approx([0, -90, 90, 0, 0, 0])
+
+
+def test_motions_follow_each_other_as_far_as_code_is_straight():
+    program = read("row.src")
+    names = [target.name for target in program.targets]
+
+    told = [(names[m.target], m.path, None if m.before is None else names[m.before]) for m in program.motions]
+
+    assert told == [
+        ("HOME", "joints", None),
+        ("PTS[1]", "line", None),  # behind a point of another file
+        ("PTS[2]", "line", None),  # behind a computed one
+        (f"line {line_of(KRL, b'PTP {A1')}", "joints", None),
+        (f"line {line_of(KRL, b'LIN {POS')}", "line", None),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (b"PTP XP1", "it is not declared in this file"),
+        (b"LIN PTS[2]:OFFS", "its place is computed when the program runs; corrected in the file: PTS[2]"),
+        (
+            b"LIN PTS[I]",
+            "which element it is is chosen when the program runs; corrected in the file: PTS[1], PTS[2]",
+        ),
+        (b"LIN {X 100}", "it does not say Y, Z, A, B, C; what it does not say stays as it was"),
+        (b"LIN_REL", "it moves relative to where the robot stands"),
+        (
+            b"CIRC PTS[1],PTS[2]",
+            "an arc runs through points that are no targets; corrected in the file: PTS[1], PTS[2]",
+        ),
+        (b"LIN HERE", "its place is computed when the program runs"),
+        (b"MOVEIT(", "what it does with the target is not seen here; corrected in the file: PTS[1]"),
+    ],
+)
+def test_what_numbers_cannot_correct_is_left_alone_and_told(text, reason):
+    assert reasons(read("row.src"))[line_of(KRL, text)] == reason
+
+
+def test_everything_that_is_left_alone_is_told_once():
+    assert len(read("row.src").left_alone) == 8
+
+
+def test_elements_of_an_array_in_a_data_list_are_targets():
+    program = read(
+        "m.dat", b"DEFDAT M\nDECL E6POS PTS[2]\nPTS[1]=" + POSE + b"\nPTS[2]=" + POSE + b"\nENDDAT\n"
+    )
+
+    assert [target.name for target in program.targets] == ["PTS[1]", "PTS[2]"]
+
+
+def test_a_frame_that_nothing_moves_to_is_no_target():
+    assert "OFFS" not in {target.name for target in read("row.src").targets}
+
+
+def test_a_frame_that_the_program_moves_to_is_one():
+    program = routine(b"FRAME F", b"F=" + POSE, b"LIN F")
+
+    assert named(program, "F").value.position_mm == (1.0, 2.0, 3.0)
+
+
+def test_a_point_that_the_program_changes_is_left_alone():
+    program = routine(b"P1.Z=P1.Z+10", b"LIN P1")
+
+    assert program.targets == ()
+    assert reasons(program)[3] == "the program changes it in line 4"
+
+
+def test_what_is_said_of_the_speed_of_a_motion_changes_no_point():
+    program = routine(b"SLIN P1 WITH $VEL.CP=0.5, $BASE=BASE_DATA[3]")
+
+    assert named(program, "P1").work_object == Frame("BASE_DATA[3]")
+
+
+def test_numbers_of_tool_and_base_may_be_given_by_a_call():
+    program = routine(b"BAS (#TOOL,4 )", b"BAS (#BASE,0 )", b"LIN P1")
+
+    assert named(program, "P1").tool == Frame("TOOL_DATA[4]")
+    assert named(program, "P1").work_object == Frame("$NULLFRAME", AT_THE_ORIGIN)
+
+
+def test_a_base_that_is_set_in_a_branch_is_not_known_behind_it():
+    program = routine(b"$BASE=BASE_DATA[1]", b"IF $IN[1] THEN", b"$BASE=BASE_DATA[2]", b"ENDIF", b"LIN P1")
+
+    assert named(program, "P1").work_object is None
+
+
+def test_a_base_that_is_set_in_a_loop_may_hold_when_it_begins_again():
+    program = routine(b"$BASE=BASE_DATA[1]", b"LOOP", b"LIN P1", b"$BASE=BASE_DATA[2]", b"ENDLOOP")
+
+    assert named(program, "P1").work_object is None
+
+
+def test_a_base_that_a_loop_does_not_touch_holds_in_it():
+    program = routine(b"$BASE=BASE_DATA[1]", b"LOOP", b"LIN P1", b"ENDLOOP")
+
+    assert named(program, "P1").work_object == Frame("BASE_DATA[1]")
+
+
+def test_a_point_in_two_bases_is_left_alone():
+    program = routine(b"$BASE=BASE_DATA[1]", b"LIN P1", b"$BASE=BASE_DATA[2]", b"LIN P1")
+
+    assert program.targets == ()
+    assert "with BASE_DATA[1] in line 5 and with BASE_DATA[2] in line 7" in reasons(program)[3]
+
+
+def test_a_base_that_another_machine_moves_is_left_alone():
+    program = routine(b"$BASE=EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,POSER)", b"LIN P1")
+
+    assert program.targets == ()
+    assert reasons(program) == {5: "the base is moved by another mechanical unit"}
+
+
+def test_an_inline_point_in_a_base_that_another_machine_moves_is_left_alone():
+    program = routine(b"$BASE=EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,POSER)", b"LIN " + POSE)
+
+    assert [target.name for target in program.targets] == ["P1"]
+
+
+def test_what_is_set_in_one_routine_is_not_known_in_another():
+    data = b"\n".join([b"DEF A( )", b"$BASE=BASE_DATA[1]", b"END", b"DEF B( )", b"LIN " + POSE, b"END", b""])
+
+    (target,) = read("m.src", data).targets
+
+    assert target.work_object is None
+
+
+def test_a_program_without_targets_has_none():
+    program = read("m.src", b"DEF M( )\n$OUT[1]=TRUE\nWAIT SEC 1.0\nEND\n")
+
+    assert (program.targets, program.motions, program.left_alone) == ((), (), ())
+
+
+def test_axes_may_be_given_where_the_motion_stands():
+    (target,) = read("m.src", b"DEF M( )\nPTP {E6AXIS: A1 1,A2 2,A3 3,A4 4,A5 5,A6 6}\nEND\n").targets
+
+    assert isinstance(target.value, Configuration)

@@ -1,0 +1,219 @@
+"""Lists of targets: tables, JSON, G-code, INFORM and VAL3."""
+
+import math
+
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.helpers.exchange.robot_programs import GCODE, INFORM, line_of, named, read, reasons
+from truepose.exchange.programs.formats import read_program
+from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
+
+WORLD = Frame("world", AT_THE_ORIGIN)
+
+
+def turned_alike(quaternion, expected):
+    w, x, y, z = quaternion
+    return (Rotation.from_quat([x, y, z, w]) * expected.inv()).magnitude() < 1e-12
+
+
+def test_a_row_of_a_table_is_a_pose_in_the_world_with_its_nominal_answer():
+    first, second = read("row.csv").targets
+
+    assert (first.name, first.line, first.nest, first.work_object) == ("p1", 2, 2, WORLD)
+    assert first.value.position_mm == (100.5, 200.0, 300.0)
+    assert first.near_rad == pytest.approx((math.radians(10), math.radians(20)), abs=1e-15)
+    assert second.name == 'p "2ä"'
+    assert second.value.quaternion == pytest.approx((math.sqrt(0.5), 0, math.sqrt(0.5), 0), abs=1e-15)
+
+
+def test_columns_of_a_table_may_stand_in_any_order():
+    (target,) = read("n.csv", b"qz,qy,qx,qw,z_mm,y_mm,x_mm,target\n0,0,0,1,3,2,1,a\n").targets
+
+    assert target.value.position_mm == (1.0, 2.0, 3.0)
+
+
+def test_a_table_of_joint_angles_is_one_of_configurations():
+    (target,) = read("n.csv", b"target,q1_deg,q2_deg\na,180,-90\n").targets
+
+    assert target.value == Configuration((math.pi, -math.pi / 2))
+
+
+def test_a_list_tells_no_order():
+    assert read("row.csv").motions == ()
+    assert read("row.json").motions == ()
+
+
+def test_an_object_of_json_is_a_row():
+    first, second = read("row.json").targets
+
+    assert (first.name, first.line, first.nest) == ("p1 {[", 2, None)
+    assert (second.name, second.line, second.nest) == ("line 4", 4, 2)
+    assert second.value.position_mm == (100.5, 200.0, -3.0)
+    assert second.work_object == WORLD
+
+
+@pytest.mark.parametrize(
+    ("angles", "expected"),
+    [
+        ("zyx", Rotation.from_euler("ZYX", [10, 20, 30], degrees=True)),
+        ("xyz", Rotation.from_euler("XYZ", [10, 20, 30], degrees=True)),
+        ("fixed xyz", Rotation.from_euler("xyz", [10, 20, 30], degrees=True)),
+    ],
+)
+def test_angles_of_g_code_turn_about_what_is_said(angles, expected):
+    (target,) = read_program(b"G1 X1 Y2 Z3 A10 B20 C30\n", "n.nc", angles=angles).targets
+
+    assert turned_alike(target.value.quaternion, expected)
+
+
+def test_a_block_with_all_words_is_a_target():
+    program = read("row.nc")
+
+    assert [target.name for target in program.targets] == ["line 3", "line 4", "line 8"]
+    assert program.targets[0].value.position_mm == (10.0, 20.5, 30.0)
+    assert program.targets[1].value.position_mm == (11.0, 21.0, 31.0)
+    assert [target.work_object for target in program.targets] == [None, None, Frame("G54")]
+
+
+def test_blocks_follow_each_other():
+    assert [(m.target, m.path, m.before) for m in read("row.nc").motions] == [
+        (0, "joints", None),
+        (1, "line", 0),
+        (2, "line", None),  # behind an arc
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (b"N40", "it does not say Y, Z, A, B, C; what it does not say stays as it was"),
+        (b"N50", "an arc runs through points that are no targets"),
+        (b"N90", "it moves relative to where the robot stands"),
+        (b"G28", "it goes to a place of the machine"),
+    ],
+)
+def test_a_block_that_is_no_target_is_left_alone_and_told(text, reason):
+    assert len(read("row.nc").left_alone) == 4
+    assert reasons(read("row.nc"))[line_of(GCODE, text)] == reason
+
+
+def test_inches_are_inches_when_read_and_when_written():
+    (target,) = read("n.nc", b"G20\nG1 X1 Y-2 Z0.5 A0 B0 C0\n").targets
+
+    assert target.value.position_mm == pytest.approx((25.4, -50.8, 12.7), abs=1e-12)
+
+
+def test_a_block_behind_a_shifted_zero_is_left_alone():
+    program = read("n.nc", b"G92 X0 Y0 Z0\nG1 X1 Y2 Z3 A0 B0 C0\n")
+
+    assert program.targets == ()
+    assert reasons(program) == {2: "its zero was shifted in a block before"}
+
+
+def test_a_dwell_is_no_motion():
+    assert read("n.nc", b"G1 F100\nG4 X1.5\n").left_alone == ()
+
+
+def test_a_block_with_variables_is_left_alone():
+    assert reasons(read("n.nc", b"G1 X#1 Y2 Z3 A0 B0 C0\n")) == {
+        1: "its place is computed when the program runs"
+    }
+
+
+def test_positions_of_a_job_stand_in_their_frames():
+    target = named(read("row.jbi"), "C00001")
+
+    assert target.value.position_mm == (1057.372, -422.436, 620.0)
+    assert turned_alike(
+        target.value.quaternion, Rotation.from_euler("xyz", [-179.9371, 0.0009, -0.0221], degrees=True)
+    )
+    assert (target.tool, target.work_object) == (Frame("TOOL 1"), Frame("USER 2"))
+    assert target.branch == "1,0,0,0,0,0,0,0"
+
+
+def test_angles_of_a_job_are_a_configuration():
+    target = named(read("row.jbi"), "C00004")
+
+    assert [math.degrees(angle) for angle in target.value.joints_rad] == pytest.approx([
+        10,
+        20,
+        30,
+        40,
+        50,
+        60,
+    ])
+
+
+def test_motions_of_a_job_follow_each_other():
+    program = read("row.jbi")
+    names = [target.name for target in program.targets]
+
+    assert [(names[m.target], m.path, m.before) for m in program.motions] == [
+        ("C00001", "line", None),
+        ("P00003", "line", 0),
+        ("C00004", "joints", 1),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (b"C00000=-1", "it is in pulses, and the job does not say how many make a degree"),
+        (b"MOVL C00002 V=100.0", "it is displaced when the program runs"),
+        (b"MOVL P[I000]", "which element it is is chosen when the program runs"),
+        (b"IMOV P003", "it moves relative to where the robot stands; corrected in the file: P00003"),
+        (b"MOVC C00002", "an arc runs through points that are no targets"),
+    ],
+)
+def test_what_numbers_cannot_correct_in_a_job_is_left_alone_and_told(text, reason):
+    assert len(read("row.jbi").left_alone) == 5
+    assert reasons(read("row.jbi"))[line_of(INFORM, text)] == reason
+
+
+def test_the_seventh_axis_of_an_arm_is_no_part_of_a_pose():
+    data = b"/JOB\n//POS\n///POSTYPE ROBOT\n///RECTAN\nC0=1,2,3,0,0,0,5\n//INST\nEND\n"
+
+    assert "seven axes" in reasons(read("m.jbi", data))[5]
+
+
+def test_points_of_val3_hang_on_frames():
+    target = named(read("row.dtx"), "pPick[0]")
+
+    assert target.value.position_mm == (-36.802, -6.159, 500.0)
+    assert turned_alike(
+        target.value.quaternion, Rotation.from_euler("XYZ", [135.407, 80.416, 46.453], degrees=True)
+    )
+    assert target.branch == "shoulder lefty, elbow epositive, wrist wpositive"
+    assert target.work_object.name == "fPart[0]"
+    assert target.work_object.pose.position_mm == (100.0, 0.0, 5.0)
+
+
+def test_joints_of_val3_are_configurations():
+    target = named(read("row.dtx"), "jHome[0]")
+
+    assert [math.degrees(angle) for angle in target.value.joints_rad] == pytest.approx([
+        0,
+        10,
+        90.5,
+        0,
+        -10,
+        0,
+    ])
+
+
+def test_a_point_of_val3_that_does_not_say_all_is_left_alone():
+    assert [entry.reason for entry in read("row.dtx").left_alone] == ["it does not say y, z, rx, ry, rz"]
+
+
+def test_frames_that_hang_on_each_other_have_no_place():
+    data = (
+        b'<Database><Data name="f" type="frame"><Value key="0" fatherId="f[1]"/>'
+        b'<Value key="1" fatherId="f[0]"/></Data>'
+        b'<Data name="p" type="pointRx"><Value key="0" x="1" y="2" z="3" rx="0" ry="0" rz="0"'
+        b' fatherId="f[0]"/></Data></Database>'
+    )
+
+    (target,) = read("m.dtx", data).targets
+
+    assert target.work_object == Frame("f[0]")
