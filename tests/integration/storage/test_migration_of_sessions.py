@@ -113,9 +113,9 @@ async def test_a_killed_session_stands_where_it_was_killed(database):
 async def test_a_killed_session_is_taken_up_and_measures_what_is_missing(database):
     sessions = SessionRepository(database)
     cell = FakeCell()
-    ledger = SessionLedger(KILLED, LedgerRepository(database), None)
-    kept = await entries(database, KILLED)
-    runner = TrackerRunner(await sessions.plan(KILLED), cell.cell, ledger, kept)
+    lines = LedgerRepository(database)
+    ledger = SessionLedger(KILLED, lines, await lines.page(KILLED))
+    runner = TrackerRunner(await sessions.plan(KILLED), cell.cell, ledger, ledger.earlier)
 
     ended = await PatientOperator().attend_from_the_start(runner)
 
