@@ -153,6 +153,37 @@ class NominalAndIdentified:
 
 
 @dataclass(frozen=True, slots=True)
+class Histogram:
+    """Counts in bins of one width; bin k, counted from 0, begins at (first + k) * width_mm."""
+
+    width_mm: float
+    first: int
+    counts: tuple[int, ...]
+
+    @property
+    def from_mm(self) -> float:
+        """Where the first bin begins."""
+        return self.first * self.width_mm
+
+
+@dataclass(frozen=True, slots=True)
+class SignedErrors:
+    """What the signs of errors tell, seen minus predicted: a scale is wrong where most have one sign."""
+
+    mean_mm: float
+    positive_share: float
+    histogram: Histogram
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceErrors:
+    """Errors of the distances between all pairs of points."""
+
+    nominal: SignedErrors
+    identified: SignedErrors
+
+
+@dataclass(frozen=True, slots=True)
 class PositionsJudged:
     """A model of lengths against held-out positions, whose frame lengths leave open."""
 
@@ -205,3 +236,4 @@ class Validation:
     claimed_mm: float = float(
         "nan"
     )  # mean error that the model's own uncertainty and the readings' let expect
+    distance_errors: DistanceErrors | None = None  # with sign; None where `distance` is

@@ -35,7 +35,16 @@ def validate(model: Model, readings: Readings, *, limit_mm: float | None = None)
     found = judge(model, readings, model.repeatability_mm)
     pair, claimed = found.pair(), found.claimed_mm(model.discrepancy_mm)
     passed = _passes(pair, limit_mm, claimed)
-    return Validation(readings.quantity, pair, distances(found), limit_mm, passed, claimed)
+    apart = distances(found)
+    return Validation(
+        readings.quantity,
+        pair,
+        None if apart is None else apart.sizes,
+        limit_mm,
+        passed,
+        claimed,
+        distance_errors=None if apart is None else apart.errors,
+    )
 
 
 def _passes(position: NominalAndIdentified, limit_mm: float | None, claimed_mm: float) -> bool:

@@ -78,6 +78,7 @@ def _figures(*, with_demo: bool):
         timed(lambda: arm.predicted(np.zeros(6), arm.NOMINAL, arm.TOOL, joints)),
     )
     yield from ((f"{name}, 10000", timing) for name, timing in ours.inverses(10000))
+    yield from ours.pair_distances(9905)
     yield from _choices()
     yield from ours.processes(with_demo=with_demo)
 

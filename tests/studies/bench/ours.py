@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from tests.studies.bench.timing import Timing, timed
 from truepose.correction import Goals, correct
@@ -23,6 +24,7 @@ from truepose.identification.fit.robust import fit
 from truepose.identification.model.estimates import identified_estimate, structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.problem.build import automatic_effects, build
+from truepose.judgement.pairs import pair_errors
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import all_branches, branch_of
 from truepose.planning.choice_by_exchange import choose_by_exchange
@@ -128,6 +130,17 @@ def _poses(origin_mm: np.ndarray, rotation: np.ndarray) -> np.ndarray:
     poses = np.tile(np.eye(4), (len(origin_mm), 1, 1))
     poses[:, :3, :3], poses[:, :3, 3] = rotation, origin_mm
     return poses
+
+
+def pair_distances(n: int) -> Iterator[tuple[str, Timing]]:
+    """Time the errors of the distances between all pairs of n points, of one model and of two."""
+    rng = np.random.default_rng(0)
+    seen = rng.uniform(-700.0, 700.0, (n, 3))
+    models = [seen + error_mm * rng.standard_normal((n, 3)) for error_mm in (0.15, 1.3)]
+    pairs = f"{n * (n - 1) // 2:,} pairs"
+    yield f"distances of {pairs}", timed(lambda: pair_errors(seen, models[:1]))
+    yield f"distances of {pairs}, two models", timed(lambda: pair_errors(seen, models))
+    yield f"scipy pdist: distances of {pairs}, no histogram", timed(lambda: pdist(seen) - pdist(models[0]))
 
 
 def choice(rows: np.ndarray) -> tuple[Timing, float]:

@@ -153,12 +153,38 @@ def _blocks(identification: Identification) -> dict[str, NominalAndIdentified]:
     return {name: block for name, block in blocks.items() if block is not None}
 
 
+class HistogramDocument(Document):
+    """Counts in bins of one width."""
+
+    width_mm: Quantity = Field(examples=[0.02])
+    from_mm: Quantity = Field(description="Where the first bin begins.", examples=[-0.4])
+    counts: list[int] = Field(examples=[[3, 41, 38, 2]])
+
+
+class SignedErrorsDocument(Document):
+    """What the signs of errors tell, seen minus predicted."""
+
+    mean_mm: Quantity = Field(description="With sign.", examples=[0.004])
+    positive_share: Quantity = Field(examples=[0.52])
+    histogram: HistogramDocument
+
+
+class DistanceErrorsDocument(Document):
+    """Errors of the distances between all pairs of points, with their signs."""
+
+    nominal: SignedErrorsDocument
+    identified: SignedErrorsDocument
+
+
 class ValidationDocument(Document):
     """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
 
     quantity: Literal["position", "length"]
     position: PairDocument
     distance: PairDocument | None
+    distance_errors: DistanceErrorsDocument | None = Field(
+        None, description="All pairs, with sign and histogram; null where there are no pairs."
+    )
     limit_mm: Quantity
     passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")
 

@@ -84,7 +84,7 @@ def test_every_number_that_is_a_quantity_names_its_unit():
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
-    ratios |= {"tail_degrees_of_freedom", "order"}
+    ratios |= {"tail_degrees_of_freedom", "order", "positive_share"}
     ratios |= {
         "value",
         "standard_uncertainty",

@@ -6,7 +6,15 @@ import math
 import pytest
 
 from tests.helpers.domain.builders import make_identification, make_pair
-from truepose.domain.results import NotIdentifiable, Outlier, PureError, Validation
+from truepose.domain.results import (
+    DistanceErrors,
+    Histogram,
+    NotIdentifiable,
+    Outlier,
+    PureError,
+    SignedErrors,
+    Validation,
+)
 from truepose.exchange.results.identification_and_validation import (
     identification_document,
     validation_document,
@@ -82,14 +90,23 @@ def test_what_is_not_a_number_is_null():
 
 
 def test_a_validation_has_the_promised_keys():
-    document = validation_document(Validation("position", make_pair(), make_pair(), 0.5, True))
+    signed = SignedErrors(0.004, 0.6, Histogram(0.5, -2, (1, 4, 5)))
+    errors = DistanceErrors(signed, signed)
+    document = validation_document(
+        Validation("position", make_pair(), make_pair(), 0.5, True, distance_errors=errors)
+    )
 
-    assert document.keys() == {"quantity", "position", "distance", "limit_mm", "pass"}
+    assert document.keys() == {"quantity", "position", "distance", "distance_errors", "limit_mm", "pass"}
     assert document["pass"] is True
     assert document["distance"]["identified"].keys() == STATISTICS
+    assert document["distance_errors"]["nominal"] == {
+        "mean_mm": 0.004,
+        "positive_share": 0.6,
+        "histogram": {"width_mm": 0.5, "from_mm": -1.0, "counts": [1, 4, 5]},
+    }
 
 
 def test_legs_have_no_distances():
     document = validation_document(Validation("length", make_pair(), None, None, False))
 
-    assert (document["quantity"], document["distance"]) == ("length", None)
+    assert (document["quantity"], document["distance"], document["distance_errors"]) == ("length", None, None)

@@ -12,7 +12,6 @@ from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Anchor, Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement
-from truepose.judgement import distances
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 
@@ -63,14 +62,16 @@ def between(places, i, j):
     return np.linalg.norm(places[i] - places[j])
 
 
-@pytest.mark.parametrize("pairs_at_once", [2_000_000, 30, 1], ids=["one block", "some blocks", "row by row"])
-def test_distances_are_those_of_all_pairs(monkeypatch, pairs_at_once):
-    monkeypatch.setattr(distances, "_PAIRS_AT_ONCE", pairs_at_once)
+def test_distances_are_those_of_all_pairs():
     points = readings()
 
-    found = validate(model(0.2), points).distance
+    answer = validate(model(0.2), points)
 
-    for figures, shift in ((found.identified, 0.2), (found.nominal, 1.0)):
+    found, signed = answer.distance, answer.distance_errors
+    for figures, signs, shift in (
+        (found.identified, signed.identified, 0.2),
+        (found.nominal, signed.nominal, 1.0),
+    ):
         there = predicted(points, shift)
         errors = [
             np.linalg.norm(points.position_mm[i] - points.position_mm[j])
@@ -82,6 +83,9 @@ def test_distances_are_those_of_all_pairs(monkeypatch, pairs_at_once):
         assert figures.rms_mm == pytest.approx(np.sqrt(np.mean(np.square(errors))))
         assert figures.sd_mm == pytest.approx(np.abs(errors).std(ddof=1))
         assert figures.max_mm == pytest.approx(np.abs(errors).max())
+        assert signs.mean_mm == pytest.approx(np.mean(errors))
+        assert signs.positive_share == pytest.approx(np.mean(np.array(errors) > 0.0))
+        assert sum(signs.histogram.counts) == 66
 
 
 def test_a_constant_shift_is_an_error_of_position_and_none_of_distance():
@@ -131,7 +135,9 @@ def test_without_a_limit_a_model_far_from_what_it_claims_fails():
 
 
 def test_one_reading_has_no_distances():
-    assert validate(model(), readings(1)).distance is None
+    answer = validate(model(), readings(1))
+
+    assert (answer.distance, answer.distance_errors) == (None, None)
 
 
 def test_nothing_to_validate_with_is_refused():

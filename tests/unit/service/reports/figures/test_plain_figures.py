@@ -11,8 +11,10 @@ import pytest
 from matplotlib.colors import to_hex
 
 from tests.helpers.diagnosis.diagnosed_cells import make_curve
+from truepose.domain.results import DistanceErrors, Histogram, SignedErrors
 from truepose.reports.figures.canvas import PLAIN
 from truepose.reports.figures.comparison import comparison, plain_comparison
+from truepose.reports.figures.distance_histogram import plain_distance_histogram
 from truepose.reports.figures.histogram import plain_histogram
 from truepose.reports.figures.residual_curve import plain_residual_curve
 from truepose.reports.uncertainty.judged import judged
@@ -21,12 +23,15 @@ _PNG = b"\x89PNG\r\n"
 _BEFORE, _AFTER = np.linspace(0.1, 0.5, 40), np.linspace(0.01, 0.06, 40)
 
 
-@pytest.fixture(params=["comparison", "histogram", "curve", "curve of few", "counted curve"])
+@pytest.fixture(params=["comparison", "histogram", "distances", "curve", "curve of few", "counted curve"])
 def figure(request, identification, campaign):
     if request.param == "comparison":
         return plain_comparison(_BEFORE, _AFTER, 0.02)
     if request.param == "histogram":
         return plain_histogram(judged(identification, campaign), 0.016)
+    if request.param == "distances":
+        signed = SignedErrors(0.004, 0.6, Histogram(0.5, -2, (1, 4, 5)))
+        return plain_distance_histogram(DistanceErrors(signed, signed))
     curves = {
         "curve": make_curve(n=100),
         "curve of few": make_curve(n=20),
@@ -43,6 +48,20 @@ def test_no_stand_in_colour_of_the_pages_is_left(figure, tmp_path):
     figure.savefig(tmp_path / "figure.svg")
 
     assert not re.search(r"#0[1-9a]0[1-9a]0[1-9a]", (tmp_path / "figure.svg").read_text())
+
+
+def test_distances_are_drawn_as_shares_over_their_bins():
+    signed = SignedErrors(-0.004, 0.25, Histogram(0.5, -2, (1, 2, 1)))
+
+    panels = plain_distance_histogram(DistanceErrors(signed, signed)).axes
+
+    assert [axes.get_title(loc="left") for axes in panels] == [
+        "nominal: mean -0.0040 mm, 25 % above 0",
+        "identified: mean -0.0040 mm, 25 % above 0",
+    ]
+    drawn = panels[1].patches[0].get_data()
+    assert drawn.values.tolist() == [25.0, 50.0, 25.0]
+    assert drawn.edges.tolist() == [-1.0, -0.5, 0.0, 0.5]
 
 
 def test_it_can_be_changed(figure):

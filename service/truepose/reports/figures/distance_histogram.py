@@ -1,0 +1,58 @@
+"""Errors of the distances between all pairs of points, with their signs, before and after."""
+
+import numpy as np
+from markupsafe import Markup
+
+from truepose.domain.results import DistanceErrors, Histogram, SignedErrors
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
+from truepose.reports.rounding import millimetres
+
+
+def distance_histogram(errors: DistanceErrors) -> Markup:
+    """Draw both histograms, each over an axis of its own: they differ by decades."""
+    with page_style():
+        return to_svg(_drawn(errors, PAGE), "distances", "Histograms of errors of distance, before and after")
+
+
+def plain_distance_histogram(errors: DistanceErrors) -> Drawing:
+    """Return the same histograms as a figure that a program may change."""
+    with plain_style():
+        return _drawn(errors, PLAIN)
+
+
+def _drawn(errors: DistanceErrors, colours: Colours) -> Drawing:
+    figure = new_figure(8.0, 2.8)
+    panels = figure.subplots(1, 2)
+    of_models = (
+        ("nominal", errors.nominal, colours.before),
+        ("identified", errors.identified, colours.after),
+    )
+    for axes, (name, signed, colour) in zip(panels, of_models, strict=True):
+        axes.stairs(_shares(signed.histogram), _edges(signed.histogram), fill=True, color=colour, alpha=0.75)
+        axes.axvline(0.0, color=colours.ink, linewidth=0.8)
+        axes.set_title(f"{name}: {_said(signed)}", loc="left")
+        axes.set_xlabel("seen minus predicted distance [mm]")
+    panels[0].set_ylabel("share of the pairs [%]")
+    return figure
+
+
+def _said(signed: SignedErrors) -> str:
+    return f"mean {millimetres(signed.mean_mm)} mm, {100.0 * signed.positive_share:.0f} % above 0"
+
+
+def _shares(bins: Histogram) -> list[float]:
+    total = sum(bins.counts)
+    return [100.0 * count / total for count in bins.counts]
+
+
+def _edges(bins: Histogram) -> list[float]:
+    return [float(edge) for edge in bins.width_mm * (bins.first + np.arange(len(bins.counts) + 1))]
