@@ -1,0 +1,133 @@
+"""What a test of ISO 9283:1998 commands: five poses in a cube, and the order of their cycles (6.8, 6.9).
+
+The edges of the cube are parallel to the axes of the base. The poses lie in a diagonal plane: P1 in its
+middle, P2 to P5, in order around it, a tenth of its diagonal away from its corners. A cycle: P5 P4 P3 P2 P1.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import Robot
+from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.judgement.iso9283.pose import CYCLES, POSES
+from truepose.judgement.iso9283.visits import CommandedPose
+from truepose.kinematics.inverse import all_branches, brought_within
+
+Plane = Literal["x+", "x-", "y+", "y-"]
+
+FROM_CORNER: Final = 0.10  # of the diagonal; the standard allows 0.08 to 0.12
+_ORDER: Final = (5, 4, 3, 2, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Cube:
+    """Where the test takes place.
+
+    `plane`: the letter is the axis of the base that its two level edges follow, the sign says whether it
+    rises or falls along the other one.
+    """
+
+    centre_mm: tuple[float, float, float]  # in the base
+    edge_mm: float
+    plane: Plane = "y+"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.edge_mm) and self.edge_mm > 0.0 and np.isfinite(self.centre_mm).all()):
+            raise ConfigurationError(
+                f"A cube with an edge of {self.edge_mm:g} mm is none: give one above 0 mm."
+            )
+
+    @property
+    def poses(self) -> tuple[CommandedPose, ...]:
+        """P1 to P5."""
+        half = 0.5 * self.edge_mm
+        across = half * np.eye(3)["xy".index(self.plane[0])]
+        along = half * np.eye(3)["yx".index(self.plane[0])]
+        up = np.array([0.0, 0.0, half if self.plane[1] == "+" else -half])
+        corners = (across + along + up, -across + along + up, -across - along - up, across - along - up)
+        inwards = 1.0 - 2.0 * FROM_CORNER
+        places = [np.zeros(3), *(inwards * corner for corner in corners)]
+        return tuple(_commanded(k, self.centre_mm + place) for k, place in enumerate(places, start=1))
+
+
+@dataclass(frozen=True, slots=True)
+class PosePlan:
+    """Poses that the robot can take, and how its joints stand there."""
+
+    poses: tuple[CommandedPose, ...]
+    joints_rad: FloatArray  # (5, J), P1 first
+    branch: int  # as `kinematics.inverse` numbers them; the same at all poses
+
+    def session(self, nest: int, cycles: int = CYCLES) -> SessionPlan:
+        """Return the cycles as a session; every visit after the first says which one it repeats.
+
+        Nothing comes between two poses: a further approach would measure another robot.
+        """
+        return SessionPlan("validation", tuple(self._stops(nest, cycles)), approach_offset_rad=None)
+
+    def _stops(self, nest: int, cycles: int) -> Iterator[PlannedStop]:
+        for visit in range(POSES * cycles):
+            place = visit % POSES
+            joints = tuple(float(angle) for angle in self.joints_rad[_ORDER[place] - 1])
+            yield PlannedStop(visit + 1, joints, nest, repeat_of=place + 1 if visit >= POSES else None)
+
+
+def plan_poses(
+    robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> PosePlan:
+    """Return how the robot takes the five poses without changing its branch.
+
+    Parameters
+    ----------
+    robot : Robot
+        Its joint limits count where they are known.
+    cube : Cube
+    rotation : ndarray, shape (3, 3)
+        Orientation of the last frame in the base, the same at all poses.
+    nest_mm : tuple of float
+        The point of the tool that stands in the poses, in the last frame.
+
+    Returns
+    -------
+    PosePlan
+        Of the first branch in which the robot reaches all five.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none; the sentence names the poses that it reaches in no branch.
+    """
+    poses = cube.poses
+    wanted = np.tile(np.eye(4), (POSES, 1, 1))
+    wanted[:, :3, :3] = rotation
+    wanted[:, :3, 3] = np.array([pose.position_mm for pose in poses]) - rotation @ np.array(nest_mm)
+    joints, reached = _within_limits(robot, all_branches(robot, wanted))
+    whole = np.flatnonzero(reached.all(axis=0))
+    if len(whole) == 0:
+        raise ConfigurationError(_unreached(poses, reached))
+    return PosePlan(poses, joints[:, whole[0]], int(whole[0]))
+
+
+def _within_limits(robot: Robot, joints: FloatArray) -> tuple[FloatArray, BoolArray]:
+    if robot.joint_limits is None:
+        return joints, np.asarray(np.isfinite(joints).all(axis=2))
+    flat, within = brought_within(joints.reshape(-1, robot.n_joints), robot.joint_limits)
+    return flat.reshape(joints.shape), within.reshape(joints.shape[:2])
+
+
+def _unreached(poses: tuple[CommandedPose, ...], reached: BoolArray) -> str:
+    never = [pose.name for pose, found in zip(poses, reached, strict=True) if not found.any()]
+    if not never:
+        return "The robot reaches all five poses, but in no single branch: take a smaller or a nearer cube."
+    verb = "is" if len(never) == 1 else "are"
+    return f"{', '.join(never)} {verb} out of the robot's reach: take a smaller or a nearer cube."
+
+
+def _commanded(number: int, place: FloatArray) -> CommandedPose:
+    x, y, z = (float(value) for value in place)
+    return CommandedPose(number, (x, y, z))
