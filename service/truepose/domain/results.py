@@ -184,6 +184,35 @@ class DistanceErrors:
 
 
 @dataclass(frozen=True, slots=True)
+class Shell:
+    """Errors of the readings at some distance from something."""
+
+    from_mm: float
+    to_mm: float
+    errors: NominalAndIdentified
+
+
+@dataclass(frozen=True, slots=True)
+class BranchErrors:
+    """Errors of the readings in one posture of the arm."""
+
+    branch: str  # "front/up"
+    errors: NominalAndIdentified
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorsByPlace:
+    """Where errors are large; shells and branches without a reading are left out."""
+
+    zone_centre_mm: tuple[float, float, float]  # world: of the last frame's places
+    zone_radius_mm: float  # no place of the zone is farther from its middle
+    zone_stated: bool  # by the model; else it is that of the readings that judge
+    from_zone: tuple[Shell, ...]  # distance of the last frame from the middle of the zone
+    from_axis: tuple[Shell, ...]  # distance of the last frame from the line of axis 1
+    branches: tuple[BranchErrors, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class PositionsJudged:
     """A model of lengths against held-out positions, whose frame lengths leave open."""
 
@@ -237,3 +266,4 @@ class Validation:
         "nan"
     )  # mean error that the model's own uncertainty and the readings' let expect
     distance_errors: DistanceErrors | None = None  # with sign; None where `distance` is
+    places: ErrorsByPlace | None = None  # None: of a program that did not tell it yet

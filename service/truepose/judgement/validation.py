@@ -5,6 +5,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, NominalAndIdentified, Validation
 from truepose.identification import judge
 from truepose.judgement.distances import distances
+from truepose.judgement.places import errors_by_place
 
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 
@@ -44,6 +45,7 @@ def validate(model: Model, readings: Readings, *, limit_mm: float | None = None)
         passed,
         claimed,
         distance_errors=None if apart is None else apart.errors,
+        places=errors_by_place(model, found),
     )
 
 

@@ -5,9 +5,11 @@ from typing import Literal, Self
 from pydantic import AliasChoices, Field, model_validator
 
 from truepose.domain.results import (
+    ErrorsByPlace,
     Identification,
     NominalAndIdentified,
     Parameter,
+    Shell,
     Statistics,
     Status,
     Validation,
@@ -176,6 +178,67 @@ class DistanceErrorsDocument(Document):
     identified: SignedErrorsDocument
 
 
+class ZoneDocument(Document):
+    """Where the readings lay that made the model; not `stated`: that judge it."""
+
+    x_mm: Quantity
+    y_mm: Quantity
+    z_mm: Quantity
+    radius_mm: Quantity
+    stated: bool
+
+
+class ShellDocument(PairDocument):
+    """Errors of the readings at some distance from something."""
+
+    from_mm: Quantity
+    to_mm: Quantity
+
+
+class BranchDocument(PairDocument):
+    """Errors of the readings in one posture of the arm."""
+
+    branch: str = Field(examples=["front/up"])
+
+
+class PlacesDocument(Document):
+    """Where errors are large; shells and branches without a reading are left out."""
+
+    zone: ZoneDocument
+    from_zone: list[ShellDocument] = Field(description="By distance from the middle of the zone.")
+    from_axis: list[ShellDocument] = Field(description="By distance from the line of axis 1.")
+    branches: list[BranchDocument] = Field(
+        description="Empty where the arm has no closed inverse: its branches have no names then."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _flat(cls, places: object) -> object:
+        if not isinstance(places, ErrorsByPlace):
+            return places
+        x, y, z = places.zone_centre_mm
+        return {
+            "zone": {
+                "x_mm": x,
+                "y_mm": y,
+                "z_mm": z,
+                "radius_mm": places.zone_radius_mm,
+                "stated": places.zone_stated,
+            },
+            "from_zone": [_shell(shell) for shell in places.from_zone],
+            "from_axis": [_shell(shell) for shell in places.from_axis],
+            "branches": [_of_both(one.errors, branch=one.branch) for one in places.branches],
+        }
+
+
+def _shell(shell: Shell) -> dict[str, object]:
+    return _of_both(shell.errors, from_mm=shell.from_mm, to_mm=shell.to_mm)
+
+
+def _of_both(errors: NominalAndIdentified, **where: object) -> dict[str, object]:
+    return where | {"nominal": errors.nominal, "identified": errors.identified}
+
+
 class ValidationDocument(Document):
     """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
 
@@ -185,6 +248,7 @@ class ValidationDocument(Document):
     distance_errors: DistanceErrorsDocument | None = Field(
         None, description="All pairs, with sign and histogram; null where there are no pairs."
     )
+    places: PlacesDocument | None = Field(None, description="Null: of a program that did not tell it yet.")
     limit_mm: Quantity
     passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")
 

@@ -96,8 +96,17 @@ def test_a_validation_has_the_promised_keys():
         Validation("position", make_pair(), make_pair(), 0.5, True, distance_errors=errors)
     )
 
-    assert document.keys() == {"quantity", "position", "distance", "distance_errors", "limit_mm", "pass"}
+    assert document.keys() == {
+        "quantity",
+        "position",
+        "distance",
+        "distance_errors",
+        "places",
+        "limit_mm",
+        "pass",
+    }
     assert document["pass"] is True
+    assert document["places"] is None
     assert document["distance"]["identified"].keys() == STATISTICS
     assert document["distance_errors"]["nominal"] == {
         "mean_mm": 0.004,
