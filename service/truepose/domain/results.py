@@ -24,6 +24,9 @@ Unit = Literal[
     "mm/N",
 ]
 
+DecisionRule = Literal["guard band", "simple"]
+Verdict = Literal["conforms", "does not conform", "cannot be decided"]
+
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
@@ -213,6 +216,17 @@ class ErrorsByPlace:
 
 
 @dataclass(frozen=True, slots=True)
+class Decision:
+    """Whether the largest error stays within a limit, and the reading that decides it."""
+
+    rule: DecisionRule
+    limit_mm: float
+    error_mm: float
+    guard_mm: float  # by which the error must stay away from the limit for anything to be proved
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True)
 class PositionsJudged:
     """A model of lengths against held-out positions, whose frame lengths leave open."""
 
@@ -267,3 +281,4 @@ class Validation:
     )  # mean error that the model's own uncertainty and the readings' let expect
     distance_errors: DistanceErrors | None = None  # with sign; None where `distance` is
     places: ErrorsByPlace | None = None  # None: of a program that did not tell it yet
+    decision: Decision | None = None  # None without a limit

@@ -2,15 +2,18 @@
 
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.results import Model, NominalAndIdentified, Validation
+from truepose.domain.results import DecisionRule, Model, NominalAndIdentified, Validation
 from truepose.identification import judge
+from truepose.judgement.decision import decide
 from truepose.judgement.distances import distances
 from truepose.judgement.places import errors_by_place
 
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 
 
-def validate(model: Model, readings: Readings, *, limit_mm: float | None = None) -> Validation:
+def validate(
+    model: Model, readings: Readings, *, limit_mm: float | None = None, rule: DecisionRule = "guard band"
+) -> Validation:
     """Judge a model on readings it was not made from.
 
     Parameters
@@ -21,6 +24,9 @@ def validate(model: Model, readings: Readings, *, limit_mm: float | None = None)
     limit_mm : float, optional
         Largest error that passes; without it the model passes when its mean error is neither above the
         nominal model's nor far above what it claims itself.
+    rule : DecisionRule
+        How the decision about the limit counts the uncertainty of the readings; whether the model passes
+        does not depend on it.
 
     Returns
     -------
@@ -46,6 +52,7 @@ def validate(model: Model, readings: Readings, *, limit_mm: float | None = None)
         claimed,
         distance_errors=None if apart is None else apart.errors,
         places=errors_by_place(model, found),
+        decision=None if limit_mm is None else decide(found, limit_mm, rule),
     )
 
 

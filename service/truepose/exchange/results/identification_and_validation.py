@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import AliasChoices, Field, model_validator
 
 from truepose.domain.results import (
+    DecisionRule,
     ErrorsByPlace,
     Identification,
     NominalAndIdentified,
@@ -13,6 +14,7 @@ from truepose.domain.results import (
     Statistics,
     Status,
     Validation,
+    Verdict,
 )
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
@@ -239,6 +241,16 @@ def _of_both(errors: NominalAndIdentified, **where: object) -> dict[str, object]
     return where | {"nominal": errors.nominal, "identified": errors.identified}
 
 
+class DecisionDocument(Document):
+    """Whether the largest error stays within the limit (ISO 14253-1), and the reading that decides it."""
+
+    rule: DecisionRule
+    limit_mm: Quantity
+    error_mm: Quantity
+    guard_mm: Quantity = Field(description="1.65 standard uncertainties of the instrument; 0 by simple rule.")
+    verdict: Verdict
+
+
 class ValidationDocument(Document):
     """What `truepose validate --json` prints; `distance` is null where there are no pairs."""
 
@@ -250,6 +262,7 @@ class ValidationDocument(Document):
     )
     places: PlacesDocument | None = Field(None, description="Null: of a program that did not tell it yet.")
     limit_mm: Quantity
+    decision: DecisionDocument | None = Field(None, description="Null without a limit.")
     passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")
 
 

@@ -103,6 +103,7 @@ def test_a_validation_has_the_promised_keys():
         "distance_errors",
         "places",
         "limit_mm",
+        "decision",
         "pass",
     }
     assert document["pass"] is True
