@@ -1,0 +1,156 @@
+"""The figures of ISO 9283 from a table of measured points, against the nominal and the identified model.
+
+Poses are commanded where a model puts them: the nominal one, as the controller of an uncorrected robot does,
+or the identified one, by which a corrected robot is commanded.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import PointReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model, NominalAndIdentified
+from truepose.identification.observations.blocks import BlockResult
+from truepose.identification.verdict.judge import judge
+from truepose.judgement.iso9283.characteristics import Performance
+from truepose.judgement.iso9283.cycles import Cycles, find_cycles
+from truepose.judgement.iso9283.directions import direction_performance
+from truepose.judgement.iso9283.distance import distance_performance
+from truepose.judgement.iso9283.drift import Group, drift
+from truepose.judgement.iso9283.moments import barycentre
+from truepose.judgement.iso9283.pose import pose_performance
+from truepose.judgement.iso9283.visits import CommandedPose, Visits
+from truepose.kinematics.frames import rotation_from_quaternion, vector_from_rotation
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTest:
+    """A test of ISO 9283, and what is known of the rest of the work space."""
+
+    nominal: Performance
+    identified: Performance
+    poses: int
+    cycles: int
+    nest: int
+    work_space: NominalAndIdentified | None  # errors at configurations that are no poses; None: none measured
+    claimed_mm: float  # mean error that the identified model itself lets expect of such
+
+
+def pose_test(model: Model, points: PointReadings) -> PoseTest:
+    """Return the figures that a table of measured points gives.
+
+    Parameters
+    ----------
+    model : Model
+    points : PointReadings
+        n rows: cycles, as `find_cycles` tells them, and any other configurations.
+
+    Returns
+    -------
+    PoseTest
+        AP, RP, AD and RD of five poses; vAP of three; drift of one. Components are along and about the axes
+        of the frame that the readings are in.
+
+    Raises
+    ------
+    ConfigurationError
+        The table holds no such test, or does not fit the model.
+    """
+    cycles = find_cycles(points)
+    judged = judge(model, points, model.repeatability_mm)
+    figures = _TESTS[len(cycles.poses)]
+    nominal, identified = (
+        figures(points, cycles, _commanded(cycles, result), _visits(points, cycles, result))
+        for result in (judged.nominal, judged.identified)
+    )
+    return PoseTest(
+        nominal,
+        identified,
+        len(cycles.poses),
+        int(cycles.cycle.max()),
+        cycles.nest,
+        judged.pair(cycles.others) if cycles.others.any() else None,
+        judged.claimed_mm(model.discrepancy_mm),
+    )
+
+
+def _commanded(cycles: Cycles, result: BlockResult) -> tuple[CommandedPose, ...]:
+    return tuple(_pose(number, _predicted(cycles, result, number)) for number in cycles.poses)
+
+
+def _predicted(cycles: Cycles, result: BlockResult, number: int) -> FloatArray:
+    return barycentre(result.state.position_mm[cycles.rows[cycles.pose == number]])
+
+
+def _pose(number: int, place: FloatArray) -> CommandedPose:
+    x, y, z = (float(value) for value in place)
+    return CommandedPose(number, (x, y, z))
+
+
+def _visits(points: PointReadings, cycles: Cycles, result: BlockResult) -> Visits:
+    seen, turn = points.taken(cycles.rows), None
+    if seen.quaternion is not None:
+        wanted = result.state.orientation[cycles.rows]
+        turn = vector_from_rotation(rotation_from_quaternion(seen.quaternion) @ np.swapaxes(wanted, 1, 2))
+    return Visits(
+        cycles.pose,
+        cycles.cycle,
+        seen.position_mm,
+        seen.standard_uncertainty_mm,
+        turn,
+        None if turn is None else seen.rotation_uncertainty_rad,
+    )
+
+
+def _of_five(
+    _: PointReadings, __: Cycles, commanded: tuple[CommandedPose, ...], visits: Visits
+) -> Performance:
+    return pose_performance(commanded, visits).joined(distance_performance(commanded, visits))
+
+
+def _of_three(
+    points: PointReadings, cycles: Cycles, _: tuple[CommandedPose, ...], visits: Visits
+) -> Performance:
+    direction = points.stops.direction
+    if direction is None:
+        raise ConfigurationError("vAP needs to know from where each visit came: give the columns dir1.. .")
+    came = direction[cycles.rows]
+    return direction_performance(tuple(_approaches(visits, came)), cycles.poses)
+
+
+def _approaches(visits: Visits, came: IntArray) -> Iterator[Visits]:
+    """Yield the visits of each direction, which are other motions of the joints at each pose."""
+    ways = {number: np.unique(came[visits.pose == number], axis=0) for number in np.unique(visits.pose)}
+    for place in range(max(len(way) for way in ways.values())):
+        rows = [
+            np.flatnonzero((visits.pose == number) & (came == way[place]).all(axis=1))
+            for number, way in ways.items()
+            if place < len(way)
+        ]
+        yield _counted_anew(visits.taken(np.concatenate(rows)))
+
+
+def _counted_anew(visits: Visits) -> Visits:
+    return replace(visits, cycle=visits.cycle - visits.cycle.min() + 1)
+
+
+def _of_one(
+    points: PointReadings, cycles: Cycles, commanded: tuple[CommandedPose, ...], visits: Visits
+) -> Performance:
+    group, time_s = points.stops.group, points.stops.time_s
+    if group is None or time_s is None or not np.isfinite(time_s[cycles.rows]).all():
+        raise ConfigurationError(
+            "Only one pose was visited again and again, which is a test of drift: give the columns group and "
+            "time_s. For AP and RP, measure five poses."
+        )
+    member, when = group[cycles.rows], time_s[cycles.rows]
+    rows_of = (np.flatnonzero(member == number) for number in np.unique(member))
+    groups = [Group(float(when[rows].mean()), _counted_anew(visits.taken(rows))) for rows in rows_of]
+    return drift(commanded[0], sorted(groups, key=lambda one: one.time_s)).performance
+
+
+_TESTS: Final[dict[int, Callable[..., Performance]]] = {5: _of_five, 3: _of_three, 1: _of_one}
