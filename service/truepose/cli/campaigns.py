@@ -1,6 +1,5 @@
 """Commands on campaign folders, model files and point files. Heavy imports wait until a command runs."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +12,7 @@ from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
-    from truepose.domain.results import Identification, Model
+    from truepose.domain.results import Identification
     from truepose.exchange.json_text import Json as JsonValue
 
 
@@ -136,38 +135,3 @@ def predict_command(
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0
-
-
-def validate_command(
-    model: Annotated[Path, typer.Argument(help="Model file.")],
-    points: Annotated[Path, typer.Argument(help="Measured rows that the model was not made from.")],
-    limit_mm: Annotated[float | None, typer.Option(help="Largest error that passes.")] = None,
-    json: Json = False,
-) -> int:
-    """Judge a model on readings it was not made from; status 1 when it fails.
-
-    Example: truepose validate robot.json validation.csv --limit-mm 0.2 --json
-    """
-    from truepose.exchange.models.file import read_model
-    from truepose.exchange.tables.files import read_validation_file
-    from truepose.judgement.cautions import validation_cautions
-    from truepose.judgement.validation import validate
-
-    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
-        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
-    identified: Model = read_model(model)
-    measured = read_validation_file(
-        points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
-    )
-    remark(measured.ignored)
-    answer = validate(identified, measured.readings, limit_mm=limit_mm)
-    remark(map(english, validation_cautions(identified, measured.readings)))
-    if json:
-        from truepose.exchange.results.identification_and_validation import validation_document
-
-        print_json(validation_document(answer))
-    else:
-        from truepose.reports.summary import validation_summary
-
-        print_tables(validation_summary(answer))
-    return 0 if answer.passed else 1

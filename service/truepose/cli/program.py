@@ -28,7 +28,7 @@ _COMMANDS = {
     "identify": "campaigns",
     "diagnose": "diagnoses",
     "predict": "campaigns",
-    "validate": "campaigns",
+    "validate": "validation",
     "plan": "plans",
     "correct": "corrections",
     "nightly": "cells",

@@ -24,6 +24,7 @@ Unit = Literal[
     "mm/N",
 ]
 
+_HISTOGRAM_DECIMALS = 9  # widths are whole powers of ten, which binary fractions only nearly are
 DecisionRule = Literal["guard band", "simple"]
 Verdict = Literal["conforms", "does not conform", "cannot be decided"]
 
@@ -166,7 +167,7 @@ class Histogram:
     @property
     def from_mm(self) -> float:
         """Where the first bin begins."""
-        return self.first * self.width_mm
+        return round(self.first * self.width_mm, _HISTOGRAM_DECIMALS)
 
 
 @dataclass(frozen=True, slots=True)

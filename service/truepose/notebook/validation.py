@@ -4,22 +4,27 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
+
+from markupsafe import Markup
 
 from truepose.domain import results as domain
 from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.json_text import Json
 from truepose.exchange.results.identification_and_validation import statistics_document, validation_document
+from truepose.exchange.results.iso9283 import pose_test_document
 from truepose.exchange.tables.files import held_out_readings
 from truepose.identification import judge
-from truepose.judgement.cautions import validation_cautions
+from truepose.judgement.cautions import pose_test_caution, validation_cautions
+from truepose.judgement.iso9283.judged import PoseTest, pose_test
 from truepose.judgement.validation import validate as validate_model
 from truepose.notebook import html
 from truepose.notebook.frames import frame
 from truepose.notebook.model import Model, model_given
 from truepose.notebook.tables import TableOrFile, named_data
 from truepose.notebook.wording import STATISTICS, change, counted, rows_of
+from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
 from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
@@ -37,6 +42,8 @@ class Validation:
         Statistics of the errors [mm].
     remarks : tuple of str
         What was ignored in the table, and what the judgement does not contain.
+    pose_test : truepose.judgement.iso9283.judged.PoseTest or None
+        Figures of ISO 9283, where they were asked for.
 
     Examples
     --------
@@ -53,6 +60,7 @@ class Validation:
     model: domain.Model
     readings: Readings
     remarks: tuple[str, ...]
+    pose_test: PoseTest | None = None
 
     @property
     def passed(self) -> bool:
@@ -62,7 +70,10 @@ class Validation:
     @property
     def document(self) -> dict[str, Json]:
         """What `truepose validate --json` prints."""
-        return validation_document(self.answer)
+        document = validation_document(self.answer)
+        if self.pose_test is None:
+            return document
+        return document | {"iso9283": pose_test_document(self.pose_test)}
 
     def to_frame(self) -> "DataFrame":
         """Return the statistics [mm], one row for each quantity and model.
@@ -78,12 +89,35 @@ class Validation:
             for model, figures in (("nominal", pair.nominal), ("identified", pair.identified))
         ])
 
-    def plot(self) -> "Figure":
-        """Return the histogram of errors of the nominal and the identified model, a figure of matplotlib."""
-        from truepose.reports.figures.histogram import plain_histogram
+    def plot(self, what: Literal["errors", "distances", "places"] = "errors") -> "Figure":
+        """Return errors of the nominal and the identified model as a figure of matplotlib.
 
+        Parameters
+        ----------
+        what : str
+            `errors`: a histogram of their sizes; `distances`: one of the distances between all pairs of
+            points, with their signs; `places`: by distance from the measured zone and from axis 1.
+
+        Raises
+        ------
+        ConfigurationError
+            There are no pairs of points.
+        """
+        from truepose.reports.figures.distance_histogram import plain_distance_histogram
+        from truepose.reports.figures.histogram import plain_histogram
+        from truepose.reports.figures.place_errors import plain_place_errors
+
+        if what == "places" and self.answer.places is not None:
+            return plain_place_errors(self.answer.places)
+        if what == "distances":
+            return plain_distance_histogram(self._distance_errors())
         shown = judge(self.model, self.readings, self.model.repeatability_mm)
         return plain_histogram(shown, self.answer.position.identified.noise_mm)
+
+    def _distance_errors(self) -> domain.DistanceErrors:
+        if self.answer.distance_errors is None:
+            raise ConfigurationError("There are no distances: two places are needed, and lengths are none.")
+        return self.answer.distance_errors
 
     def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
         yield self.answer.quantity, self.answer.position
@@ -105,11 +139,33 @@ class Validation:
         return html.page(
             html.paragraphs((self._outcome(),)),
             html.table("Errors, mm", STATISTICS, rows, numbers_from=2),
+            *self._pose_figures(),
             html.paragraphs(self.remarks),
         )
 
+    def _pose_figures(self) -> Iterator[Markup]:
+        if self.pose_test is None:
+            return
+        head = ("figure", "pose", "commanded by", "unit", "value", "u")
+        rows = [
+            (row.name, row.subject, row.commanded_by, row.unit, row.value, row.u)
+            for row in pose_test_rows(self.pose_test)
+        ]
+        yield html.table("ISO 9283:1998", head, rows, numbers_from=4)
+        yield html.paragraphs((
+            *withheld_sentences(self.pose_test),
+            english(pose_test_caution(self.pose_test)),
+        ))
 
-def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | None = None) -> Validation:
+
+def validate(
+    model: Model | str | Path,
+    points: TableOrFile,
+    limit_mm: float | None = None,
+    *,
+    iso9283: bool = False,
+    rule: domain.DecisionRule = "guard band",
+) -> Validation:
     """Judge a model on readings that it was not made from.
 
     Parameters
@@ -121,6 +177,10 @@ def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | N
     limit_mm : float, optional
         Largest error that passes. Without it the model passes when its mean error is neither above the
         nominal model's nor far above what it claims itself.
+    iso9283 : bool, optional
+        The rows hold cycles of poses: add the figures of ISO 9283.
+    rule : str, optional
+        Whether the decision about the limit counts the uncertainty of the readings: `guard band`, `simple`.
 
     Returns
     -------
@@ -131,7 +191,8 @@ def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | N
     InputFileError
         The table cannot be used: with file and line, or row (from 0), and column.
     ConfigurationError
-        The readings do not fit the model, the limit is no length, or what is given is no model.
+        The readings do not fit the model, the limit is no length, what is given is no model, or the rows
+        hold no cycles.
 
     Examples
     --------
@@ -149,6 +210,7 @@ def validate(model: Model | str | Path, points: TableOrFile, limit_mm: float | N
     data = model_given(model).data
     nests = [nest.nest for nest in data.nests]
     table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
-    answer = validate_model(data, table.readings, limit_mm=limit_mm)
+    answer = validate_model(data, table.readings, limit_mm=limit_mm, rule=rule)
     remarks = (*table.ignored, *map(english, validation_cautions(data, table.readings)))
-    return Validation(answer, data, table.readings, remarks)
+    test = pose_test(data, table.readings) if iso9283 else None
+    return Validation(answer, data, table.readings, remarks, test)

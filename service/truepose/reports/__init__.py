@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from truepose.reports.pages import page_styles, verdict_shape
     from truepose.reports.table_report import Row, Section, Verdict, write_table_report
     from truepose.reports.truth import TrueParameter, Truth
+    from truepose.reports.validation.report import ValidationInput, write_validation_report
 
 __all__ = [
     "DiagnosisInput",
@@ -28,6 +29,7 @@ __all__ = [
     "Section",
     "TrueParameter",
     "Truth",
+    "ValidationInput",
     "Verdict",
     "VerdictWords",
     "diagnosis_content",
@@ -37,6 +39,7 @@ __all__ = [
     "write_diagnosis_report",
     "write_identification_report",
     "write_table_report",
+    "write_validation_report",
 ]
 
 _HOMES = {
@@ -50,6 +53,7 @@ _HOMES = {
     "Section": "table_report",
     "TrueParameter": "truth",
     "Truth": "truth",
+    "ValidationInput": "validation.report",
     "Verdict": "table_report",
     "VerdictWords": "causes",
     "diagnosis_content": "diagnosis_report",
@@ -59,6 +63,7 @@ _HOMES = {
     "write_diagnosis_report": "diagnosis_report",
     "write_identification_report": "identification_report",
     "write_table_report": "table_report",
+    "write_validation_report": "validation.report",
 }
 
 if not TYPE_CHECKING:  # to a type checker every misspelt name would be one of ours

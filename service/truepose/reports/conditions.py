@@ -3,9 +3,12 @@
 Whatever is left out is printed as "not stated": a reader must see that nobody said it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from truepose.domain.campaign import Stops
 from truepose.domain.cell import Artefact
 from truepose.domain.sentences import Sentence, said
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
@@ -58,6 +61,13 @@ class ReportConditions:
     scale: float | None = None  # certified over measured length; None: scale not verified
     scale_standard_uncertainty: float | None = None
     notes: tuple[str, ...] = ()
+
+
+def temperature_range(stops: Iterable[Stops]) -> tuple[float, float] | None:
+    """Return the lowest and the highest temperature of stops; None where none was recorded."""
+    columns = [one.temperature_c for one in stops if one.temperature_c is not None]
+    known = np.concatenate([column[np.isfinite(column)] for column in columns]) if columns else np.zeros(0)
+    return (float(known.min()), float(known.max())) if known.size else None
 
 
 def condition_rows(conditions: ReportConditions, words: Catalogue = IN_ENGLISH) -> Iterator[tuple[str, str]]:

@@ -4,12 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import numpy as np
-
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.conditions import ReportConditions, condition_rows
+from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.joint_residuals import joint_residuals
@@ -91,11 +89,7 @@ def _with_temperature(conditions: ReportConditions, campaign: Campaign) -> Repor
     """Take the range of the readings where nobody stated one."""
     if conditions.temperature_c is not None:
         return conditions
-    columns = [stops.temperature_c for stops in _all_stops(campaign) if stops.temperature_c is not None]
-    known = np.concatenate([column[np.isfinite(column)] for column in columns]) if columns else np.zeros(0)
-    if known.size == 0:
-        return conditions
-    return replace(conditions, temperature_c=(float(known.min()), float(known.max())))
+    return replace(conditions, temperature_c=temperature_range(_all_stops(campaign)))
 
 
 def _all_stops(campaign: Campaign) -> Iterator[Stops]:

@@ -9,11 +9,20 @@ from rich.text import Text
 
 from truepose.domain.results import Identification, NominalAndIdentified, Validation
 from truepose.exchange.models.document import file_factor, file_unit
+from truepose.judgement.cautions import pose_test_caution
+from truepose.judgement.iso9283.judged import PoseTest
 from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
+from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
 from truepose.words.catalogue import english
+
+_DECIDED = {
+    "conforms": "conforms",
+    "does not conform": "does not conform",
+    "cannot be decided": "cannot be decided: the readings are too uncertain for this limit",
+}
 
 
 def identification_summary(identification: Identification) -> Group:
@@ -40,10 +49,42 @@ def validation_summary(validation: Validation) -> Group:
     _add_pair(table, validation.quantity.capitalize(), validation.position)
     if validation.distance is not None:
         _add_pair(table, "Distance between points", validation.distance)
-    return Group(table, Text(_verdict(validation)))
+    said = [verdict_sentence(validation), decision_sentence(validation)]
+    return Group(table, *(Text(sentence) for sentence in said if sentence))
 
 
-def _verdict(validation: Validation) -> str:
+def pose_test_summary(test: PoseTest) -> Group:
+    """Return the figures of ISO 9283 without their components, what is withheld, what they do not prove."""
+    table = Table(title="ISO 9283:1998")
+    for name in ("figure", "clause", "pose", "commanded by"):
+        table.add_column(name)
+    for name in ("value", "u"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    table.add_column("noise alone", justify="right")
+    for row in (row for row in pose_test_rows(test) if row.whole):
+        table.add_row(
+            row.name, row.clause, row.subject, row.commanded_by, row.value, row.u, row.unit, row.noise
+        )
+    withheld = (Text(f"Withheld: {sentence}") for sentence in withheld_sentences(test))
+    return Group(table, *withheld, Text(english(pose_test_caution(test))))
+
+
+def decision_sentence(validation: Validation) -> str:
+    """Return whether the limit is kept with the uncertainty counted; nothing without a limit."""
+    decided = validation.decision
+    if decided is None:
+        return ""
+    if decided.rule == "simple":
+        return f"By simple acceptance it {_DECIDED[decided.verdict]}; the uncertainty is not counted."
+    return (
+        f"With a guard band of {millimetres(decided.guard_mm)} mm (ISO 14253-1, 95 %) it "
+        f"{_DECIDED[decided.verdict]}; the reading that decides is off by {millimetres(decided.error_mm)} mm."
+    )
+
+
+def verdict_sentence(validation: Validation) -> str:
+    """Return whether the model passes, and by which measure."""
     if validation.limit_mm is None:
         return _without_limit(validation)
     verb = "stays within" if validation.passed else "exceeds"

@@ -15,9 +15,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.helpers.identification.synthetic import measured, nominal_campaign
+from tests.helpers.identification.synthetic import configurations, measured, nominal_campaign
 from truepose.cli import main
+from truepose.domain.campaign import PointReadings, Stops
 from truepose.exchange.campaigns.folder import write_campaign
+from truepose.exchange.models.file import read_model
+from truepose.exchange.tables.points import point_text
+from truepose.identification import predict
+from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.version import __version__ as truepose_version
 
 TRUEPOSE = Path(sys.executable).with_name("truepose")
@@ -183,6 +188,67 @@ def test_a_limit_that_judges_nothing_is_refused(good, limit):
     arguments = (good / "model.json", good / "campaign" / "validation.csv", f"--limit-mm={limit}", "--json")
 
     assert_one_sentence(truepose("validate", *arguments), "--limit-mm", "above 0 mm")
+
+
+def cycles_file(good, file, lost=None):
+    """Thirty cycles of five poses and ten other configurations, as a robot that is its model attains them."""
+    model = read_model(good / "model.json")
+    down = np.diag([1.0, -1.0, -1.0])
+    plan = plan_poses(model.robot, Cube((300.0, 0.0, 250.0), 150.0), down, model.nests[0].centre_mm)
+    stops = [stop for stop in plan.session(nest=1).stops if stop.config != lost]
+    joints = np.vstack([[stop.joints_rad for stop in stops], configurations(10, seed=4)])
+    config = [*(stop.config for stop in stops), *range(201, 211)]
+    repeat_of = [*(-1 if stop.repeat_of is None else stop.repeat_of for stop in stops), *[-1] * 10]
+    nest = np.ones(len(joints), dtype=np.int64)
+    known = Stops(np.array(config), joints, repeat_of=np.array(repeat_of))
+    places, _ = predict(model, known, nest)
+    scattered = places + 0.01 * np.random.default_rng(3).standard_normal(places.shape)
+    file.write_text(point_text(PointReadings(known, nest, scattered, np.full(len(joints), 0.01))))
+    return file
+
+
+def test_validate_adds_the_figures_of_iso_9283(good, tmp_path):
+    points = cycles_file(good, tmp_path / "cycles.csv", lost=8)  # P3 in the second cycle
+    page = tmp_path / "accuracy.html"
+
+    done = truepose(
+        "validate", good / "model.json", points, "--iso9283", "--report", page, "--load", "3 kg", "--json"
+    )
+
+    assert (done.returncode, done.stderr) == (0, "")
+    test = json.loads(done.stdout)["iso9283"]
+    assert (test["poses"], test["cycles"], test["work_space"]["identified"]["n"]) == (5, 30, 10)
+    assert [w["reason"] for w in test["withheld"] if w["symbol"] == "RP"] == [
+        "P3 was measured in 29 cycles (cycle 2 is missing); ISO 9283 asks for 30, and none is made up"
+    ]
+    repeatability = {f["subject"]: f["value"] for f in test["figures"] if f["symbol"] == "RP"}
+    # 3.6 standard deviations of a radius of three normal components, known from 30 visits to some 10 %
+    assert repeatability == pytest.approx(dict.fromkeys(("P1", "P2", "P4", "P5"), 0.036), rel=0.4)
+    assert test["sentence"].startswith("Five poses do not prove accuracy in a work space")
+    assert "3 kg" in page.read_text()
+
+
+def test_points_without_cycles_are_no_test_of_iso_9283(good):
+    points = good / "campaign" / "validation.csv"
+
+    done = truepose("validate", good / "model.json", points, "--iso9283", "--json")
+
+    assert_one_sentence(done, "holds no pose that was visited again and again", "repeat_of")
+
+
+@pytest.mark.parametrize(("rule", "verdict"), [("guard-band", "cannot be decided"), ("simple", "conforms")])
+def test_validate_decides_by_the_rule_that_is_named(good, rule, verdict):
+    points = good / "campaign" / "validation.csv"
+    largest = json.loads(truepose("validate", good / "model.json", points, "--json").stdout)
+    limit = largest["position"]["identified"]["max_mm"] * 1.01
+    arguments = ("--limit-mm", limit, "--decision-rule", rule, "--json")
+
+    document = json.loads(truepose("validate", good / "model.json", points, *arguments).stdout)
+
+    assert document["pass"] is True
+    assert document["decision"]["verdict"] == verdict
+    assert document["decision"]["rule"] == rule.replace("-", " ")
+    assert largest["decision"] is None
 
 
 def test_predict_answers_in_the_order_of_the_input(good, tmp_path):

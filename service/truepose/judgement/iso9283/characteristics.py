@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from truepose.domain.sentences import Sentence
+
 Symbol = Literal["AP", "RP", "vAP", "AD", "RD", "dAP", "dRP"]
 Component = Literal["p", "l", "x", "y", "z", "a", "b", "c"]
 
@@ -45,7 +47,7 @@ class Withheld:
 
     symbol: Symbol
     subject: str
-    reason: str
+    reason: Sentence
 
 
 @dataclass(frozen=True, slots=True)

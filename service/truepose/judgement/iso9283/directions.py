@@ -12,6 +12,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import said
 from truepose.judgement.iso9283.characteristics import Characteristic, Component, Performance, Withheld
 from truepose.judgement.iso9283.moments import barycentre, barycentre_covariance, norm_uncertainty, of_mean
 from truepose.judgement.iso9283.pose import CYCLES
@@ -55,7 +56,8 @@ def _one_pose(approaches: Sequence[Visits], number: int) -> Performance:
     for place, visits in enumerate(approaches, start=1):
         reason = too_few(visits, number, CYCLES)
         if reason is not None:
-            return Performance((), (Withheld("vAP", f"P{number}", f"from direction {place}, {reason}"),))
+            why = said("poses.from_direction", direction=place, reason=reason)
+            return Performance((), (Withheld("vAP", f"P{number}", why),))
     seen = [visits.of_pose(number) for visits in approaches]
     return Performance((_of_position(seen, number), *_of_angles(seen, number)), ())
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence, said
 from truepose.judgement.iso9283.characteristics import Characteristic, Component, Performance, Withheld
 from truepose.judgement.iso9283.moments import common, of_mean, three_scatters
 from truepose.judgement.iso9283.pose import CYCLES
@@ -68,9 +69,9 @@ def _of_both(visits: Visits, ends: tuple[int, int]) -> tuple[Visits, Visits]:
     return one.taken(first), other.taken(second)
 
 
-def _reason(visits: Visits, ends: tuple[int, int], both: int) -> str:
+def _reason(visits: Visits, ends: tuple[int, int], both: int) -> Sentence:
     reasons = [why for number in ends if (why := too_few(visits, number, CYCLES)) is not None]
-    return reasons[0] if reasons else f"only {both} cycles hold both ends; ISO 9283 asks for {CYCLES}"
+    return reasons[0] if reasons else said("poses.both_ends", both=both, least=CYCLES)
 
 
 def _figures(one: Visits, other: Visits, asked: FloatArray, subject: str) -> Iterator[Characteristic]:

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence, said
 from truepose.judgement.iso9283.characteristics import (
     Characteristic,
     Component,
@@ -93,12 +94,12 @@ def _without_instrument(visits: Visits) -> Visits:
     return replace(visits, standard_uncertainty_mm=nothing, rotation_uncertainty_rad=None)
 
 
-def _reason(found: Sequence[Performance], hours: float) -> str | None:
+def _reason(found: Sequence[Performance], hours: float) -> Sentence | None:
     if 3600.0 * hours < LEAST_S:
-        return f"the groups span {hours:.3g} h; ISO 9283 asks for 8 h of work from cold"
+        return said("poses.hours", hours=hours)
     for number, group in enumerate(found, start=1):
         if group.withheld:
-            return f"in group {number}, {group.withheld[0].reason}"
+            return said("poses.in_group", group=number, reason=group.withheld[0].reason)
     return None
 
 

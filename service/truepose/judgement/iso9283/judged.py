@@ -6,18 +6,19 @@ or the identified one, by which a corrected robot is commanded.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.campaign import PointReadings
+from truepose.domain.campaign import PointReadings, Readings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, NominalAndIdentified
 from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.verdict.judge import judge
-from truepose.judgement.iso9283.characteristics import Performance
+from truepose.judgement.iso9283.characteristics import Characteristic, Performance
 from truepose.judgement.iso9283.cycles import Cycles, find_cycles
+from truepose.judgement.iso9283.directions import POSES as OF_DIRECTIONS
 from truepose.judgement.iso9283.directions import direction_performance
 from truepose.judgement.iso9283.distance import distance_performance
 from truepose.judgement.iso9283.drift import Group, drift
@@ -25,6 +26,10 @@ from truepose.judgement.iso9283.moments import barycentre
 from truepose.judgement.iso9283.pose import pose_performance
 from truepose.judgement.iso9283.visits import CommandedPose, Visits
 from truepose.kinematics.frames import rotation_from_quaternion, vector_from_rotation
+
+CommandedBy = Literal["nominal", "identified"]
+
+_OF_COMMANDS: Final = frozenset({"AP", "AD", "dAP"})  # all others are of the attained poses alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,16 +43,24 @@ class PoseTest:
     nest: int
     work_space: NominalAndIdentified | None  # errors at configurations that are no poses; None: none measured
     claimed_mm: float  # mean error that the identified model itself lets expect of such
+    mixed: tuple[str, ...] = ()  # poses that were approached from several directions, where only one is meant
+
+    def figures(self) -> Iterator[tuple[CommandedBy | None, Characteristic]]:
+        """Yield every figure once, with the model that commands where it depends on one."""
+        before = [figure for figure in self.nominal.characteristics if figure.symbol in _OF_COMMANDS]
+        yield from (("nominal", figure) for figure in before)
+        for figure in self.identified.characteristics:
+            yield ("identified" if figure.symbol in _OF_COMMANDS else None), figure
 
 
-def pose_test(model: Model, points: PointReadings) -> PoseTest:
+def pose_test(model: Model, points: Readings) -> PoseTest:
     """Return the figures that a table of measured points gives.
 
     Parameters
     ----------
     model : Model
     points : PointReadings
-        n rows: cycles, as `find_cycles` tells them, and any other configurations.
+        n >= 1 rows: cycles, as `find_cycles` tells them, and any other configurations.
 
     Returns
     -------
@@ -58,13 +71,15 @@ def pose_test(model: Model, points: PointReadings) -> PoseTest:
     Raises
     ------
     ConfigurationError
-        The table holds no such test, or does not fit the model.
+        The table holds no such test, or lengths instead of points, or does not fit the model.
     """
+    if not isinstance(points, PointReadings):
+        raise ConfigurationError("ISO 9283 judges positions: lengths of a ballbar are no attained poses.")
     cycles = find_cycles(points)
     judged = judge(model, points, model.repeatability_mm)
     figures = _TESTS[len(cycles.poses)]
     nominal, identified = (
-        figures(points, cycles, _commanded(cycles, result), _visits(points, cycles, result))
+        figures(_Attained(points.stops, cycles, _commanded(cycles, result), _visits(points, cycles, result)))
         for result in (judged.nominal, judged.identified)
     )
     return PoseTest(
@@ -75,7 +90,27 @@ def pose_test(model: Model, points: PointReadings) -> PoseTest:
         cycles.nest,
         judged.pair(cycles.others) if cycles.others.any() else None,
         judged.claimed_mm(model.discrepancy_mm),
+        tuple(_mixed(points.stops, cycles)),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Attained:
+    """A test as one model commands it."""
+
+    stops: Stops  # of the whole table
+    cycles: Cycles
+    commanded: tuple[CommandedPose, ...]
+    visits: Visits
+
+
+def _mixed(stops: Stops, cycles: Cycles) -> Iterator[str]:
+    if stops.direction is None or len(cycles.poses) == len(OF_DIRECTIONS):
+        return
+    came = stops.direction[cycles.rows]
+    for number in cycles.poses:
+        if len(np.unique(came[cycles.pose == number], axis=0)) > 1:
+            yield f"P{number}"
 
 
 def _commanded(cycles: Cycles, result: BlockResult) -> tuple[CommandedPose, ...]:
@@ -106,20 +141,17 @@ def _visits(points: PointReadings, cycles: Cycles, result: BlockResult) -> Visit
     )
 
 
-def _of_five(
-    _: PointReadings, __: Cycles, commanded: tuple[CommandedPose, ...], visits: Visits
-) -> Performance:
-    return pose_performance(commanded, visits).joined(distance_performance(commanded, visits))
+def _of_five(test: _Attained) -> Performance:
+    figures = pose_performance(test.commanded, test.visits)
+    return figures.joined(distance_performance(test.commanded, test.visits))
 
 
-def _of_three(
-    points: PointReadings, cycles: Cycles, _: tuple[CommandedPose, ...], visits: Visits
-) -> Performance:
-    direction = points.stops.direction
+def _of_three(test: _Attained) -> Performance:
+    direction = test.stops.direction
     if direction is None:
         raise ConfigurationError("vAP needs to know from where each visit came: give the columns dir1.. .")
-    came = direction[cycles.rows]
-    return direction_performance(tuple(_approaches(visits, came)), cycles.poses)
+    came = direction[test.cycles.rows]
+    return direction_performance(tuple(_approaches(test.visits, came)), test.cycles.poses)
 
 
 def _approaches(visits: Visits, came: IntArray) -> Iterator[Visits]:
@@ -138,19 +170,21 @@ def _counted_anew(visits: Visits) -> Visits:
     return replace(visits, cycle=visits.cycle - visits.cycle.min() + 1)
 
 
-def _of_one(
-    points: PointReadings, cycles: Cycles, commanded: tuple[CommandedPose, ...], visits: Visits
-) -> Performance:
-    group, time_s = points.stops.group, points.stops.time_s
-    if group is None or time_s is None or not np.isfinite(time_s[cycles.rows]).all():
+def _of_one(test: _Attained) -> Performance:
+    rows, group, time_s = test.cycles.rows, test.stops.group, test.stops.time_s
+    if group is None or time_s is None or not np.isfinite(time_s[rows]).all():
         raise ConfigurationError(
             "Only one pose was visited again and again, which is a test of drift: give the columns group and "
             "time_s. For AP and RP, measure five poses."
         )
-    member, when = group[cycles.rows], time_s[cycles.rows]
-    rows_of = (np.flatnonzero(member == number) for number in np.unique(member))
-    groups = [Group(float(when[rows].mean()), _counted_anew(visits.taken(rows))) for rows in rows_of]
-    return drift(commanded[0], sorted(groups, key=lambda one: one.time_s)).performance
+    groups = _groups(test.visits, group[rows], time_s[rows])
+    return drift(test.commanded[0], sorted(groups, key=lambda one: one.time_s)).performance
 
 
-_TESTS: Final[dict[int, Callable[..., Performance]]] = {5: _of_five, 3: _of_three, 1: _of_one}
+def _groups(visits: Visits, member: IntArray, time_s: FloatArray) -> Iterator[Group]:
+    for number in np.unique(member):
+        rows = np.flatnonzero(member == number)
+        yield Group(float(time_s[rows].mean()), _counted_anew(visits.taken(rows)))
+
+
+_TESTS: Final[dict[int, Callable[[_Attained], Performance]]] = {5: _of_five, 3: _of_three, 1: _of_one}

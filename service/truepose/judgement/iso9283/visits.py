@@ -7,6 +7,7 @@ import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence, Text, said
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,25 +63,26 @@ class Visits(Table):
         return tuple(int(cycle) for cycle in np.setdiff1d(cycles, self.of_pose(number).cycle))
 
 
-def too_few(visits: Visits, number: int, least: int) -> str | None:
+def too_few(visits: Visits, number: int, least: int) -> Sentence | None:
     """Return why a pose was not visited often enough, None where it was."""
     n = len(visits.of_pose(number))
     if n >= least:
         return None
-    missing = visits.missing(number)
-    named = f" ({_cycles(missing)} {'is' if len(missing) == 1 else 'are'} missing)" if missing else ""
-    return f"P{number} was measured in {n} cycles{named}; ISO 9283 asks for {least}, and none is made up"
+    missing = _missing(visits.missing(number))
+    return said("poses.too_few", pose=f"P{number}", measured=n, missing=missing, least=least)
 
 
-def _cycles(numbers: tuple[int, ...]) -> str:
-    if len(numbers) == 1:
-        return f"cycle {numbers[0]}"
-    return f"cycles {', '.join(_runs(numbers))}"
+def _missing(cycles: tuple[int, ...]) -> Text:
+    if not cycles:
+        return ""
+    if len(cycles) == 1:
+        return said("poses.missing_one", cycle=cycles[0])
+    return said("poses.missing", cycles=tuple(_runs(cycles)))
 
 
-def _runs(numbers: tuple[int, ...]) -> Iterator[str]:
-    """Yield "3", "7 to 9"."""
+def _runs(numbers: tuple[int, ...]) -> Iterator[int | Sentence]:
+    """Yield numbers that stand alone, and runs of them."""
     starts = [k for k, number in enumerate(numbers) if k == 0 or number != numbers[k - 1] + 1]
     for start, end in zip(starts, [*starts[1:], len(numbers)], strict=True):
         first, last = numbers[start], numbers[end - 1]
-        yield str(first) if first == last else f"{first} to {last}"
+        yield first if first == last else said("poses.run", first=first, last=last)

@@ -125,6 +125,53 @@ def test_a_plot_is_a_figure_of_matplotlib_that_may_be_changed(answers, name, tmp
     assert (tmp_path / "errors.png").stat().st_size > 5000
 
 
+@pytest.mark.parametrize(
+    ("what", "axis"),
+    [
+        ("distances", "seen minus predicted distance [mm]"),
+        ("places", "distance from the middle of the zone [mm]"),
+    ],
+)
+def test_a_validation_draws_distances_and_places(model, what, axis):
+    figure = tp.validate(model, _HELD_OUT).plot(what)
+
+    assert figure.axes[0].get_xlabel() == axis
+
+
+def test_one_reading_has_no_distances_to_draw(model):
+    row = {
+        "config": [1],
+        "joints_rad": [[0.1] * 6],
+        "nest": 1,
+        "position_mm": [[300.0, 0.0, 600.0]],
+        "u_mm": 0.01,
+    }
+
+    with pytest.raises(ConfigurationError, match="There are no distances"):
+        tp.validate(model, row).plot("distances")
+
+
+def test_cycles_are_a_test_of_iso_9283(model):
+    poses = [[0.2 * k, 0.1 * k, -0.1, 0.1, 0.3, 0.0] for k in (-2, -1, 1, 2, 0)]
+    joints = np.tile(poses, (30, 1))
+    places = tp.predict(model, {"config": np.arange(150), "joints_rad": joints, "nest": 1}).position_mm
+    points = {
+        "config": np.tile(np.arange(5), 30),
+        "joints_rad": joints,
+        "nest": 1,
+        "position_mm": places,
+        "u_mm": 0.01,
+    }
+
+    judged = tp.validate(model, points, iso9283=True)
+
+    figures = judged.document["iso9283"]["figures"]
+    assert {f["symbol"] for f in figures} == {"AP", "RP", "AD", "RD"}
+    assert max(abs(f["value"]) for f in figures if f["commanded_by"] != "nominal") < 1e-9
+    assert "Five poses do not prove accuracy" in judged._repr_html_()
+    assert "iso9283" not in tp.validate(model, points).document
+
+
 def test_a_finding_is_drawn_with_its_curve(diagnosed):
     axes = diagnosed.plot(1).axes[0]
 

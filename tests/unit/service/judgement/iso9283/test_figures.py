@@ -14,6 +14,7 @@ from truepose.judgement.iso9283.distance import distance_performance
 from truepose.judgement.iso9283.drift import Group, drift
 from truepose.judgement.iso9283.pose import one_pose, pose_performance
 from truepose.judgement.iso9283.visits import CommandedPose, Visits
+from truepose.words.catalogue import english
 
 _MAVRO = reference("nist_mavro")
 _ORIGIN = CommandedPose(1, (0.0, 0.0, 0.0))
@@ -175,7 +176,7 @@ def test_a_missing_repeat_is_named_and_never_made_up():
     found = pose_performance(COMMANDED, replace(seen, position_mm=lost))
 
     assert [(w.symbol, w.subject) for w in found.withheld] == [("AP", "P3"), ("RP", "P3")]
-    assert found.withheld[0].reason == (
+    assert english(found.withheld[0].reason) == (
         "P3 was measured in 26 cycles (cycles 4, 17 to 19 are missing); ISO 9283 asks for 30, "
         "and none is made up"
     )
@@ -188,7 +189,7 @@ def test_an_absent_row_is_missing_as_well():
 
     found = pose_performance(COMMANDED, seen.taken(kept)).withheld[0]
 
-    assert found.reason.startswith("P2 was measured in 29 cycles (cycle 30 is missing)")
+    assert english(found.reason).startswith("P2 was measured in 29 cycles (cycle 30 is missing)")
 
 
 def test_a_spare_cycle_makes_up_for_a_lost_one():
@@ -210,7 +211,8 @@ def test_cycles_that_hold_one_end_only_give_no_distance():
 
     found = distance_performance(COMMANDED, seen.taken(kept))
 
-    assert [w.reason for w in found.withheld] == ["only 29 cycles hold both ends; ISO 9283 asks for 30"] * 2
+    reasons = [english(w.reason) for w in found.withheld]
+    assert reasons == ["only 29 cycles hold both ends; ISO 9283 asks for 30"] * 2
 
 
 def test_a_distance_without_an_end_is_refused():
@@ -229,7 +231,7 @@ def test_a_direction_with_too_few_visits_is_named():
     found = direction_performance([seen, short, seen])
 
     assert [w.subject for w in found.withheld] == ["P1", "P2", "P4"]
-    assert found.withheld[0].reason.startswith("from direction 2, P1 was measured in 29 cycles")
+    assert english(found.withheld[0].reason).startswith("from direction 2, P1 was measured in 29 cycles")
 
 
 @pytest.mark.parametrize(
@@ -246,7 +248,7 @@ def test_a_short_drift_is_withheld(groups, reason):
     found = drift(_ORIGIN, groups)
 
     assert [w.symbol for w in found.performance.withheld] == ["dAP", "dRP"]
-    assert found.performance.withheld[0].reason.startswith(reason)
+    assert english(found.performance.withheld[0].reason).startswith(reason)
     assert found.walk_mm is None
 
 

@@ -8,14 +8,16 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
-from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.campaign import LegReadings, PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import NestCentre
 from truepose.domain.robot import FramePlacement
+from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.cycles import find_cycles
 from truepose.judgement.iso9283.judged import pose_test
 from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.kinematics.chain import nominal_chain
+from truepose.words.catalogue import english
 
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
 _PLAN = plan_poses(IRB_120, Cube((300.0, 0.0, 250.0), 150.0), np.diag([1.0, -1.0, -1.0]), NESTS[0])
@@ -135,7 +137,22 @@ def test_a_lost_reading_withholds_the_pose():
     found = pose_test(model(), table.taken(np.delete(np.arange(150), 12)))  # P3 in cycle 3
 
     assert {w.subject for w in found.identified.withheld} == {"P3"}
-    assert "cycle 3 is missing" in found.identified.withheld[0].reason
+    assert "cycle 3 is missing" in english(found.identified.withheld[0].reason)
+
+
+@pytest.mark.parametrize(
+    ("turned", "mixed"), [(slice(0), ()), (slice(3, 4), ("P2",)), (slice(0, 2), ("P4", "P5"))]
+)
+def test_poses_that_were_approached_from_several_sides_are_named(turned, mixed):
+    table = cycles()
+    direction = np.tile(1 + 0 * table.nest[:, None], 6)
+    direction[turned, 2] = -1
+
+    found = pose_test(model(), replace(table, stops=replace(table.stops, direction=direction)))
+
+    assert found.mixed == mixed
+    said = english(pose_test_caution(found))
+    assert ("Not all visits came from one direction" in said) == bool(mixed)
 
 
 def test_measured_orientations_give_angles():
@@ -170,6 +187,7 @@ def from_three_sides(n=30):
 def test_three_poses_from_three_directions_give_their_variation():
     found = pose_test(model(), from_three_sides())
 
+    assert found.mixed == ()
     assert values(found.identified, "vAP", "p") == pytest.approx(dict.fromkeys(("P1", "P2", "P4"), 0.05))
     assert found.nominal.withheld == ()
 
@@ -220,3 +238,12 @@ def test_another_number_of_poses_is_refused(n):
 def test_a_table_without_revisits_is_no_test():
     with pytest.raises(ConfigurationError, match="holds no pose that was visited again and again"):
         pose_test(model(), points(configurations(20)))
+
+
+def test_lengths_are_no_attained_poses():
+    one = np.ones(3, dtype=np.int64)
+    stops = Stops(np.arange(3), np.zeros((3, 6)))
+    legs = LegReadings(stops, one, one, one, np.full(3, 300.0), np.full(3, 0.001))
+
+    with pytest.raises(ConfigurationError, match="lengths of a ballbar are no attained poses"):
+        pose_test(model(), legs)

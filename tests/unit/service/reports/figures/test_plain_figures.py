@@ -11,19 +11,34 @@ import pytest
 from matplotlib.colors import to_hex
 
 from tests.helpers.diagnosis.diagnosed_cells import make_curve
-from truepose.domain.results import DistanceErrors, Histogram, SignedErrors
+from tests.helpers.domain.builders import make_pair
+from truepose.domain.results import (
+    BranchErrors,
+    DistanceErrors,
+    ErrorsByPlace,
+    Histogram,
+    Shell,
+    SignedErrors,
+)
 from truepose.reports.figures.canvas import PLAIN
 from truepose.reports.figures.comparison import comparison, plain_comparison
 from truepose.reports.figures.distance_histogram import plain_distance_histogram
 from truepose.reports.figures.histogram import plain_histogram
+from truepose.reports.figures.place_errors import plain_place_errors
 from truepose.reports.figures.residual_curve import plain_residual_curve
 from truepose.reports.uncertainty.judged import judged
 
+_SHELLS = (Shell(0.0, 200.0, make_pair()), Shell(400.0, 600.0, make_pair()))
+_PLACES = ErrorsByPlace(
+    (0.0, 0.0, 0.0), 300.0, True, _SHELLS, _SHELLS, (BranchErrors("front/up", make_pair()),)
+)
 _PNG = b"\x89PNG\r\n"
 _BEFORE, _AFTER = np.linspace(0.1, 0.5, 40), np.linspace(0.01, 0.06, 40)
 
 
-@pytest.fixture(params=["comparison", "histogram", "distances", "curve", "curve of few", "counted curve"])
+@pytest.fixture(
+    params=["comparison", "histogram", "distances", "places", "curve", "curve of few", "counted curve"]
+)
 def figure(request, identification, campaign):
     if request.param == "comparison":
         return plain_comparison(_BEFORE, _AFTER, 0.02)
@@ -32,6 +47,8 @@ def figure(request, identification, campaign):
     if request.param == "distances":
         signed = SignedErrors(0.004, 0.6, Histogram(0.5, -2, (1, 4, 5)))
         return plain_distance_histogram(DistanceErrors(signed, signed))
+    if request.param == "places":
+        return plain_place_errors(_PLACES)
     curves = {
         "curve": make_curve(n=100),
         "curve of few": make_curve(n=20),
@@ -62,6 +79,18 @@ def test_distances_are_drawn_as_shares_over_their_bins():
     drawn = panels[1].patches[0].get_data()
     assert drawn.values.tolist() == [25.0, 50.0, 25.0]
     assert drawn.edges.tolist() == [-1.0, -0.5, 0.0, 0.5]
+
+
+def test_errors_by_place_are_levels_over_their_shells():
+    zone, axis = plain_place_errors(_PLACES).axes
+
+    levels = {line.get_label(): line.get_xydata() for line in zone.lines}
+    mean = levels["identified, mean"]
+    assert mean[[0, 1, 3, 4], 0].tolist() == [0.0, 200.0, 400.0, 600.0]
+    assert mean[[0, 1, 3, 4], 1].tolist() == [make_pair().identified.mean_mm] * 4
+    assert np.isnan(mean[[2, 5]]).all()
+    assert levels["edge of the zone that the model was made in"][0, 0] == 300.0
+    assert axis.get_xlabel() == "distance from axis 1 [mm]"
 
 
 def test_it_can_be_changed(figure):

@@ -1,0 +1,124 @@
+"""The command that judges a model. Heavy imports wait until it runs."""
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from truepose.cli.files import Json, require_folders
+from truepose.cli.output import print_json, print_tables, remark
+from truepose.domain.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from truepose.domain.campaign import Readings
+    from truepose.domain.results import DecisionRule, Model, Validation
+    from truepose.exchange.json_text import Json as JsonValue
+    from truepose.judgement.iso9283.judged import PoseTest
+    from truepose.reports import ReportConditions
+
+
+class Rule(StrEnum):
+    """How a limit counts the uncertainty of the readings."""
+
+    GUARD_BAND = "guard-band"
+    SIMPLE = "simple"
+
+
+def validate_command(
+    model: Annotated[Path, typer.Argument(help="Model file.")],
+    points: Annotated[Path, typer.Argument(help="Measured rows that the model was not made from.")],
+    limit_mm: Annotated[float | None, typer.Option(help="Largest error that passes.")] = None,
+    decision_rule: Annotated[
+        Rule, typer.Option(help="Count the uncertainty of the readings (ISO 14253-1), or not.")
+    ] = Rule.GUARD_BAND,
+    iso9283: Annotated[
+        bool, typer.Option("--iso9283", help="The rows hold cycles of poses: add the figures of ISO 9283.")
+    ] = False,
+    report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
+    load: Annotated[str, typer.Option(help="Load during the test, for the report.")] = "",
+    speed_mm_s: Annotated[float | None, typer.Option(help="Speed of the tool, for the report.")] = None,
+    warm_up: Annotated[str, typer.Option(help="How the robot was warmed up, for the report.")] = "",
+    instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
+    json: Json = False,
+) -> int:
+    """Judge a model on readings it was not made from; status 1 when it fails.
+
+    Example: truepose validate robot.json cycles.csv --iso9283 --limit-mm 0.2 --report accuracy.html
+    """
+    from truepose.judgement.cautions import validation_cautions
+    from truepose.judgement.validation import validate
+    from truepose.reports.conditions import Instrument, ReportConditions
+    from truepose.words.catalogue import english
+
+    _require_length(limit_mm)
+    require_folders(report)
+    identified, readings = _read(model, points)
+    rule: DecisionRule = "simple" if decision_rule is Rule.SIMPLE else "guard band"
+    answer = validate(identified, readings, limit_mm=limit_mm, rule=rule)
+    test = _pose_test(identified, readings) if iso9283 else None
+    cautions = tuple(map(english, validation_cautions(identified, readings)))
+    remark(cautions)
+    if report is not None:
+        devices = (Instrument("instrument", model=instrument),) if instrument else ()
+        conditions = ReportConditions(
+            load=load, warm_up=warm_up, tool_speed_mm_s=speed_mm_s, instruments=devices
+        )
+        _write_report(report, (identified, readings, answer, test), cautions, conditions)
+    _show(answer, test, json)
+    return 0 if answer.passed else 1
+
+
+def _require_length(limit_mm: float | None) -> None:
+    if limit_mm is not None and not 0.0 < limit_mm < math.inf:
+        raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
+
+
+def _read(model: Path, points: Path) -> "tuple[Model, Readings]":
+    from truepose.exchange.models.file import read_model
+    from truepose.exchange.tables.files import read_validation_file
+
+    identified = read_model(model)
+    measured = read_validation_file(
+        points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
+    )
+    remark(measured.ignored)
+    return identified, measured.readings
+
+
+def _pose_test(model: "Model", readings: "Readings") -> "PoseTest":
+    from truepose.judgement.iso9283.judged import pose_test
+
+    return pose_test(model, readings)
+
+
+def _write_report(
+    path: Path,
+    judged: "tuple[Model, Readings, Validation, PoseTest | None]",
+    cautions: tuple[str, ...],
+    conditions: "ReportConditions",
+) -> None:
+    from truepose.reports import ValidationInput, write_validation_report
+
+    model, readings, answer, test = judged
+    write_validation_report(path, ValidationInput(answer, model, readings, cautions, test, conditions))
+
+
+def _show(answer: "Validation", test: "PoseTest | None", json: bool) -> None:
+    if json:
+        print_json(_document(answer, test))
+        return
+    from truepose.reports.summary import pose_test_summary, validation_summary
+
+    print_tables(validation_summary(answer))
+    if test is not None:
+        print_tables(pose_test_summary(test))
+
+
+def _document(answer: "Validation", test: "PoseTest | None") -> "dict[str, JsonValue]":
+    from truepose.exchange.results.identification_and_validation import validation_document
+    from truepose.exchange.results.iso9283 import pose_test_document
+
+    document = validation_document(answer)
+    return document if test is None else document | {"iso9283": pose_test_document(test)}

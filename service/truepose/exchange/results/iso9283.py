@@ -1,0 +1,86 @@
+"""A test of ISO 9283 as a document: angles in degrees."""
+
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import Field
+
+from truepose.exchange.json_text import Json
+from truepose.exchange.models.document import file_factor, file_unit
+from truepose.exchange.outgoing import Quantity
+from truepose.exchange.results.document_base import Document, Spoken
+from truepose.exchange.results.identification_and_validation import PairDocument
+from truepose.judgement.cautions import pose_test_caution
+from truepose.judgement.iso9283.characteristics import Characteristic
+from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
+
+
+class FigureDocument(Document):
+    """A figure of ISO 9283:1998; accuracies of components have a sign, repeatabilities are half widths."""
+
+    symbol: Literal["AP", "RP", "vAP", "AD", "RD", "dAP", "dRP"]
+    component: Literal["p", "l", "x", "y", "z", "a", "b", "c"] = Field(
+        description="p: position or distance, l: radius about the barycentre, a b c: angles about x y z."
+    )
+    subject: str = Field(examples=["P1", "P2-P4"])
+    commanded_by: CommandedBy | None = Field(
+        description="The model that puts the commanded pose; null where the figure does not depend on it."
+    )
+    value: Quantity
+    standard_uncertainty: Quantity
+    unit: str = Field(examples=["mm", "deg"])
+    visits: int
+    noise: Quantity = Field(description="What the instrument's stated scatter alone would show.")
+    clause: str = Field(examples=["7.2.1"])
+
+    @classmethod
+    def of_figure(cls, figure: Characteristic, commanded_by: CommandedBy | None) -> Self:
+        """Return a figure in the units of files."""
+        factor = file_factor(figure.unit)
+        return cls.of(
+            figure,
+            commanded_by=commanded_by,
+            value=figure.value * factor,
+            standard_uncertainty=figure.standard_uncertainty * factor,
+            noise=figure.noise * factor,
+            unit=file_unit(figure.unit),
+        )
+
+
+class WithheldDocument(Document):
+    """A figure that the visits do not give, and why."""
+
+    symbol: str
+    subject: str
+    reason: Spoken
+
+
+class PoseTestDocument(Document):
+    """What `truepose validate --iso9283 --json` adds under `iso9283`."""
+
+    poses: int
+    cycles: int
+    nest: int = Field(description="Whose positions were taken.")
+    figures: list[FigureDocument]
+    withheld: list[WithheldDocument]
+    work_space: PairDocument | None = Field(
+        description="Errors at configurations that are no poses; null where none was measured."
+    )
+    claimed_mm: Quantity = Field(description="Mean error that the model itself lets expect of such.")
+    sentence: Spoken
+
+
+def pose_test_document(test: PoseTest) -> dict[str, Json]:
+    """Return the figures of a test, what is withheld, and what the test does not prove."""
+    document = PoseTestDocument.of(
+        test,
+        figures=list(_figures(test)),
+        withheld=test.identified.withheld,
+        sentence=pose_test_caution(test),
+    )
+    return document.printed()
+
+
+def _figures(test: PoseTest) -> Iterator[FigureDocument]:
+    for commanded_by, figure in test.figures():
+        yield FigureDocument.of_figure(figure, commanded_by)

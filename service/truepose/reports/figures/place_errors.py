@@ -1,0 +1,69 @@
+"""Mean and largest errors by distance from the measured zone and from axis 1, before and after."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.axes import Axes
+
+from truepose.domain.results import ErrorsByPlace, Shell, Statistics
+from truepose.reports.figures.canvas import (
+    PAGE,
+    PLAIN,
+    Colours,
+    Drawing,
+    new_figure,
+    page_style,
+    plain_style,
+    to_svg,
+)
+
+
+def place_errors(places: ErrorsByPlace) -> Markup:
+    """Draw the errors over both distances on logarithmic axes: before and after differ by decades."""
+    with page_style():
+        return to_svg(_drawn(places, PAGE), "places", "Errors by distance, before and after")
+
+
+def plain_place_errors(places: ErrorsByPlace) -> Drawing:
+    """Return the same as a figure that a program may change."""
+    with plain_style():
+        return _drawn(places, PLAIN)
+
+
+def _drawn(places: ErrorsByPlace, colours: Colours) -> Drawing:
+    figure = new_figure(8.0, 2.9)
+    zone, axis = figure.subplots(1, 2, sharey=True)
+    _panel(zone, places.from_zone, colours)
+    zone.set_xlabel("distance from the middle of the zone [mm]")
+    zone.set_ylabel("error [mm], logarithmic")
+    if places.zone_stated:
+        label = "edge of the zone that the model was made in"
+        zone.axvline(places.zone_radius_mm, color=colours.muted, linestyle=":", label=label)
+    _panel(axis, places.from_axis, colours)
+    axis.set_xlabel("distance from axis 1 [mm]")
+    handles, labels = zone.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper left", ncols=3)
+    return figure
+
+
+def _panel(axes: Axes, shells: Sequence[Shell], colours: Colours) -> None:
+    before, after = ([getattr(s.errors, name) for s in shells] for name in ("nominal", "identified"))
+    for name, figures, colour in (("nominal", before, colours.before), ("identified", after, colours.after)):
+        _steps(axes, shells, [s.mean_mm for s in figures], f"{name}, mean", colour, "-")
+        _steps(axes, shells, [s.max_mm for s in figures], f"{name}, largest", colour, "--")
+    if any(_above_zero(figures) for figures in (before, after)):
+        axes.set_yscale("log")
+
+
+def _above_zero(figures: Sequence[Statistics]) -> bool:
+    return any(s.mean_mm > 0.0 for s in figures)
+
+
+def _steps(
+    axes: Axes, shells: Sequence[Shell], values: Sequence[float], label: str, colour: str, style: str
+) -> None:
+    """Draw a level over each shell; shells without a reading leave a gap."""
+    ends = [end for shell in shells for end in (shell.from_mm, shell.to_mm, np.nan)]
+    levels = [level for value in values for level in (value, value, np.nan)]
+    axes.plot(ends, levels, color=colour, linestyle=style, linewidth=1.6, label=label)

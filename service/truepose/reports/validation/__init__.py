@@ -1,0 +1,1 @@
+"""The report of a validation: errors, their places, ISO 9283."""

@@ -1,0 +1,80 @@
+"""The report of a validation: one HTML file."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from truepose.domain.campaign import Readings
+from truepose.domain.results import ErrorsByPlace, Model, Validation
+from truepose.identification import judge
+from truepose.judgement.cautions import pose_test_caution
+from truepose.judgement.iso9283.judged import PoseTest
+from truepose.reports.conditions import ReportConditions, temperature_range
+from truepose.reports.figures.distance_histogram import distance_histogram
+from truepose.reports.figures.histogram import histogram
+from truepose.reports.figures.place_errors import place_errors
+from truepose.reports.pages import write_page
+from truepose.reports.summary import decision_sentence, verdict_sentence
+from truepose.reports.validation.pose_test_rows import pose_test_rows, stated_conditions, withheld_sentences
+from truepose.words.catalogue import english
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationInput:
+    """What a report of a validation is made from."""
+
+    validation: Validation
+    model: Model
+    readings: Readings
+    remarks: tuple[str, ...] = ()
+    pose_test: PoseTest | None = None
+    conditions: ReportConditions = field(default_factory=ReportConditions)
+
+
+def write_validation_report(path: Path, report: ValidationInput) -> None:
+    """Write the report of a validation as one self-contained HTML file.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced where it exists; its folder is made.
+    report : ValidationInput
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    ConfigurationError
+        The readings are not those that the validation is of.
+    """
+    found, test = report.validation, report.pose_test
+    shown = judge(report.model, report.readings, report.model.repeatability_mm)
+    conditions = _with_temperature(report.conditions, report.readings)
+    write_page(
+        path,
+        "validation.html",
+        model=report.model,
+        validation=found,
+        verdict=verdict_sentence(found),
+        decision=decision_sentence(found),
+        remarks=report.remarks,
+        simulated=conditions.simulated,
+        histogram=histogram(shown, found.position.identified.noise_mm),
+        distances=None if found.distance_errors is None else distance_histogram(found.distance_errors),
+        places=_drawn(found.places),
+        pose_test=test,
+        withheld=() if test is None else tuple(withheld_sentences(test)),
+        pose_rows=() if test is None else tuple(pose_test_rows(test)),
+        caution="" if test is None else english(pose_test_caution(test)),
+        condition_rows=stated_conditions(test, conditions),
+    )
+
+
+def _drawn(places: ErrorsByPlace | None) -> object:
+    return None if places is None else place_errors(places)
+
+
+def _with_temperature(conditions: ReportConditions, readings: Readings) -> ReportConditions:
+    """Take the range of the readings where nobody stated one."""
+    if conditions.temperature_c is not None:
+        return conditions
+    return replace(conditions, temperature_c=temperature_range((readings.stops,)))

@@ -1,0 +1,158 @@
+"""The report of a validation: verdict, places, distances, ISO 9283 with what it does not prove."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of
+from tests.helpers.identification.synthetic import NESTS, configurations
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.domain.results import NestCentre
+from truepose.domain.robot import FramePlacement
+from truepose.exchange.results.iso9283 import pose_test_document
+from truepose.identification.model.zone import measured_zone
+from truepose.judgement.iso9283.judged import pose_test
+from truepose.judgement.iso9283.plan import Cube, plan_poses
+from truepose.judgement.validation import validate
+from truepose.kinematics.chain import nominal_chain
+from truepose.reports import ReportConditions, ValidationInput, write_validation_report
+from truepose.reports.conditions import Instrument
+from truepose.reports.summary import pose_test_summary, validation_summary
+from truepose.reports.validation.pose_test_rows import pose_test_rows
+
+_CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
+_PLACED = {"base": FramePlacement(), "nests": _CENTRES, "nominal_nests": _CENTRES}
+_ZONE = measured_zone(IRB_120, configurations(50))
+_MODEL = model_of(IRB_120, nominal_base=FramePlacement(x_mm=1.0), zone=_ZONE, discrepancy_mm=0.03, **_PLACED)
+_PLAN = plan_poses(IRB_120, Cube((300.0, 0.0, 250.0), 150.0), np.diag([1.0, -1.0, -1.0]), NESTS[0])
+
+
+@pytest.fixture(scope="module")
+def points():
+    """Thirty cycles, of which one visit of P3 was lost, and twenty other configurations."""
+    stops = [stop for stop in _PLAN.session(nest=1).stops if stop.config != 13]
+    joints = np.vstack([[stop.joints_rad for stop in stops], configurations(20, seed=4)])
+    repeat_of = [-1 if stop.repeat_of is None else stop.repeat_of for stop in stops] + [-1] * 20
+    config = [stop.config for stop in stops] + list(range(201, 221))
+    rng = np.random.default_rng(5)
+    places = nominal_chain(IRB_120, joints).points(np.array(NESTS[0]))
+    seen = places + np.array([0.03, 0.0, 0.04]) + 0.003 * rng.standard_normal(places.shape)
+    known = Stops(
+        np.array(config),
+        joints,
+        repeat_of=np.array(repeat_of),
+        temperature_c=np.linspace(20.0, 22.5, len(joints)),
+    )
+    return PointReadings(known, np.ones(len(joints), dtype=np.int64), seen, np.full(len(joints), 0.002))
+
+
+def written(tmp_path, points, limit_mm=None, **more):
+    found = ValidationInput(validate(_MODEL, points, limit_mm=limit_mm), _MODEL, points, **more)
+    write_validation_report(tmp_path / "report.html", found)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    return page, " ".join(re.sub(r"<svg.*?</svg>|<style.*?</style>|<[^>]+>", " ", page, flags=re.S).split())
+
+
+def test_the_report_says_verdict_places_and_distances(tmp_path, points):
+    page, text = written(tmp_path, points)
+
+    assert text.startswith("Validation of ABB IRB 120")
+    assert "in keeping with what it claims" in text
+    assert re.search(r"Seen minus predicted distance, of all 14,196 pairs", text)
+    assert "The readings that the model was made from lie within" in text
+    assert "front/up" in text
+    assert page.count("<svg") == 3
+    assert "ISO 9283" not in text
+
+
+def test_the_report_of_a_test_has_figures_conditions_and_what_they_do_not_prove(tmp_path, points):
+    conditions = ReportConditions(
+        load="2.6 kg",
+        warm_up="an hour",
+        tool_speed_mm_s=500.0,
+        instruments=(Instrument("tracker", model="T-1"),),
+    )
+
+    _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points), conditions=conditions)
+
+    assert "Five poses do not prove accuracy in a work space" in text
+    assert "over 20 readings in other configurations its error is 0.05" in text
+    assert "AP of P3: P3 was measured in 29 cycles (cycle 3 is missing)" in text
+    for stated in ("2.6 kg", "an hour", "500 mm/s", "T-1", "5 poses, 30 cycles", "20.0 to 22.5", "7.2.2"):
+        assert stated in text
+
+
+def test_what_nobody_said_is_not_stated(tmp_path, points):
+    _, text = written(tmp_path, points, pose_test=pose_test(_MODEL, points))
+
+    assert "Measuring instrument not stated" in text
+    assert "Load not stated" in text
+
+
+@pytest.mark.parametrize(
+    ("limit_mm", "sentence"),
+    [
+        (0.2, "it conforms"),
+        (0.05, "it does not conform"),
+        (0.06, "it cannot be decided: the readings are too uncertain"),
+    ],
+)
+def test_the_decision_is_said(tmp_path, points, limit_mm, sentence):
+    doubtful = replace(points, standard_uncertainty_mm=np.where(np.arange(len(points)) == 7, 0.02, 0.0001))
+
+    _, text = written(tmp_path, doubtful, limit_mm)
+
+    assert sentence in text
+    assert "ISO 14253-1" in text
+
+
+def test_figures_are_printed_to_the_digits_of_their_uncertainty(points):
+    rows = {
+        (row.name, row.subject, row.commanded_by): row for row in pose_test_rows(pose_test(_MODEL, points))
+    }
+
+    accuracy = rows["AP p", "P1", "identified"]
+    assert re.fullmatch(r"0\.05\d\d", accuracy.value)
+    assert (accuracy.unit, accuracy.noise) == ("mm", "")
+    assert rows["AP x", "P1", "nominal"].value.startswith("-0.9")
+    assert rows["RP l", "P1", ""].noise
+    assert rows["RD p", "P2-P4", ""].value.startswith("±")
+    assert ("RP l", "P3", "") not in rows
+
+
+def test_the_document_has_every_figure_once(points):
+    document = pose_test_document(pose_test(_MODEL, points))
+
+    keys = [(f["symbol"], f["component"], f["subject"], f["commanded_by"]) for f in document["figures"]]
+    assert len(keys) == len(set(keys)) == 2 * (4 * 4 + 4) + 4 + 4  # AP and AD of both models, RP, RD
+    assert {w["subject"] for w in document["withheld"]} == {"P3"}
+    assert document["work_space"]["identified"]["n"] == 20
+    assert document["sentence"].startswith("Five poses do not prove")
+    assert set(document["figures"][0]) == {
+        "symbol",
+        "component",
+        "subject",
+        "commanded_by",
+        "value",
+        "standard_uncertainty",
+        "unit",
+        "visits",
+        "noise",
+        "clause",
+    }
+
+
+def test_the_terminal_says_the_same(points, capsys):
+    from rich.console import Console
+
+    console = Console(width=120, highlight=False)
+    console.print(validation_summary(validate(_MODEL, points, limit_mm=0.2, rule="simple")))
+    console.print(pose_test_summary(pose_test(_MODEL, points)))
+
+    text = " ".join(capsys.readouterr().out.split())
+    assert "By simple acceptance it conforms; the uncertainty is not counted." in text
+    assert "Withheld: AP of P3: P3 was measured in 29 cycles" in text
+    assert "Five poses do not prove accuracy" in text
