@@ -7,13 +7,18 @@ from truepose.domain.arrays import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class JointRow:
-    """One row of a DH-Modified table (Craig): RotX(alpha) TransX(a) RotZ(sign*q + theta_offset) TransZ(d)."""
+    """One row of a DH-Modified table (Craig): RotX(alpha) TransX(a) RotZ(sign*q + theta_offset) TransZ(d).
+
+    Makers' tables have no beta, RotY(beta) before RotZ (Hayati). Tables from other descriptions need it where
+    axes are nearly parallel: their common normal may lie kilometres away.
+    """
 
     alpha_rad: float
     a_mm: float
     theta_offset_rad: float
     d_mm: float
     sign: int = 1
+    beta_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -96,7 +96,7 @@ def nominal_values(robot: Robot, joints_rad: FloatArray) -> LinkValues:
     return LinkValues(
         alpha_rad=np.array([row.alpha_rad for row in rows], dtype=float),
         a_mm=np.array([row.a_mm for row in rows], dtype=float),
-        beta_rad=np.zeros(len(rows)),
+        beta_rad=np.array([row.beta_rad for row in rows], dtype=float),
         theta_rad=(np.multiply(joints_rad.T, sign[:, None], order="C") + offset[:, None]).T,
         d_mm=np.array([row.d_mm for row in rows], dtype=float),
     )

@@ -15,7 +15,7 @@ from truepose.notebook.tables import Table, columns_of
 
 RobotGiven: TypeAlias = str | Path | Table | Sequence[Mapping[str, float]]
 
-_ANGLES = ("alpha", "theta_offset")
+_ANGLES = ("alpha", "theta_offset", "beta")
 _NOT_IN_A_CAMPAIGN = ("calibration_ranges_deg", "joint_limits_deg", "rated_payload_kg", "source", "name")
 _GRAVITY_M_S2 = [0.0, 0.0, -9.81]
 

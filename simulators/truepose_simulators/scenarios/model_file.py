@@ -41,6 +41,7 @@ class _Row:
     theta_offset_deg: float
     d_mm: float
     sign: int = 1
+    beta_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +121,9 @@ def _arm(robot: object, where: str) -> ArmTable:
         raise ModelError(f'{where}: key "dhm_nominal" must list joints 1, 2, ... in order')
     if any(row.sign not in {-1, 1} for row in rows):
         raise ModelError(f'{where}: key "sign" of a joint must be 1 or -1')
+    tilted = [row.joint for row in rows if row.beta_deg]
+    if tilted:
+        raise ModelError(f"{where}: joint {tilted[0]} has a nominal beta; simulated arms have none")
     masses = [_table(_Mass, item, at) for at, item in _entries(robot, "masses", where)]
     if any(not 1 <= mass.frame <= len(rows) for mass in masses):
         raise ModelError(f'{where}: key "frame" of a mass must be 1 to {len(rows)}')

@@ -95,6 +95,14 @@ def test_a_joint_that_counts_neither_way_is_refused(load):
         load(model_document(robot=robot))
 
 
+def test_a_nominal_beta_is_refused_and_not_passed_over(load):
+    robot = robot_document()
+    robot["dhm_nominal"][2]["beta_deg"] = 0.01
+
+    with pytest.raises(ModelError, match="joint 3 has a nominal beta"):
+        load(model_document(robot=robot))
+
+
 def test_a_unit_that_nobody_wrote_is_refused(load):
     with pytest.raises(ModelError, match='the unit "inch" of a_2 is none of mm, rad'):
         load(model_document(("geometry", "a_2", 1.0, "inch")))

@@ -63,7 +63,7 @@ _IN_ORDER = (
 )  # fmt: skip
 KEYS = frozenset(_IN_ORDER)
 _NULL_IF_UNKNOWN = frozenset({"base_in_world_nominal", "tool_nest_u_mm"})  # the others are left out
-_JOINT_KEYS = frozenset({"joint", "alpha_deg", "a_mm", "theta_offset_deg", "d_mm", "sign"})
+_JOINT_KEYS = frozenset({"joint", "alpha_deg", "a_mm", "theta_offset_deg", "d_mm", "sign", "beta_deg"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def _read_joint(row: Node, number: int) -> JointRow:
     joint = row.key("joint")
     if joint.whole() != number:
         joint.fail(f"joint {joint.whole()} stands in row {number}; rows are numbered 1, 2, ... in order")
-    return JointRow(**read_keys(row, _JOINT))
+    return JointRow(**read_keys(row, [*_JOINT, _TILT]))
 
 
 def _read_sign(node: Node) -> int:
@@ -59,11 +59,15 @@ _JOINT: Final = (
     Key("d_mm", "d_mm", NUMBER),
     Key("sign", "sign", Form(_read_sign), absent=1),
 )
+_TILT: Final = Key("beta_deg", "beta_rad", ANGLE, absent=0.0)  # written where there is one
 
 
 def joints_document(joints: Sequence[JointRow]) -> list[Json]:
     """Return the rows of `dhm_nominal`."""
-    return [{"joint": number, **written_keys(row, _JOINT)} for number, row in enumerate(joints, start=1)]
+    return [
+        {"joint": number, **written_keys(row, [*_JOINT, _TILT] if row.beta_rad else _JOINT)}
+        for number, row in enumerate(joints, start=1)
+    ]
 
 
 PLACEMENT: Final = record(

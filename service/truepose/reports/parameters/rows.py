@@ -22,6 +22,13 @@ from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
 
 Standing = Literal["determined", "combination", "prior"]
 _AXES = ("x", "y", "z")
+_OF_THE_TABLE = {
+    "alpha": "alpha_rad",
+    "a": "a_mm",
+    "beta": "beta_rad",
+    "theta": "theta_offset_rad",
+    "d": "d_mm",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +107,8 @@ def is_held_by_prior(parameter: Parameter) -> bool:
 def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | None:
     """Nominal value in internal units; None where nobody states one."""
     kind, index = _split(parameter.name)
-    if kind in {"alpha", "a", "theta", "d"}:
-        row = model.robot.joints[index - 1]
-        table = {"alpha": row.alpha_rad, "a": row.a_mm, "theta": row.theta_offset_rad, "d": row.d_mm}
-        return table[kind]
+    if kind in _OF_THE_TABLE:
+        return _stated(model, kind, index)
     if kind == "base":
         return None if campaign.base_nominal is None else _start(parameter.name, model)
     if kind in {"nest", "tool", "anchor"} or parameter.name == "length_offset":
@@ -111,15 +116,19 @@ def _nominal(parameter: Parameter, model: Model, campaign: Campaign) -> float | 
     return 0.0
 
 
+def _stated(model: Model, kind: str, joint: int) -> float:
+    """Return what the nominal table says of a joint."""
+    value: float = getattr(model.robot.joints[joint - 1], _OF_THE_TABLE[kind])
+    return value
+
+
 def _identified(parameter: Parameter, model: Model) -> float:
     """Return the identified value in internal units: the start and what the parameter adds to it."""
     if re.fullmatch(r"(base|tool)_r[xyz]", parameter.name):
         return _turned(parameter.name, model)
     kind, index = _split(parameter.name)
-    if kind in {"alpha", "a", "theta", "d"}:
-        row = model.robot.joints[index - 1]
-        table = {"alpha": row.alpha_rad, "a": row.a_mm, "theta": row.theta_offset_rad, "d": row.d_mm}
-        return table[kind] + parameter.value
+    if kind in _OF_THE_TABLE:
+        return _stated(model, kind, index) + parameter.value
     if kind in {"base", "nest"}:
         return _start(parameter.name, model) + parameter.value
     return parameter.value

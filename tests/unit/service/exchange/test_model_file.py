@@ -231,3 +231,12 @@ def test_a_unit_of_another_program_is_refused():
         read(json.dumps(document))
 
     assert refusal.value.key == "parameters[0].unit"
+
+
+def test_a_beta_of_the_table_comes_back_and_is_written_only_where_there_is_one():
+    joints = list(make_robot().joints)
+    joints[2] = dataclasses.replace(joints[2], beta_rad=1e-3)
+    text = model_text(make_model(robot=make_robot(joints=tuple(joints))))
+
+    assert text.count("beta_deg") == 1
+    assert read(text).robot.joints[2].beta_rad == pytest.approx(1e-3, rel=RELATIVE)
