@@ -104,7 +104,7 @@ def _feet(axis: JointAxis, following: JointAxis, normal: FloatArray) -> tuple[Fl
 
 
 def _nearest_foot(axis: JointAxis, before: FloatArray) -> FloatArray:
-    """Return where the normal from the axis before meets an axis; where they are parallel, that frame's plane."""
+    """Return where the normal from the axis before, or the plane of its frame, meets an axis."""
     z, origin = before[:3, 2], before[:3, 3]
     across = np.cross(z, axis.direction)
     if np.linalg.norm(across) > _PARALLEL:

@@ -142,9 +142,9 @@ def read_campaign(
         holds for every row, and blocks stand for columns: `joints_deg` or `joints_rad` (n, J),
         `position_mm` (n, 3), `dir` (n, J), `tau_Nm` (n, J). Columns of legs make it a campaign of lengths.
     robot : str, path or table
-        Name of a shipped robot, a robot file (TOML), or one row per joint of the Denavit-Hartenberg table
-        (modified, after Craig): `alpha_deg`, `a_mm`, `theta_offset_deg`, `d_mm`, and `sign` where a joint
-        counts the other way.
+        Name of a shipped robot, a file of one's own (TOML, URDF), or one row per joint of the table of
+        Denavit and Hartenberg (modified, after Craig): `alpha_deg`, `a_mm`, `theta_offset_deg`, `d_mm`, and
+        `sign` where a joint counts the other way.
     validation : table, optional
         Readings that judge and are never used to identify, shape and columns as above.
     nests_mm : sequence of 3 numbers or None, optional

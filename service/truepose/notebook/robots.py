@@ -10,7 +10,8 @@ import numpy as np
 from truepose.domain.campaign import Campaign
 from truepose.domain.robot import Robot
 from truepose.exchange.robots.document import robot_document
-from truepose.exchange.robots.shipped import load_robot, read_robot_file
+from truepose.exchange.robots.files import is_robot_file, read_robot_file
+from truepose.exchange.robots.shipped import load_robot
 from truepose.notebook.tables import Table, columns_of
 
 RobotGiven: TypeAlias = str | Path | Table | Sequence[Mapping[str, float]]
@@ -28,7 +29,7 @@ def known_robot(given: RobotGiven) -> Robot | None:
     UnknownRobotError, InputFileError
         No shipped robot has that name; the file cannot be used.
     """
-    if isinstance(given, Path) or (isinstance(given, str) and given.lower().endswith(".toml")):
+    if isinstance(given, Path) or (isinstance(given, str) and is_robot_file(given)):
         return read_robot_file(Path(given)).robot
     return load_robot(given) if isinstance(given, str) else None
 

@@ -16,7 +16,8 @@ from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.effects.causes import Fitted
 from truepose.effects.registry import EFFECTS
 from truepose.exchange.cells.file import read_cell
-from truepose.exchange.robots.shipped import load_robot_with_tool, read_robot_file
+from truepose.exchange.robots.files import read_robot_file
+from truepose.exchange.robots.shipped import load_robot_with_tool
 from truepose.identification import identify
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate

@@ -27,7 +27,8 @@ from truepose.exchange.errors import MissingEntryError, UnknownRobotError
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.keys import TEXT, Form, Key, each, read_keys
 from truepose.exchange.robots.document import PLACEMENT, read_nest
-from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool, read_robot_file
+from truepose.exchange.robots.files import ENDINGS, is_robot_file, read_robot_file
+from truepose.exchange.robots.shipped import RobotWithTool, load_robot_with_tool
 
 _KEYS = frozenset({
     "name", "robot", "robot_serial_number", "base_in_world", "tool", "tool_nest", "world", "fixed_nest",
@@ -159,12 +160,12 @@ def _read(root: Node, folder: Path) -> Cell:
 def _read_robot(node: Node, folder: Path) -> RobotWithTool:
     """Read the robot by its shipped name, or from a file beside the cell file."""
     name = node.text()
-    if name.endswith(".toml"):
+    if is_robot_file(name):
         return read_robot_file(folder / name)
     try:
         return load_robot_with_tool(name)
     except UnknownRobotError as error:
-        node.fail(f"{str(error).removesuffix('.')}; or name a robot file that ends in .toml")
+        node.fail(f"{str(error).removesuffix('.')}; or name a robot file ({', '.join(ENDINGS)})")
 
 
 def _read_nests(node: Node | None, shipped: RobotWithTool) -> tuple[Nest, ...]:

@@ -44,7 +44,7 @@ def load_robot_with_tool(name: str) -> RobotWithTool:
     return _parse(entry.name, entry.read_bytes())
 
 
-def read_robot_file(path: Path) -> RobotWithTool:
+def read_toml_robot(path: Path) -> RobotWithTool:
     """Read a robot of one's own, in the form of the shipped files; raises InputFileError."""
     return _parse(path.name, read_bytes(path))
 
