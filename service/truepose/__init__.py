@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from truepose.notebook.campaign import Campaign, read_campaign
     from truepose.notebook.correction import Corrections, correct
     from truepose.notebook.diagnosis import Diagnosis, diagnose
+    from truepose.notebook.exports import export
     from truepose.notebook.identification import Identification, identify
     from truepose.notebook.model import Model, read_model
     from truepose.notebook.plan import Plan, plan
@@ -34,6 +35,7 @@ __all__ = [
     "__version__",
     "correct",
     "diagnose",
+    "export",
     "identify",
     "plan",
     "predict",
@@ -55,6 +57,7 @@ _HOMES = {
     "Validation": "notebook.validation",
     "correct": "notebook.correction",
     "diagnose": "notebook.diagnosis",
+    "export": "notebook.exports",
     "identify": "notebook.identification",
     "plan": "notebook.plan",
     "predict": "notebook.prediction",

@@ -31,6 +31,7 @@ _COMMANDS = {
     "validate": "validation",
     "plan": "plans",
     "correct": "corrections",
+    "export": "exports",
     "nightly": "cells",
     "inspect": "inspection",
     "verify": "records",

@@ -17,7 +17,7 @@ from truepose.domain.robot import Nest
 from truepose.identification.fit.robust import RobustFit, fit
 from truepose.identification.model.evaluation import Targets
 from truepose.identification.model.rigid import RigidArm, rigid_arm
-from truepose.identification.models import Fits, model_of
+from truepose.identification.model_of_fit import Fits, model_of
 from truepose.identification.problem.build import Problem, build
 
 # The same for all, and far below what the priors allow: they hold only what no configuration shows.

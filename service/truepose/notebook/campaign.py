@@ -142,7 +142,7 @@ def read_campaign(
         holds for every row, and blocks stand for columns: `joints_deg` or `joints_rad` (n, J),
         `position_mm` (n, 3), `dir` (n, J), `tau_Nm` (n, J). Columns of legs make it a campaign of lengths.
     robot : str, path or table
-        Name of a shipped robot, a file of one's own (TOML, URDF), or one row per joint of the table of
+        Name of a shipped robot, a file of one's own (`.toml`, `.urdf`), or one row per joint of the table of
         Denavit and Hartenberg (modified, after Craig): `alpha_deg`, `a_mm`, `theta_offset_deg`, `d_mm`, and
         `sign` where a joint counts the other way.
     validation : table, optional

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
+from truepose.exchange.robots.calibrated_kinematics import read_calibrated_kinematics
 from truepose.exchange.robots.shipped import RobotWithTool, read_toml_robot
 from truepose.exchange.robots.urdf.reading import read_urdf
 
@@ -15,9 +16,15 @@ def _read_urdf(path: Path) -> RobotWithTool:
     return RobotWithTool(read_urdf(path.with_name(name), tip=tip or None).robot, nests=())
 
 
+def _read_kinematics(path: Path) -> RobotWithTool:
+    return RobotWithTool(read_calibrated_kinematics(path), nests=())
+
+
 _READERS: Final[Mapping[str, Callable[[Path], RobotWithTool]]] = {
     ".toml": read_toml_robot,
     ".urdf": _read_urdf,
+    ".yaml": _read_kinematics,
+    ".yml": _read_kinematics,
 }
 ENDINGS: Final = tuple(_READERS)
 

@@ -1,0 +1,62 @@
+"""The command that writes an identified model for other programs. Heavy imports wait until it runs."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from truepose.cli.files import Json, Language, require_folders, writing
+from truepose.cli.output import print_json, print_lines
+from truepose.words.catalogue import ENGLISH, catalogue
+
+
+class Form(StrEnum):
+    """What a model is written as."""
+
+    URDF = "urdf"
+    ROS = "ros"
+    DHM = "dhm"
+    CONTROLLER = "controller"
+
+
+def export_command(
+    model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
+    out: Annotated[Path, typer.Option(help="The file to write; a table is CSV where it ends in .csv.")],
+    form: Annotated[
+        Form,
+        typer.Option(
+            "--as",
+            help="URDF; calibrated_kinematics.yaml of ROS for Universal Robots; the DH-Modified table; "
+            "joint zeros, base and tool for a controller.",
+        ),
+    ],
+    fitted: Annotated[
+        bool,
+        typer.Option(
+            "--fitted",
+            help="Fit the table to the full model, so that what it lacks is in it as far as it can be.",
+        ),
+    ] = False,
+    language: Language = ENGLISH,
+    json: Json = False,
+) -> int:
+    """Write a model for another program, and say what is lost.
+
+    Example: truepose export robot.json --as urdf --out robot.urdf
+    """
+    from truepose.exchange.exports.formats import export
+    from truepose.exchange.models.file import read_model
+
+    require_folders(out)
+    identified = read_model(model)
+    exported = export(identified, form.value, fitted=fitted, as_csv=out.suffix.lower() == ".csv")
+    with writing(out):
+        exported.write(out)
+    if json:
+        from truepose.exchange.results.exports import export_document
+
+        print_json(export_document(exported, identified.robot.name))
+    else:
+        print_lines(map(catalogue(language).spoken, exported.remarks))
+    return 0
