@@ -137,7 +137,8 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     from truepose.domain.artefacts import BallbarKit
     from truepose.exchange.cells.given import cell_given
     from truepose.planning.promise.ballbar import promised_ballbar_session, session_plan
-    from truepose.planning.promise.subjects import expected_discrepancy_mm
+    from truepose.planning.promise.spread import Discrepancy
+    from truepose.planning.promise.subjects import expected_discrepancy
     from truepose.sequencing.ballbar.plan.dry_run import dry_run
 
     if asked.is_campaign:
@@ -145,9 +146,9 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     if asked.reading_mm is not None:
         raise ConfigurationError("--reading-mm is of positions; leave it out with --ballbar.")
     cell = cell_given(asked.subject)
-    lacking_mm = expected_discrepancy_mm(cell) if discrepancy_mm is None else discrepancy_mm
+    lack = expected_discrepancy(cell) if discrepancy_mm is None else Discrepancy(discrepancy_mm)
     volume = asked.work_volume(cell.robot)
-    plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy_mm=lacking_mm, seed=asked.seed)
+    plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy=lack, seed=asked.seed)
     run = dry_run(session_plan(cell, plan), cell.ballbar or BallbarKit())
     return _Made(cell.robot, plan, run.duration_s / 60.0)
 

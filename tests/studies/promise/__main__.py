@@ -14,9 +14,10 @@ from typing import Final
 
 from tests.studies.promise.ballbar import ballbar_promises
 from tests.studies.promise.kept import Tally, tally
-from tests.studies.promise.tracker import tracker_promise
+from tests.studies.promise.tracker import resumed_promise, tracker_promise
 
 _SCENARIO: Final = "irb120-tilted"
+_EVERYDAY: Final = "irb120-everyday"  # the parameters do not express all of it
 
 
 def main() -> int:
@@ -26,6 +27,7 @@ def main() -> int:
     found = [
         tally("tracker", [tracker_promise(options.scenario, seed, options.n) for seed in seeds]),
         tally("ballbar", ballbar_promises(options.scenario, seeds, options.n)),
+        tally("gone on with", [resumed_promise(_EVERYDAY, seed) for seed in seeds]),
     ]
     for one in found:
         sys.stdout.write(_told(one))

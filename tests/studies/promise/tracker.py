@@ -1,13 +1,14 @@
 """Tracker campaigns of the simulated cell at the planned configurations, held against what was promised."""
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from tests.studies.promise.kept import Kept, kept
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Model
 from truepose.exchange.campaigns.folder import read_campaign
@@ -15,6 +16,7 @@ from truepose.exchange.cells.file import simulated_cell
 from truepose.identification import identify, predict
 from truepose.planning.promise.knowledge import Knowns
 from truepose.planning.promise.plan import PromisedPlan
+from truepose.planning.promise.subjects import of_campaign
 from truepose.planning.promise.tracker import promised_session
 from truepose.planning.promise.volume import VolumeSample, WorkVolume, sample
 from truepose.planning.work_volume.cell_space import space_to_measure
@@ -42,6 +44,34 @@ def tracker_promise(scenario: str, seed: int, n: int | None = None) -> Kept:
     return kept(plan, np.linalg.norm(predicted_mm(model, places) - true_mm(cell, places), axis=1))
 
 
+def resumed_promise(scenario: str, seed: int, before: int = 50, new: int = 20) -> Kept:
+    """Measure, plan more from what that showed, measure both together; drift and warm-up are left out.
+
+    What no parameter expresses is then known from the robot's own campaign only.
+    """
+    described = simulated_cell(scenario, seed)
+    space = space_to_measure(described, _APPROACH_RAD)
+    cell = Cell(load_scenario(scenario).quiet(), seed, CellClock(0))
+    first = promised_session(space, before, knowns=Knowns(fixed_nests=described.fixed_nests), seed=seed)
+    campaign = recorded(cell, first)
+    known = of_campaign(campaign, identified(campaign))
+    plan = promised_session(known.space, new, knowns=known.knowns, measured=known.measured, seed=seed)
+    together = replace(
+        plan,
+        joints_rad=np.concatenate([first.joints_rad, plan.joints_rad]),
+        nest=np.concatenate([_nests(first), _nests(plan)]),
+    )
+    model = identified(recorded(cell, together))
+    places = sample(space, WorkVolume(), VOLUME, np.random.default_rng([seed, OTHER_PLACES]))
+    return kept(plan, np.linalg.norm(predicted_mm(model, places) - true_mm(cell, places), axis=1))
+
+
+def _nests(plan: PromisedPlan) -> IntArray:
+    if plan.nest is None:
+        raise AssertionError("a plan of positions has nests")
+    return plan.nest
+
+
 def recorded(cell: Cell, plan: PromisedPlan) -> Campaign:
     """Return the campaign of a cell at the configurations of a plan, read back from its files."""
     n = len(plan.joints_rad)
@@ -51,7 +81,7 @@ def recorded(cell: Cell, plan: PromisedPlan) -> Campaign:
         direction=np.ones_like(joints),
         time_s=_STOP_S * np.arange(1.0, n + 1.0),
         attachment=np.ones(n),
-        nest=np.ones(n, dtype=int) if plan.nest is None else plan.nest,
+        nest=_nests(plan),
         repeat_of=np.zeros(n, dtype=int),
     )
     recording, _ = record_at(cell, stops, Wishes(configurations=n, validation=0, attachments=1))

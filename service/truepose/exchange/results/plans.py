@@ -10,7 +10,7 @@ from truepose.domain.sentences import Text
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
-from truepose.planning.promise.plan import BallbarPoses, PromisedPlan
+from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan
 
 
 class PromiseDocument(Document):
@@ -36,6 +36,7 @@ class Assumed(Document):
     reading_mm: Quantity
     repeatability_mm: Quantity
     discrepancy_mm: Quantity = Field(description="What no parameter expresses.")
+    discrepancy_known_to: Quantity = Field(description="Relative standard deviation of that figure.")
 
 
 class PlacementDocument(Document):
@@ -81,10 +82,15 @@ def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Seque
         "open": plan.left_open,
         "observability": plan.observability,
         "minutes": minutes,
-        "assumptions": plan.assumptions,
+        "assumptions": _assumed(plan.assumptions),
         "remarks": remarks,
     }
     return PlanDocument.model_validate(document).printed()
+
+
+def _assumed(assumptions: Assumptions) -> Assumed:
+    lack = assumptions.discrepancy
+    return Assumed.of(assumptions, discrepancy_mm=lack.per_axis_mm, discrepancy_known_to=lack.known_to)
 
 
 def _ballbar(poses: BallbarPoses) -> dict[str, object]:

@@ -28,6 +28,7 @@ from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.promise.curve import MOST, CurvePoint, Errors, curve, knee, sizes
 from truepose.planning.promise.order import most_informative_first
 from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan, indices, require_some
+from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.promise.volume import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.tracker.session_plans import short_tour
 from truepose.planning.work_volume.work_space import WorkSpace
@@ -43,7 +44,7 @@ def promised_ballbar_session(
     n: int | None = None,
     *,
     volume: WorkVolume | None = None,
-    discrepancy_mm: float = 0.0,
+    discrepancy: Discrepancy = NONE,
     placements: int = 1,
     seed: int = 0,
 ) -> PromisedPlan:
@@ -56,8 +57,7 @@ def promised_ballbar_session(
         Poses to measure; by default as many as the knee of the curve says.
     volume : WorkVolume, optional
         Where accuracy counts; by default the joint ranges in which configurations are chosen.
-    discrepancy_mm : float
-        Per axis, what the parameters cannot express.
+    discrepancy : Discrepancy
     placements : int
         How often the base fixture is put down.
     seed : int
@@ -78,7 +78,7 @@ def promised_ballbar_session(
     base_points = 3 if cell.ballbar is None else cell.ballbar.base_points
     wish = Wish(placements, base_points, n or _USUAL, draws=_DRAWS, moves=_MOVES, seed=seed)
     fixtures = suggest(ballbar_cell(cell), wish).fixtures
-    return promised_at(cell, fixtures, n, volume=volume, discrepancy_mm=discrepancy_mm, seed=seed)
+    return promised_at(cell, fixtures, n, volume=volume, discrepancy=discrepancy, seed=seed)
 
 
 def promised_at(
@@ -87,12 +87,12 @@ def promised_at(
     n: int | None = None,
     *,
     volume: WorkVolume | None = None,
-    discrepancy_mm: float = 0.0,
+    discrepancy: Discrepancy = NONE,
     seed: int = 0,
 ) -> PromisedPlan:
     """Plan with the base fixture at given places; all else as `promised_ballbar_session`."""
     rng = np.random.default_rng(seed)
-    stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy_mm))
+    stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy.per_axis_mm))
     model = arm_model(ballbar_cell(cell), Scatter(stop_mm=stop))
     choice = _choice(model, fixtures)
     if n is not None and n > len(choice.rows):
@@ -103,10 +103,10 @@ def promised_at(
     numbers = sizes(n, len(choice.rows))
     places = _places(cell, volume or WorkVolume(), model, rng)
     gradient = error_gradient(choice.cups_mm, places)
-    errors = Errors(lambda size: gradient @ choice.root(size), discrepancy_mm, cell.robot.repeatability_mm)
+    errors = Errors(lambda size: gradient @ choice.root(size), discrepancy, cell.robot.repeatability_mm)
     points = curve(errors, numbers)
     advised = knee(points)
-    return choice.plan(model, advised if n is None else n, points, advised, discrepancy_mm)
+    return choice.plan(model, advised if n is None else n, points, advised, discrepancy)
 
 
 def session_plan(cell: Cell, plan: PromisedPlan) -> BallbarPlan:
@@ -157,7 +157,12 @@ class _Choice:
         return np.asarray(np.linalg.inv(np.linalg.cholesky(self.information(size))).T)
 
     def plan(
-        self, model: ArmModel, size: int, points: tuple[CurvePoint, ...], advised: int, discrepancy_mm: float
+        self,
+        model: ArmModel,
+        size: int,
+        points: tuple[CurvePoint, ...],
+        advised: int,
+        discrepancy: Discrepancy,
     ) -> PromisedPlan:
         """Return the plan of the first `size` poses, placement by placement on short ways."""
         order = self._in_order(size)
@@ -171,7 +176,7 @@ class _Choice:
             measured=0,
             left_open=self._left_open(model, size),
             observability=indices(self.rows[:size, :, : model.parameters]),
-            assumptions=Assumptions(reading, model.cell.robot.repeatability_mm, discrepancy_mm),
+            assumptions=Assumptions(reading, model.cell.robot.repeatability_mm, discrepancy),
         )
 
     def _in_order(self, size: int) -> IntArray:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.planning.promise.spread import mean_norms, spread
+from truepose.planning.promise.spread import Discrepancy, mean_norms, spread
 
 FEWEST: Final = 11  # configurations that the thesis of A. Nubiola begins its choice with, section 2.5.2
 STEP: Final = 10
@@ -34,7 +34,7 @@ class Errors:
     """How errors follow from the number of configurations."""
 
     after: Callable[[int], FloatArray]  # -> (m, 3, S), what each independent cause does at m places [mm]
-    discrepancy_mm: float  # per axis, what no parameter expresses
+    discrepancy: Discrepancy
     repeatability_mm: float  # per axis, of the arm
 
 
@@ -62,8 +62,8 @@ def curve(errors: Errors, numbers: Sequence[int]) -> tuple[CurvePoint, ...]:
 
 def _point(errors: Errors, n: int) -> CurvePoint:
     after = errors.after(n)
-    found = spread(after, errors.discrepancy_mm)
-    visited = float(np.hypot(errors.discrepancy_mm, errors.repeatability_mm))
+    found = spread(after, errors.discrepancy)
+    visited = float(np.hypot(errors.discrepancy.per_axis_mm, errors.repeatability_mm))
     visit = float(mean_norms(after, visited).mean())
     return CurvePoint(n, found.mean_mm, found.worst_mm, found.interval_90_mm, visit)
 

@@ -32,6 +32,7 @@ from truepose.identification.problem.build import automatic_effects, build
 from truepose.identification.verdict.identifiability import left_open
 from truepose.kinematics.frames import cross_matrix
 from truepose.planning.promise.accuracy import TYPICAL, TrackerAccuracy
+from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.tracker.session_plans import nominal_campaign
 from truepose.planning.work_volume.candidates import Candidates
 from truepose.planning.work_volume.work_space import WorkSpace
@@ -47,7 +48,7 @@ class Knowns:
 
     accuracy: TrackerAccuracy = TYPICAL
     fixed_nests: tuple[FixedNest, ...] = ()  # none: positions count in the frame of the readings
-    discrepancy_mm: float = 0.0  # per axis, what the parameters cannot express
+    discrepancy: Discrepancy = NONE
     nests: tuple[Nest, ...] | None = None  # as certified; None: those of the work space
     base_known: bool = True  # roughly; else it is found from the readings
 
@@ -83,7 +84,7 @@ class ArmKnowledge:
         self._nests = campaign.nests
         self._knowns = knowns
         self._tracker_mm = np.array(space.tracker_position_mm or (np.nan,) * 3)
-        self._scatter_mm = float(np.hypot(space.robot.repeatability_mm, knowns.discrepancy_mm))
+        self._scatter_mm = float(np.hypot(space.robot.repeatability_mm, knowns.discrepancy.per_axis_mm))
         self._frame = self._registration()
 
     @property
@@ -92,9 +93,9 @@ class ArmKnowledge:
         return self.structure.robot.repeatability_mm
 
     @property
-    def discrepancy_mm(self) -> float:
-        """What the parameters cannot express, per axis."""
-        return self._knowns.discrepancy_mm
+    def discrepancy(self) -> Discrepancy:
+        """What the parameters cannot express."""
+        return self._knowns.discrepancy
 
     def places(self, joints_rad: FloatArray, nest: IntArray) -> PlacesSeen:
         """Return nests (n,) at configurations (n, J)."""

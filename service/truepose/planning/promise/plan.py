@@ -11,6 +11,7 @@ from truepose.domain.results import NotIdentifiable
 from truepose.planning import observability
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.promise.curve import CurvePoint
+from truepose.planning.promise.spread import Discrepancy
 
 _INDICES: Final = ("O1", "O2", "O3", "O4", "O5")
 
@@ -21,7 +22,7 @@ class Assumptions:
 
     reading_mm: float  # of a reading, RMS over the plan; of a length where lengths are read
     repeatability_mm: float  # of the arm
-    discrepancy_mm: float  # what no parameter expresses; 0: the parameters describe the arm wholly
+    discrepancy: Discrepancy
 
 
 @dataclass(frozen=True, slots=True)

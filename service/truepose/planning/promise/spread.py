@@ -24,6 +24,17 @@ _SEED: Final = 2026  # the same plan promises the same
 
 
 @dataclass(frozen=True, slots=True)
+class Discrepancy:
+    """What no parameter expresses: drawn at every place anew, of a size that is itself not known for sure."""
+
+    per_axis_mm: float = 0.0  # standard deviation
+    known_to: float = 0.0  # relative standard deviation of that figure from arm to arm
+
+
+NONE: Final = Discrepancy()  # of an arm that the parameters describe wholly
+
+
+@dataclass(frozen=True, slots=True)
 class Spread:
     """Errors to expect over a volume: norms [mm]."""
 
@@ -61,23 +72,29 @@ def _half_sphere() -> FloatArray:
     return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
 
 
-def spread(errors: FloatArray, own_mm: float, draws: int = DRAWS) -> Spread:
-    """Return what errors to expect; parameters as `mean_norms`, `draws` is how many calibrations are drawn.
+def spread(errors: FloatArray, own: Discrepancy, draws: int = DRAWS) -> Spread:
+    """Return what errors to expect; `errors` as in `mean_norms`, `draws` is how many calibrations are drawn.
 
     The same numbers are drawn at every call, so that two plans are compared on the same calibrations.
     """
-    norms = drawn_norms(errors, own_mm, draws)
+    norms = drawn_norms(errors, own, draws)
     ends = ((1.0 - BAND) / 2.0, (1.0 + BAND) / 2.0)
     low, high = np.quantile(norms.mean(axis=1), ends).tolist()
-    mean = float(mean_norms(errors, own_mm).mean())
+    mean = float(mean_norms(errors, own.per_axis_mm).mean())
     return Spread(mean, float(norms.max(axis=1).mean()), (low, high))
 
 
-def drawn_norms(errors: FloatArray, own_mm: float, draws: int) -> FloatArray:
+def drawn_norms(errors: FloatArray, own: Discrepancy, draws: int) -> FloatArray:
     """Return the norms of the errors of drawn calibrations, shape (draws, m)."""
     rng = np.random.default_rng(_SEED)
     places, axes, causes = errors.shape
     common = rng.standard_normal((draws, causes)) @ errors.reshape(places * axes, causes).T
-    if own_mm > 0.0:
-        common += own_mm * rng.standard_normal(common.shape)
+    if own.per_axis_mm > 0.0:
+        common += _sizes_mm(own, draws, rng)[:, None] * rng.standard_normal(common.shape)
     return np.asarray(np.linalg.norm(common.reshape(draws, places, axes), axis=2))
+
+
+def _sizes_mm(own: Discrepancy, draws: int, rng: np.random.Generator) -> FloatArray:
+    """Return a discrepancy for each calibration, lognormal about its mean, shape (draws,)."""
+    drawn = own.known_to * rng.standard_normal(draws)
+    return own.per_axis_mm * np.exp(drawn - own.known_to**2 / 2.0)

@@ -13,13 +13,14 @@ from truepose.domain.robot import JointRange, Nest
 from truepose.identification.model.stops import sites
 from truepose.planning.promise.accuracy import TrackerAccuracy, stated
 from truepose.planning.promise.knowledge import Knowns
+from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.promise.tracker import Measured
 from truepose.planning.work_volume.cell_space import space_to_measure
 from truepose.planning.work_volume.work_space import TABLE_CLEARANCE_MM, WorkSpace
 
-# Per axis: 0.146 mm on average were left of a small arm (A. Nubiola, thesis, 2014, section 4.2), 0.022 mm of
-# it the tracker's.
-TYPICAL_DISCREPANCY_MM: Final = 0.09
+# 0.146 mm on average were left of a small arm (A. Nubiola, thesis, 2014, section 2.5), 0.022 mm of it the
+# tracker's; 0.149 and 0.176 with other instruments and artefacts. Nobody knows how another arm is.
+TYPICAL: Final = Discrepancy(0.09, 0.3)
 APPROACH_RAD: Final = -0.0872664626  # -5 deg on all joints, thesis of A. Nubiola, 2014, section 2.4
 
 
@@ -37,7 +38,7 @@ class Subject:
 
     def lacking(self, discrepancy_mm: float) -> "Subject":
         """Return the subject with another discrepancy per axis."""
-        return replace(self, knowns=replace(self.knowns, discrepancy_mm=discrepancy_mm))
+        return replace(self, knowns=replace(self.knowns, discrepancy=Discrepancy(discrepancy_mm)))
 
 
 def of_cell(cell: Cell) -> Subject:
@@ -48,13 +49,13 @@ def of_cell(cell: Cell) -> Subject:
     ConfigurationError
         Neither the cell nor its robot says in which ranges configurations are chosen.
     """
-    knowns = Knowns(fixed_nests=cell.fixed_nests, discrepancy_mm=expected_discrepancy_mm(cell))
+    knowns = Knowns(fixed_nests=cell.fixed_nests, discrepancy=expected_discrepancy(cell))
     return Subject(space_to_measure(cell, APPROACH_RAD), knowns)
 
 
-def expected_discrepancy_mm(cell: Cell) -> float:
+def expected_discrepancy(cell: Cell) -> Discrepancy:
     """Return what parameters are likely not to express: nothing where no real robot is behind the cell."""
-    return TYPICAL_DISCREPANCY_MM if cell.devices else 0.0
+    return TYPICAL if cell.devices else NONE
 
 
 def of_campaign(campaign: Campaign, model: Model) -> Subject:
@@ -123,10 +124,19 @@ def _knowns(campaign: Campaign, points: PointReadings, model: Model) -> Knowns:
     return Knowns(
         accuracy=_accuracy(points),
         fixed_nests=campaign.fixed_nests,
-        discrepancy_mm=model.discrepancy_mm,
+        discrepancy=_discrepancy(points, model),
         nests=campaign.nests,
         base_known=campaign.base_nominal is not None,
     )
+
+
+def _discrepancy(points: PointReadings, model: Model) -> Discrepancy:
+    """Return what held-out residuals show, known as well as so many configurations tell.
+
+    The three axes of a place share their causes: a configuration counts once, three parameters take one away.
+    """
+    left = len(np.unique(sites(points.stops))) - len(model.parameters) / 3.0
+    return Discrepancy(model.discrepancy_mm, 1.0 / np.sqrt(2.0 * max(left, 1.0)))
 
 
 def _accuracy(points: PointReadings) -> TrackerAccuracy:

@@ -122,7 +122,7 @@ class _Choice:
         def after(size: int) -> FloatArray:
             return self._knowledge.errors(self._first(size), seen)
 
-        return Errors(after, self._knowledge.discrepancy_mm, self._knowledge.repeatability_mm)
+        return Errors(after, self._knowledge.discrepancy, self._knowledge.repeatability_mm)
 
     def plan(
         self, space: WorkSpace, points: tuple[CurvePoint, ...], advised: int, total: int
@@ -142,9 +142,7 @@ class _Choice:
             measured=self.measured.configurations,
             left_open=self._knowledge.left_open(told, joints),
             observability=indices(told.rows),
-            assumptions=Assumptions(
-                reading, self._knowledge.repeatability_mm, self._knowledge.discrepancy_mm
-            ),
+            assumptions=Assumptions(reading, self._knowledge.repeatability_mm, self._knowledge.discrepancy),
         )
 
     def _first(self, size: int) -> Told:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from truepose.planning.promise.curve import CurvePoint, Errors, curve, gains_mm, knee, sizes
+from truepose.planning.promise.spread import NONE
 
 
 def made_up(mean_mm_of, numbers):
@@ -55,7 +56,7 @@ def test_the_knee_of_a_campaign_that_is_enough_is_what_was_measured():
 
 
 def test_the_scatter_of_the_arm_is_in_a_visit_only():
-    errors = Errors(lambda n: 0.01 / n * np.eye(3)[None], 0.0, 0.005)
+    errors = Errors(lambda n: 0.01 / n * np.eye(3)[None], NONE, 0.005)
 
     few, many = curve(errors, (1, 100))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from truepose.planning.promise.spread import drawn_norms, mean_norms, spread
+from truepose.planning.promise.spread import NONE, Discrepancy, drawn_norms, mean_norms, spread
 
 MAXWELL = 2.0 * np.sqrt(2.0 / np.pi)  # mean norm of three independent normal components of deviation 1
 
@@ -24,7 +24,7 @@ def test_an_error_along_one_axis_only_has_the_mean_of_half_a_normal():
 
 
 def test_the_expected_mean_is_that_of_many_draws():
-    drawn = drawn_norms(causes(), 0.3, 4000).mean()
+    drawn = drawn_norms(causes(), Discrepancy(0.3), 4000).mean()
 
     assert mean_norms(causes(), 0.3).mean() == pytest.approx(drawn, rel=0.02)
 
@@ -35,7 +35,7 @@ def test_nine_of_ten_other_calibrations_have_their_mean_in_the_interval():
     drawn = errors @ rng.standard_normal((6, 3000))
     means = np.linalg.norm(drawn, axis=1).mean(axis=0)
 
-    low, high = spread(errors, 0.0).interval_90_mm
+    low, high = spread(errors, NONE).interval_90_mm
 
     assert np.mean((means >= low) & (means <= high)) == pytest.approx(0.90, abs=0.03)
 
@@ -43,20 +43,31 @@ def test_nine_of_ten_other_calibrations_have_their_mean_in_the_interval():
 def test_what_is_drawn_at_every_place_anew_hardly_widens_the_interval_of_the_mean():
     none = np.zeros((400, 3, 1))
 
-    found = spread(none, 0.1)
+    found = spread(none, Discrepancy(0.1))
 
     assert found.mean_mm == pytest.approx(0.1 * MAXWELL, rel=1e-3)
     low, high = found.interval_90_mm
     assert high - low < 0.1 * found.mean_mm
 
 
+def test_a_discrepancy_that_is_hardly_known_widens_the_interval_and_keeps_the_mean():
+    none = np.zeros((400, 3, 1))
+
+    found = spread(none, Discrepancy(0.1, 0.2), 4000)
+
+    assert found.mean_mm == pytest.approx(0.1 * MAXWELL, rel=1e-3)
+    assert drawn_norms(none, Discrepancy(0.1, 0.2), 4000).mean() == pytest.approx(found.mean_mm, rel=0.02)
+    low, high = found.interval_90_mm
+    assert np.log(high / low) == pytest.approx(2 * 1.645 * 0.2, rel=0.05)
+
+
 def test_where_nothing_is_uncertain_no_error_is_promised():
-    found = spread(np.zeros((4, 3, 2)), 0.0)
+    found = spread(np.zeros((4, 3, 2)), NONE)
 
     assert (found.mean_mm, found.worst_mm, found.interval_90_mm) == (0.0, 0.0, (0.0, 0.0))
 
 
 def test_the_worst_is_worse_than_the_mean():
-    found = spread(causes(), 0.0)
+    found = spread(causes(), NONE)
 
     assert found.worst_mm > 1.5 * found.mean_mm

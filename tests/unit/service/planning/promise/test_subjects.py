@@ -11,7 +11,8 @@ from truepose.domain.cell import DeviceEntry
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.identification import identify
-from truepose.planning.promise.subjects import TYPICAL_DISCREPANCY_MM, of_campaign, of_cell
+from truepose.planning.promise.spread import NONE
+from truepose.planning.promise.subjects import TYPICAL, of_campaign, of_cell
 from truepose.planning.promise.tracker import promised_session
 
 TRACKER_MM = (2600.0, -700.0, 500.0)
@@ -21,15 +22,15 @@ def test_a_cell_without_devices_is_taken_to_be_what_its_parameters_say():
     cell = domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)
     real = replace(cell, devices=(DeviceEntry("tracker", "emscon", {}),))
 
-    assert of_cell(cell).knowns.discrepancy_mm == 0.0
-    assert of_cell(real).knowns.discrepancy_mm == TYPICAL_DISCREPANCY_MM
+    assert of_cell(cell).knowns.discrepancy == NONE
+    assert of_cell(real).knowns.discrepancy == TYPICAL
 
 
 def test_sizes_that_are_given_count():
     subject = of_cell(domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)).reading(0.07).lacking(0.2)
 
     assert subject.knowns.accuracy.along_mm == subject.knowns.accuracy.across_mm == 0.07
-    assert subject.knowns.discrepancy_mm == 0.2
+    assert subject.knowns.discrepancy.per_axis_mm == 0.2
 
 
 def test_a_campaign_is_gone_on_with_from_what_was_measured():
@@ -42,6 +43,7 @@ def test_a_campaign_is_gone_on_with_from_what_was_measured():
 
     assert subject.measured.configurations == plan.measured == 40
     assert len(plan.joints_rad) == 5
+    assert subject.knowns.discrepancy.known_to == pytest.approx(0.13, abs=0.01)  # of 40 - 31 / 3
     lowest = campaign.calibration.position_mm[:, 2].min()
     assert subject.space.table_z_mm < lowest
 

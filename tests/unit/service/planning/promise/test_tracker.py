@@ -14,7 +14,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.observations.positions import position_block
 from truepose.planning.promise.accuracy import TYPICAL, stated
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns
-from truepose.planning.promise.spread import mean_norms
+from truepose.planning.promise.spread import Discrepancy, mean_norms
 from truepose.planning.promise.tracker import Measured, promised_session
 from truepose.planning.promise.volume import WorkVolume
 from truepose.planning.tracker.session_plans import plan_calibration
@@ -130,10 +130,10 @@ def test_the_curve_holds_for_the_sessions_of_the_service_too():
 
 
 def test_a_discrepancy_stays_however_much_is_measured():
-    found = planned(40, knowns=Knowns(discrepancy_mm=0.09))
+    found = planned(40, knowns=Knowns(discrepancy=Discrepancy(0.09)))
 
     assert all(point.mean_mm > 0.09 * 2.0 * np.sqrt(2.0 / np.pi) for point in found.curve)
-    assert found.assumptions.discrepancy_mm == 0.09
+    assert found.assumptions.discrepancy.per_axis_mm == 0.09
 
 
 def test_certified_nests_of_the_table_add_what_the_world_is_uncertain_by():
