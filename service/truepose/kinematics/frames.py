@@ -101,6 +101,26 @@ def rotation_from_quaternion(quaternion: FloatArray) -> FloatArray:
     return rotation
 
 
+def quaternion_from_rotation(rotation: FloatArray) -> FloatArray:
+    """Return unit quaternions (w first) of rotations (..., 3, 3), largest part positive, shape (..., 4).
+
+    References
+    ----------
+    S. W. Shepperd, J. Guidance and Control 1(3), 1978, 223-224.
+    """
+    r = np.asarray(rotation, dtype=float)
+    x, y, z = (r[..., k, k] for k in range(3))
+    square = np.stack([1 + x + y + z, 1 + x - y - z, 1 - x + y - z, 1 - x - y + z], axis=-1)
+    a, b, c = (r[..., (k + 2) % 3, (k + 1) % 3] - r[..., (k + 1) % 3, (k + 2) % 3] for k in range(3))
+    d, e, f = (r[..., (k + 2) % 3, (k + 1) % 3] + r[..., (k + 1) % 3, (k + 2) % 3] for k in range(3))
+    s, t, u, v = np.moveaxis(square, -1, 0)
+    rows = [[s, a, b, c], [a, t, f, e], [b, f, u, d], [c, e, d, v]]
+    products = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)  # 4 q q^T
+    largest = np.argmax(square, axis=-1)[..., None, None]
+    chosen = np.take_along_axis(products, largest, axis=-2)[..., 0, :]
+    return np.asarray(chosen / np.linalg.norm(chosen, axis=-1, keepdims=True))
+
+
 def rotation_from_vector(vector_rad: FloatArray) -> FloatArray:
     """Return rotations of rotation vectors (Rodrigues), shape (..., 3, 3)."""
     vector = np.asarray(vector_rad, dtype=float)

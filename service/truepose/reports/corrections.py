@@ -1,10 +1,11 @@
 """What a table of corrected targets came to, in sentences."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from truepose.correction import Summary
 from truepose.domain.sentences import Sentence, said
+from truepose.exchange.programs.program import LeftAlone
 
 _MOST_SAID: Final = 10
 _WHY: Final = {
@@ -26,6 +27,15 @@ def correction_sentences(summary: Summary) -> Iterator[Sentence]:
     left = summary.targets - summary.solved - _MOST_SAID
     if left > 0:
         yield said("corrections.more", left=left)
+
+
+def left_alone_sentences(left_alone: Sequence[LeftAlone]) -> Iterator[Sentence]:
+    """Yield what of a program was left alone, and why."""
+    for one in left_alone:
+        place = said("corrections.line", line=one.line)
+        if one.file is not None:
+            place = said("corrections.line_of_file", line=one.line, file=one.file)
+        yield said("corrections.left_alone", place=place, what=one.what, reason=one.reason)
 
 
 def _outside(summary: Summary) -> Iterator[Sentence]:

@@ -1,10 +1,13 @@
 """What a table of corrected targets came to, as a document."""
 
+from collections.abc import Sequence
+
 from pydantic import Field
 
 from truepose.correction import Summary
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
+from truepose.exchange.programs.program import LeftAlone
 from truepose.exchange.results.document_base import Document
 
 
@@ -13,6 +16,15 @@ class FailedTarget(Document):
 
     target: str
     status: str = Field(examples=["out_of_reach"])
+
+
+class LeftAloneDocument(Document):
+    """A place of a program, and why its numbers are as they were."""
+
+    line: int
+    what: str = Field(examples=["MoveL Offs(p10,0,0,50)"])
+    reason: str
+    file: str | None = Field(description="Null: of the program itself.")
 
 
 class CorrectionDocument(Document):
@@ -27,9 +39,12 @@ class CorrectionDocument(Document):
     largest_u_mm: Quantity
     outside: int | None = Field(description="Corrected ones outside the measured zone; null: it is unknown.")
     farthest_outside_mm: Quantity | None
+    left_alone: list[LeftAloneDocument] = Field(
+        description="What moves the robot of a program and is not corrected by changing numbers."
+    )
 
 
-def correction_document(summary: Summary) -> dict[str, Json]:
+def correction_document(summary: Summary, left_alone: Sequence[LeftAlone] = ()) -> dict[str, Json]:
     """Return what `truepose correct --json` prints."""
     return CorrectionDocument(
         targets=summary.targets,
@@ -41,4 +56,5 @@ def correction_document(summary: Summary) -> dict[str, Json]:
         largest_u_mm=summary.largest_uncertainty_mm,
         outside=summary.outside if summary.zone_known else None,
         farthest_outside_mm=summary.farthest_outside_mm if summary.zone_known else None,
+        left_alone=[LeftAloneDocument.of(left) for left in left_alone],
     ).printed()

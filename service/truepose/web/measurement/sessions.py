@@ -84,6 +84,7 @@ async def _queue_plan(
 ) -> int:
     match wanted.plan:
         case ProvingStops(model_id=model_id, targets=targets, seed=seed):
+            _require_validation(wanted)
             proved = (await here.results.model(model_id)).model
             return await here.job_desk.plan(
                 wanted.name, PlanTask(setup, plan, targets, seed, proved), key, model_id
@@ -91,6 +92,13 @@ async def _queue_plan(
         case ChosenStops(configurations=configurations, seed=seed):
             return await here.job_desk.plan(wanted.name, PlanTask(setup, plan, configurations, seed), key)
     raise AssertionError("given stops are no job")
+
+
+def _require_validation(wanted: SessionRequest) -> None:
+    if wanted.role != "validation":
+        raise ConflictError(
+            'The readings of a proof judge a model and never identify one: its role is "validation".'
+        )
 
 
 @router.get("/{id}/proof", responses=problems(404, 409, 422, 503))

@@ -1,8 +1,8 @@
 """Sessions: what is planned, where they stand, what they measured."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from truepose.domain.cell import Cell
 from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState
@@ -74,14 +74,6 @@ class SessionRequest(Request):
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     role: Role = Field(description="What the readings are for; validation readings never identify.")
     plan: Annotated[GivenStops | ChosenStops | ProvingStops, Field(discriminator="method")]
-
-    @model_validator(mode="after")
-    def _of_one_kind(self) -> Self:
-        if isinstance(self.plan, ProvingStops) and self.role != "validation":
-            raise ValueError(
-                'the readings of a proof judge a model and never identify: its role is "validation"'
-            )
-        return self
 
     attachment: Number = Field(1, description="How often the tool has been mounted.")
     approach_offset_deg: Annotated[float, Field(ge=-45, le=45)] | None = Field(

@@ -287,6 +287,6 @@ async def test_what_a_proof_reads_never_identifies(client):
     refused = await client.post("/api/v1/sessions", json=wanted)
     unknown = await client.post("/api/v1/sessions", json=wanted | {"role": "validation"})
 
-    assert refused.status_code == 422
+    assert refused.status_code == 409
     assert 'its role is "validation"' in refused.json()["detail"]
     assert unknown.status_code == 404

@@ -80,11 +80,18 @@ def test_every_number_that_is_a_quantity_names_its_unit():
         r"|parameters|outliers|\w+_points|\w+_legs|\w+_readings|reference_every|fraction"
         r"|number|\w+_number|entry|index|count|\w+_count|attempt|placement|poses|\w+_poses|base_point|base|tool"
         r"|a|b|legs|readings|watching|initialisation|exchanged"
-        r"|row|revisits|degrees_of_freedom)$"
+        r"|row|revisits|degrees_of_freedom|targets)$"
     )
     # A ratio has no unit; the unit of a parameter, an amplitude or a curve stands beside its value.
     ratios = {"scale", "scale_standard_uncertainty", "chi2_per_dof", "p_value", "share", "lack_of_fit_ratio"}
-    ratios |= {"tail_degrees_of_freedom", "order", "positive_share"}
+    ratios |= {
+        "tail_degrees_of_freedom",
+        "order",
+        "gain",
+        "gain_interval_95",
+        "foretold_share",
+        "positive_share",
+    }
     ratios |= {
         "value",
         "standard_uncertainty",

@@ -97,3 +97,37 @@ def test_the_answer_is_given_in_french_where_that_is_asked_for(run):
     _, _, said = run(HEADER + NEAR, "--language", "fr")
 
     assert said.out.startswith("1 cibles sur 1 corrigées.")
+
+
+def test_a_program_comes_back_with_other_numbers_and_what_was_left_is_said(
+    model, tmp_path, monkeypatch, capsys
+):
+    rest = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+    text = f"MODULE M\n! by hand\nCONST jointtarget a:=[[20,30,-25,40,50,60],{rest}];\nENDMODULE\n"
+    program, out = tmp_path / "m.mod", tmp_path / "out.mod"
+    program.write_text(text)
+    monkeypatch.setattr(sys, "argv", ["truepose", "correct", str(model), str(program), "--out", str(out)])
+
+    status = main()
+
+    before, after = text.splitlines(), out.read_text().splitlines()
+    assert (status, capsys.readouterr().out.splitlines()[0]) == (0, "1 of 1 targets corrected.")
+    assert [k for k, pair in enumerate(zip(before, after, strict=True)) if pair[0] != pair[1]] == [2]
+
+
+@pytest.mark.parametrize(
+    ("option", "sentence"),
+    [
+        (("--define", "tGun=1,2"), "give NAME=x,y,z,qw,qx,qy,qz"),
+        (("--define", "tGun=0,0,0,1,1,0,0"), "no quaternion of length 1"),
+        (("--branch", "left"), "name one such as front/up/no flip"),
+    ],
+)
+def test_what_is_said_of_a_program_is_checked(model, tmp_path, monkeypatch, capsys, option, sentence):
+    program = tmp_path / "m.mod"
+    program.write_text("MODULE M\nENDMODULE\n")
+    command = ["truepose", "correct", str(model), str(program), "--out", str(tmp_path / "o.mod"), *option]
+    monkeypatch.setattr(sys, "argv", command)
+
+    assert main() == 2
+    assert sentence in capsys.readouterr().err

@@ -1,0 +1,254 @@
+"""A robot program corrected: its targets sent through the inverse of the identified model.
+
+A target with joint angles is what the controller itself answers with; the place meant is where its nominal
+model has the flange then. A target with a pose is the place of its tool in its work object. Either is meant
+in the robot's own base, or in the world of the readings. What goes back into the program are joint angles, or
+the pose at which the *nominal* model has the corrected joint angles: the controller finds these again.
+
+The flange of the controller must be the last frame of the nominal table: so it is in the tables that ship.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.campaign import Stops
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.results import Model
+from truepose.exchange.programs.branches import branch_of_words
+from truepose.exchange.programs.program import (
+    AT_THE_ORIGIN,
+    Configuration,
+    Frame,
+    LeftAlone,
+    Pose,
+    Program,
+    ProgramTarget,
+    Value,
+)
+from truepose.exchange.programs.rewriting import rewritten
+from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
+
+_COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
+_COUPLED: Final = (
+    "FANUC counts joint 3 from the horizontal and not from the upper arm: give the target as a pose, or as a "
+    "row of a table with the joints of the model"
+)
+_STILL_RAD: Final = 1e-6  # a joint that moves less comes from neither side
+
+
+class Meant(StrEnum):
+    """What the targets of a program are given in, beside its own work objects."""
+
+    BASE = "base"  # of the robot
+    WORLD = "world"  # of the readings that the model was made from
+
+
+@dataclass(frozen=True, slots=True)
+class Understood:
+    """What whoever has a program corrected says of it beside the file."""
+
+    meant: Meant = Meant.BASE
+    defined: Mapping[str, Pose] = field(
+        default_factory=dict
+    )  # tools (in the flange) and work objects that it only names
+    branch: int | None = None  # of poses whose branch the file says in words that are not understood
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectedProgram:
+    """A program, what became of each of its targets, and the file again."""
+
+    program: Program
+    corrected: tuple[int, ...]  # indices of the targets of the rows of `found`
+    found: Corrections
+    left_alone: tuple[LeftAlone, ...]  # also targets whose frames the file does not declare
+    data: bytes
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the targets of `found`."""
+        return tuple(self.program.targets[index].name for index in self.corrected)
+
+
+_AS_IT_IS: Final = Understood()
+
+
+def corrected_program(model: Model, program: Program, understood: Understood = _AS_IT_IS) -> CorrectedProgram:
+    """Correct every target of a program as far as that can be done by changing its numbers.
+
+    Parameters
+    ----------
+    model : Model
+    program : Program
+    understood : Understood, optional
+
+    Returns
+    -------
+    CorrectedProgram
+        Targets that were not solved keep their numbers.
+
+    Raises
+    ------
+    ConfigurationError
+        The program is of an arm with another number of joints, or the model needs measured torques.
+    """
+    program = _with_frames(program, {name.casefold(): pose for name, pose in understood.defined.items()})
+    reasons = {
+        index: _reason_against(program, target, understood) for index, target in enumerate(program.targets)
+    }
+    rows = tuple(index for index, reason in reasons.items() if reason is None)
+    found = _found(model, program, rows, understood)
+    left = tuple(
+        LeftAlone(program.targets[index].line, program.targets[index].name, reason)
+        for index, reason in reasons.items()
+        if reason is not None
+    )
+    values = _values(model, program, rows, found)
+    everything = sorted((*program.left_alone, *left), key=lambda one: one.line)
+    return CorrectedProgram(program, rows, found, tuple(everything), rewritten(program, values))
+
+
+def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
+    def known(frame: Frame | None) -> Frame | None:
+        if frame is None or frame.pose is not None:
+            return frame
+        return replace(frame, pose=defined.get(frame.name.casefold()))
+
+    return replace(
+        program,
+        targets=tuple(
+            replace(target, tool=known(target.tool), work_object=known(target.work_object))
+            for target in program.targets
+        ),
+    )
+
+
+def _reason_against(program: Program, target: ProgramTarget, understood: Understood) -> str | None:
+    """Say why a target cannot be corrected; None where it can."""
+    if isinstance(target.value, Configuration):
+        return _COUPLED if program.format == _COUNTS_FROM_THE_HORIZONTAL else None
+    for what, frame in (("tool", target.tool), ("work object", target.work_object)):
+        if frame is None:
+            return f"the file does not say with which {what} it is used"
+        if frame.pose is None:
+            return f"its {what} {frame.name} is not declared in this file: define it"
+    if target.near_rad is None and _branch(target, understood) == ANY_BRANCH:
+        return "which configuration of the arm reaches it is not understood: state the branch"
+    return None
+
+
+def _found(model: Model, program: Program, rows: Sequence[int], understood: Understood) -> Corrections:
+    """Correct targets, once more where the model asks from which side their joints come."""
+    targets = [program.targets[index] for index in rows]
+    goals = _goals(model, targets, understood.meant)
+    branch = np.array([_branch(target, understood) for target in targets], dtype=np.int64)
+    found = correct(model, goals, branch)
+    directions = _directions(program, rows, found.joints_rad)
+    if not directions.any():
+        return found
+    near = np.where(found.solved[:, None], found.joints_rad, goals.stops.joints_rad)
+    stops = replace(goals.stops, joints_rad=near, direction=directions)
+    return correct(model, replace(goals, stops=stops), branch)
+
+
+def _goals(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> Goals:
+    n, joints = len(targets), model.robot.n_joints
+    near = np.array([_near(target, joints) for target in targets]).reshape(n, joints)
+    flange = np.array([_flange(model, target) for target in targets]).reshape(n, 4, 4)
+    goals = Goals(Stops(np.arange(n), near), np.full(n, FLANGE), flange[:, :3, 3], flange[:, :3, :3])
+    return goals if meant is Meant.WORLD else in_world(model, goals)
+
+
+def _near(target: ProgramTarget, joints: int) -> FloatArray:
+    known = target.value.joints_rad if isinstance(target.value, Configuration) else target.near_rad
+    if known is None:
+        return np.full(joints, np.nan)
+    if len(known) != joints:
+        raise ConfigurationError(
+            f"{target.name} in line {target.line} has {len(known)} joints, the model has {joints}: the "
+            "program is of another robot."
+        )
+    return np.array(known)
+
+
+def _branch(target: ProgramTarget, understood: Understood) -> int:
+    told = branch_of_words(target.branch)
+    found = understood.branch if told is None else told
+    return ANY_BRANCH if found is None else found
+
+
+def _flange(model: Model, target: ProgramTarget) -> FloatArray:
+    """Return where a target has the controller's flange, in the frame that it is meant in."""
+    if isinstance(target.value, Configuration):
+        return np.asarray(_nominal_flange(model, np.array([target.value.joints_rad]))[0])
+    tool, work_object = _frames(target)
+    flange: FloatArray = work_object @ _matrix(target.value) @ np.linalg.inv(tool)
+    return flange
+
+
+def _frames(target: ProgramTarget) -> tuple[FloatArray, FloatArray]:
+    """Return tool and work object of a target that can be corrected."""
+    tool, work_object = (
+        frame.pose if frame and frame.pose else AT_THE_ORIGIN for frame in (target.tool, target.work_object)
+    )
+    return _matrix(tool), _matrix(work_object)
+
+
+def _nominal_flange(model: Model, joints_rad: FloatArray) -> FloatArray:
+    """Return where the controller believes its flange to be, in its base, shape (n, 4, 4)."""
+    chain = nominal_chain(model.robot, joints_rad)
+    flange = np.tile(np.eye(4), (len(joints_rad), 1, 1))
+    flange[:, :3, :3], flange[:, :3, 3] = chain.end_rotation, chain.end_origin
+    return flange
+
+
+def _matrix(pose: Pose) -> FloatArray:
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation_from_quaternion(np.array(pose.quaternion))
+    matrix[:3, 3] = pose.position_mm
+    return matrix
+
+
+def _directions(program: Program, rows: Sequence[int], joints_rad: FloatArray) -> IntArray:
+    """Return from which side joints come to targets, shape (n, J); 0 where straight-line code does not tell.
+
+    A target that is reached from several places has no one direction.
+    """
+    row_of = {index: row for row, index in enumerate(rows)}
+    directions = np.zeros(joints_rad.shape, dtype=np.int64)
+    befores: dict[int, set[int | None]] = {}
+    for motion in program.motions:
+        befores.setdefault(motion.target, set()).add(motion.before)
+    for target, before in befores.items():
+        start = next(iter(before)) if len(before) == 1 else None
+        if target in row_of and start in row_of:
+            way = joints_rad[row_of[target]] - joints_rad[row_of[start]]
+            directions[row_of[target]] = np.sign(np.where(np.abs(way) > _STILL_RAD, way, 0.0))
+    return directions
+
+
+def _values(model: Model, program: Program, rows: Sequence[int], found: Corrections) -> dict[int, Value]:
+    """Return what to write for the targets that were solved."""
+    flange = _nominal_flange(model, np.nan_to_num(found.joints_rad))
+    values: dict[int, Value] = {}
+    for row in np.flatnonzero(found.solved).tolist():
+        target = program.targets[rows[row]]
+        if isinstance(target.value, Configuration):
+            values[rows[row]] = Configuration(tuple(found.joints_rad[row].tolist()))
+        else:
+            tool, work_object = _frames(target)
+            values[rows[row]] = _pose(np.linalg.inv(work_object) @ flange[row] @ tool)
+    return values
+
+
+def _pose(matrix: FloatArray) -> Pose:
+    x, y, z = matrix[:3, 3].tolist()
+    qw, qx, qy, qz = quaternion_from_rotation(matrix[:3, :3]).tolist()
+    return Pose((x, y, z), (qw, qx, qy, qz))
