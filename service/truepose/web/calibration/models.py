@@ -1,7 +1,11 @@
-"""Models: read and download."""
+"""Models: read, and download as themselves or for other programs."""
 
-from fastapi import APIRouter, Response
+import asyncio
+from typing import Annotated, Final
 
+from fastapi import APIRouter, Query, Response
+
+from truepose.exchange.exports.formats import Format, export
 from truepose.exchange.models.file import model_text
 from truepose.web.context import Here
 from truepose.web.parameters import Id, PageQuery
@@ -9,6 +13,12 @@ from truepose.web.problems import problems
 from truepose.web.schemas.results import ModelReply, model_reply
 
 router = APIRouter(prefix="/models", tags=["models"])
+_MEDIA: Final[dict[Format, tuple[str, str]]] = {  # media type, and how the file is called
+    "urdf": ("application/xml", "model-{id}.urdf"),
+    "ros": ("application/yaml", "model-{id}-calibrated_kinematics.yaml"),
+    "dhm": ("text/plain", "model-{id}-table.txt"),
+    "controller": ("text/plain", "model-{id}-controller.txt"),
+}
 _FILE = {"schema": {"type": "object"}, "example": {"format": "truepose-model", "version": 1}}
 
 
@@ -37,3 +47,30 @@ async def download_model(here: Here, id: Id) -> Response:
     record = await here.results.model(id)
     saved_as = {"Content-Disposition": f'attachment; filename="model-{id}.json"'}
     return Response(model_text(record.model), media_type="application/json", headers=saved_as)
+
+
+@router.get(
+    "/{id}/exports/{form}",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The file; what it does not hold stands in it.",
+            "content": {media: {"schema": {"type": "string"}} for media, _ in _MEDIA.values()},
+        },
+        **problems(404, 422, 503),
+    },
+)
+async def download_export(
+    here: Here,
+    id: Id,
+    form: Format,
+    fitted: Annotated[
+        bool, Query(description="Fit the table to the full model over the measured zone.")
+    ] = False,
+) -> Response:
+    """Download a model for another program, as `truepose export` writes it."""
+    record = await here.results.model(id)
+    exported = await asyncio.to_thread(export, record.model, form, fitted=fitted)
+    media, name = _MEDIA[form]
+    saved_as = {"Content-Disposition": f'attachment; filename="{name.format(id=id)}"'}
+    return Response(exported.text, media_type=media, headers=saved_as)

@@ -130,6 +130,32 @@ async def test_an_identification_leaves_its_document_and_a_model(client, until, 
     assert "attachment" in file.headers["content-disposition"]
 
 
+@pytest.mark.parametrize(("form", "begins"), [("urdf", '<?xml version="1.0"'), ("dhm", "elbow")])
+async def test_a_model_is_downloaded_for_other_programs(client, until, campaign_id, form, begins):
+    job = await until(await identification_job(client, campaign_id), "state", "succeeded", "failed")
+    model_id = (await client.get(job["result_url"])).json()["model_id"]
+
+    file = await client.get(f"/api/v1/models/{model_id}/exports/{form}")
+
+    assert file.status_code == 200, file.text
+    assert file.text.startswith(begins)
+    assert f"model-{model_id}" in file.headers["content-disposition"]
+
+
+async def test_what_no_format_can_hold_is_a_problem_in_words(client, until, campaign_id):
+    job = await until(await identification_job(client, campaign_id), "state", "succeeded", "failed")
+    models = f"/api/v1/models/{(await client.get(job['result_url'])).json()['model_id']}/exports"
+
+    other_arm, zoneless, no_format = [
+        await client.get(f"{models}/{form}") for form in ("ros", "controller", "sdf")
+    ]
+
+    assert {answer.status_code for answer in (other_arm, zoneless, no_format)} == {422}
+    assert "does not know its measured zone" in zoneless.json()["detail"]
+    assert "elbow has not the axes of an arm of Universal Robots" in other_arm.json()["detail"]
+    assert (await client.get("/api/v1/models/999/exports/urdf")).status_code == 404
+
+
 async def test_a_model_is_validated_on_a_campaign(client, until, campaign_id):
     await until(await identification_job(client, campaign_id), "state", "succeeded")
 
