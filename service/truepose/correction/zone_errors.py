@@ -32,10 +32,10 @@ class ZoneError:
 def zone_targets(model: Model, seed: int) -> Targets | None:
     """Return configurations spread over the measured zone, with every nest, each joint come from either side.
 
-    None where nobody can say: the model does not know its zone, or loads gears by torques that only the
-    controller measures.
+    None where nobody can say: the model knows neither zone nor nest, or loads gears by torques that only
+    the controller measures.
     """
-    if model.zone is None or model.torques_measured:
+    if model.zone is None or model.torques_measured or not model.nests:
         return None
     rng = np.random.default_rng(seed)
     joints = _drawn(model.zone.joint_ranges, rng)

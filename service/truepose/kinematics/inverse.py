@@ -56,7 +56,7 @@ def has_closed_form(robot: Robot) -> bool:
     offsets = (rows[4].a_mm, rows[5].a_mm, rows[4].d_mm)
     meet = max(abs(value) for value in offsets) < _STRUCTURE_MM
     arm = abs(rows[2].a_mm) > _STRUCTURE_MM and np.hypot(rows[3].a_mm, rows[3].d_mm) > _STRUCTURE_MM
-    untilted = all(row.beta_rad == 0.0 for row in rows)
+    untilted = all(abs(row.beta_rad) < _STRUCTURE_RAD for row in rows)
     return bool(right and parallel and meet and arm and untilted)
 
 

@@ -7,13 +7,14 @@ from truepose.exchange.cells.file import SCENARIO_PREFIXES, cell_on_usual_table,
 from truepose.exchange.document import toml_document
 from truepose.exchange.errors import UnknownRobotError
 from truepose.exchange.input_file import read_bytes
+from truepose.exchange.robots.files import is_robot_file
 from truepose.exchange.robots.shipped import list_robots
 
 _OF_ROBOTS = "dhm_nominal"  # a key that robot files have, and cell files have not
 
 
 def cell_given(given: str) -> Cell:
-    """Return the cell of a cell file (TOML), or that of a robot or scenario on the usual table.
+    """Return the cell of a cell file (TOML), or that of a robot, its file or a scenario on the usual table.
 
     Raises
     ------
@@ -26,11 +27,11 @@ def cell_given(given: str) -> Cell:
     if path.suffix.lower() == ".toml":
         described = _OF_ROBOTS in toml_document(path.name, read_bytes(path)).entries()
         return cell_on_usual_table(given) if described else read_cell(path)
-    if given in list_robots():
+    if given in list_robots() or is_robot_file(given):
         return cell_on_usual_table(given)
     if given.startswith(SCENARIO_PREFIXES):
         return simulated_cell(given, 0)
     raise UnknownRobotError(
-        f"{given!r} is no campaign folder, no cell file (TOML) and no robot; the shipped robots are "
+        f"{given!r} is no campaign folder, no file of a cell or robot, and no robot; the shipped robots are "
         f"{', '.join(list_robots())}."
     )

@@ -56,7 +56,7 @@ def rigid_arm(model: Model) -> RigidArm:
     return RigidArm(
         robot=replace(model.robot, joints=_rows(model.robot, moved)),
         base=placement_of(base_rotation, start.base_origin_mm + _three(moved, PortKind.BASE, 0)),
-        nests=_nests(nest_centres(start, moved)),
+        nests=_nests(nest_centres(start, moved)[:-1]),
         tool_rotation_rad=angles_xyz(tool_rotation),
         uncertainty=_uncertainties(model, terms),
         left_out=tuple(p for k, p in enumerate(model.parameters) if k not in fixed),
@@ -66,9 +66,12 @@ def rigid_arm(model: Model) -> RigidArm:
 def _anywhere(model: Model) -> State:
     """Return the model in the one configuration in which all joints read zero."""
     estimate = identified_estimate(model)
+    # A model that knows no nest is looked at in the origin of its last frame.
+    looked_at = np.vstack([estimate.structure.nests_mm, np.zeros(3)])
+    structure = replace(estimate.structure, nests_mm=looked_at)
     zero = np.zeros((1, model.robot.n_joints))
     stops = Stops(np.array([1]), zero, torque_n_mm=zero if model.torques_measured else None)
-    return evaluate(estimate.structure, estimate.values, Targets(stops, np.array([1])))
+    return evaluate(structure, estimate.values, Targets(stops, np.array([len(looked_at)])))
 
 
 def _fixed(terms: Iterable[Term]) -> set[int]:

@@ -4,8 +4,11 @@ from importlib.resources import files
 
 import pytest
 
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of
 from truepose.exchange.cells.given import cell_given
 from truepose.exchange.errors import InputFileError, UnknownRobotError
+from truepose.exchange.exports.formats import export
 
 OWN_ROBOT = files("truepose.exchange") / "robots" / "fanuc-lr-mate-200ic.toml"
 
@@ -24,6 +27,13 @@ def test_a_robot_file_stands_there_too(tmp_path):
     path.write_bytes(OWN_ROBOT.read_bytes())
 
     assert cell_given(str(path)).robot.name == "Fanuc LR Mate 200iC"
+
+
+def test_a_urdf_stands_there_too(tmp_path):
+    path = tmp_path / "own.urdf"
+    path.write_text(export(model_of(IRB_120), "urdf").text)
+
+    assert cell_given(str(path)).robot.name == "abb_irb_120"
 
 
 def test_a_scenario_is_its_simulated_cell():

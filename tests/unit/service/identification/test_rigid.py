@@ -67,3 +67,10 @@ def test_a_model_without_parameters_is_the_nominal_arm():
 
     assert arm.robot == IRB_120
     assert [nest.centre_mm for nest in arm.nests] == [(0.0, 0.0, 125.0), (75.0, 93.7, 215.0)]
+
+
+def test_a_model_that_knows_no_nest_is_an_arm_without_one():
+    arm = rigid_arm(model_of(IRB_120, effects=(), nests=(), nominal_nests=()))
+
+    assert arm.robot == IRB_120
+    assert arm.nests == ()
