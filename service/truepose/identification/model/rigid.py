@@ -17,6 +17,7 @@ from truepose.domain.campaign import Stops
 from truepose.domain.results import Model, NestCentre, Parameter
 from truepose.domain.robot import FramePlacement, JointRow, Robot
 from truepose.effects.ports import Port, PortKind, Term
+from truepose.identification.model.anchors import LEG_OWNER
 from truepose.identification.model.estimates import identified_estimate
 from truepose.identification.model.evaluation import State, Targets, evaluate, nest_centres
 from truepose.identification.model.structure import base_axes
@@ -41,7 +42,7 @@ class RigidArm:
     nests: tuple[NestCentre, ...]
     tool_rotation_rad: tuple[float, float, float]  # RotX RotY RotZ of the tool in the last frame
     uncertainty: tuple[Mapping[str, float], ...]  # standard, of each row by field [rad, mm], where known
-    left_out: tuple[Parameter, ...]
+    left_out: tuple[Parameter, ...]  # where lengths were read from is none of the robot's
 
 
 def rigid_arm(model: Model) -> RigidArm:
@@ -59,7 +60,11 @@ def rigid_arm(model: Model) -> RigidArm:
         nests=_nests(nest_centres(start, moved)[:-1]),
         tool_rotation_rad=angles_xyz(tool_rotation),
         uncertainty=_uncertainties(model, terms),
-        left_out=tuple(p for k, p in enumerate(model.parameters) if k not in fixed),
+        left_out=tuple(
+            parameter
+            for k, parameter in enumerate(model.parameters)
+            if k not in fixed and parameter.effect != LEG_OWNER
+        ),
     )
 
 

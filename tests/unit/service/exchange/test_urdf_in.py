@@ -156,6 +156,7 @@ MIMIC = '<mimic joint="a"/>'
         (robot(joint("a", "b", "c", origin='xyz="0 0 nan"')), "'nan' is not a number"),
         (robot(joint("a", "b", "c", origin='rpy="0 0 ${pi}"')), r"\{pi\}' is not a number"),
         (robot(joint("a", "b", "c", origin='xyz="0 0 29000"')), "29000000.0 mm|2.9e\\+07 mm"),
+        (robot(joint("a", "b", "c", axis='<axis xyz="1e308 1 0"/>')), "is too large for any quantity"),
         (robot(joint("a", "b", "c", more='<limit lower="1" upper="1"/>')), "is not below the upper limit"),
         (
             robot(joint("a", "b", "c")).replace('<link name="c"/>', ""),

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import EXTENSIONS, ROBOTS, extended, model_of, plain_parameters
+from tests.helpers.identification.models import (
+    EXTENSIONS,
+    ROBOTS,
+    extended,
+    model_of,
+    parameters_of,
+    plain_parameters,
+)
 from truepose.domain.campaign import Stops
 from truepose.identification.model.prediction import predict
 from truepose.identification.model.rigid import rigid_arm
@@ -74,3 +81,10 @@ def test_a_model_that_knows_no_nest_is_an_arm_without_one():
 
     assert arm.robot == IRB_120
     assert arm.nests == ()
+
+
+def test_where_lengths_were_read_from_is_none_of_the_robots():
+    cup = [(f"anchor_1_2_{axis}", 300.0, "mm") for axis in "xyz"]
+    read = parameters_of("legs", [*cup, ("length_offset", 0.1, "mm")])
+
+    assert rigid_arm(model_of(IRB_120, *read, effects=())).left_out == ()

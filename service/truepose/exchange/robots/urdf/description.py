@@ -115,6 +115,7 @@ def _link(element: Element) -> Link:
     if inertial is None or mass is None:
         return Link(element.text("name"), element)
     kilograms = _numbers(mass, "value", (0.0,))[0]
+    _require_plausible(mass, kilograms, "mass_kg")
     if kilograms < 0.0:
         mass.fail(f"a mass of {kilograms:g} kg cannot be meant")
     x, y, z = _origin(inertial)[:3, 3].tolist()
@@ -152,10 +153,8 @@ def _origin(element: Element) -> FloatArray:
     roll, pitch, yaw = _numbers(origin, "rpy", _ORIGIN)
     frame[:3, :3] = rotation_z(yaw) @ rotation_y(pitch) @ rotation_x(roll)
     frame[:3, 3] = _MM_PER_M * np.array(_numbers(origin, "xyz", _ORIGIN))
-    limits = limits_of("x_mm")
     for value in frame[:3, 3].tolist():
-        if not limits.accepts(value):
-            origin.fail(limits.fault(value, f"{value:g}"))
+        _require_plausible(origin, value, "x_mm")
     return frame
 
 
@@ -196,4 +195,12 @@ def _number(element: Element, word: str) -> float:
         number = math.nan
     if not math.isfinite(number):
         element.fail(f"{word[:40]!r} is not a number")
+    _require_plausible(element, number, "")
     return number
+
+
+def _require_plausible(element: Element, number: float, name: str) -> None:
+    """Refuse what cannot be the quantity of a name."""
+    limits = limits_of(name)
+    if not limits.accepts(number):
+        element.fail(limits.fault(number, f"{number:g}"))
