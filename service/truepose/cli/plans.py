@@ -97,7 +97,7 @@ class _Made:
 
 def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     from truepose.planning.promise.tracker import promised_session, session_plan
-    from truepose.sequencing.tracker.dry_run import dry_run
+    from truepose.sequencing.tracker.dry_run import minutes_of
 
     subject = _subject(asked, discrepancy_mm)
     space, knowns = subject.space, subject.knowns
@@ -105,11 +105,7 @@ def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     plan = promised_session(
         space, asked.n, knowns=knowns, volume=volume, measured=subject.measured, seed=asked.seed
     )
-    session = session_plan(plan)
-    if not session.stops:
-        return _Made(space.robot, plan, 0.0)
-    run = dry_run(session, space.robot, space.base, space.nests, len(knowns.fixed_nests))
-    return _Made(space.robot, plan, run.duration_s / 60.0)
+    return _Made(space.robot, plan, minutes_of(session_plan(plan), space, len(knowns.fixed_nests)))
 
 
 def _subject(asked: _Asked, discrepancy_mm: float | None) -> "Subject":
@@ -167,7 +163,7 @@ def _print(made: _Made, language: str, *, as_json: bool) -> None:
     if as_json:
         from truepose.exchange.results.plans import plan_document
 
-        print_json(plan_document(made.plan, made.robot.name, made.minutes, sentences))
+        print_json(plan_document(made.plan, made.robot.name, made.minutes, sentences).printed())
         return
     words = catalogue(language)
     print_lines(map(words.spoken, sentences))

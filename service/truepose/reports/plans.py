@@ -6,7 +6,7 @@ from typing import Final
 from rich.table import Table
 
 from truepose.domain.sentences import Sentence, said
-from truepose.planning.promise.curve import STEP, CurvePoint
+from truepose.planning.promise.curve import STEP, gains_mm
 from truepose.planning.promise.plan import PromisedPlan
 from truepose.words.catalogue import Catalogue
 
@@ -80,16 +80,25 @@ def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:
 
 
 def curve_table(plan: PromisedPlan, words: Catalogue) -> Table:
-    """Return the curve, one row for each number of configurations."""
+    """Return the curve, one row for each number of configurations; a star marks the one planned."""
     table = Table()
-    for head in _HEADS:
-        table.add_column(words.say(head), justify="right")
-    before: CurvePoint | None = None
-    for point in plan.curve:
-        gain = "" if before is None else f"{1e3 * (before.mean_mm - point.mean_mm):.1f}"
+    for head in curve_head(words):
+        table.add_column(head, justify="right")
+    for row in curve_rows(plan):
+        table.add_row(*row)
+    return table
+
+
+def curve_head(words: Catalogue) -> tuple[str, ...]:
+    """Return what stands above the columns of `curve_rows`."""
+    return tuple(words.say(head) for head in _HEADS)
+
+
+def curve_rows(plan: PromisedPlan) -> Iterator[tuple[str, ...]]:
+    """Yield number, mean, interval, worst and gain of each point; a star marks the number planned."""
+    gained = ("", *(f"{1e3 * gain:.1f}" for gain in gains_mm(plan.curve)))
+    for point, gain in zip(plan.curve, gained, strict=True):
         low, high = point.interval_90_mm
         mark = "*" if point.n == plan.total else ""
-        cells = (f"{point.mean_mm:.4f}", f"{low:.4f} - {high:.4f}", f"{point.worst_mm:.4f}", gain)
-        table.add_row(f"{mark}{point.n}", *cells)
-        before = point
-    return table
+        between = f"{low:.4f} - {high:.4f}"
+        yield f"{mark}{point.n}", f"{point.mean_mm:.4f}", between, f"{point.worst_mm:.4f}", gain

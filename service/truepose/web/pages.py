@@ -10,12 +10,13 @@ from typing import Any, Final
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse
 
-from truepose.web import diagnosis_pages
+from truepose.web import diagnosis_pages, plan_page
 from truepose.web.context import Here
 from truepose.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)
+router.include_router(plan_page.router)
 _SHOWN: Final = 20
 _STATIC: Final = Path(__file__).parent / "static"
 

@@ -7,7 +7,6 @@ import numpy as np
 from pydantic import Field
 
 from truepose.domain.sentences import Text
-from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
 from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan
@@ -67,8 +66,8 @@ class PlanDocument(Document):
     remarks: list[Spoken]
 
 
-def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Sequence[Text]) -> dict[str, Json]:
-    """Return what `truepose plan --json` prints."""
+def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Sequence[Text]) -> PlanDocument:
+    """Return what `truepose plan --json` prints and the API shows."""
     document = {
         "robot": robot,
         "instrument": "tracker" if plan.poses is None else "ballbar",
@@ -85,7 +84,7 @@ def plan_document(plan: PromisedPlan, robot: str, minutes: float, remarks: Seque
         "assumptions": _assumed(plan.assumptions),
         "remarks": remarks,
     }
-    return PlanDocument.model_validate(document).printed()
+    return PlanDocument.model_validate(document)
 
 
 def _assumed(assumptions: Assumptions) -> Assumed:

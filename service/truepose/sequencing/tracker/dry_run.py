@@ -10,7 +10,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
-from truepose.planning.work_volume.work_space import widened
+from truepose.planning.work_volume.work_space import WorkSpace, widened
 from truepose.sequencing.engine.motion.interlocks import joint_outside
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
@@ -27,6 +27,7 @@ from truepose.sequencing.tracker.steps import (
 
 FIND_S: Final = 3.0  # turning the head and locking on; order of magnitude, replaced by the pace once known
 INITIALISE_S: Final = 60.0  # an instrument that was switched on; warm-up is not in it
+_SECONDS_PER_MINUTE: Final = 60.0
 _MIN_TRIANGLE_HEIGHT_MM = 50.0  # below it the fixed nests are as good as on a line
 
 
@@ -53,6 +54,14 @@ def dry_run(
         readings=sum(_readings(operation) for operation in operations),
         duration_s=float(motion_s.sum()) + sum(_duration_s(plan, operation) for operation in operations),
     )
+
+
+def minutes_of(plan: SessionPlan, space: WorkSpace, n_fixed_nests: int) -> float:
+    """Return how long a plan takes [min]; 0 where it has no stops."""
+    if not plan.stops:
+        return 0.0
+    run = dry_run(plan, space.robot, space.base, space.nests, n_fixed_nests)
+    return run.duration_s / _SECONDS_PER_MINUTE
 
 
 def _readings(operation: Operation) -> int:

@@ -1,0 +1,68 @@
+"""What configurations promise, of the cell and of a session under way."""
+
+import asyncio
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, HTTPException, Query
+
+from truepose.analysis.measured import measured_session
+from truepose.exchange.results.plans import PlanDocument, plan_document
+from truepose.sequencing.tracker.dry_run import minutes_of
+from truepose.web.context import Here
+from truepose.web.parameters import Id, Name
+from truepose.web.problems import problems
+
+if TYPE_CHECKING:
+    from truepose.analysis.promises import Promised
+
+router = APIRouter()
+Number = Annotated[
+    int | None,
+    Query(ge=1, le=1000, description="Configurations to measure; by default the knee of the curve says."),
+]
+
+
+@router.get(
+    "/cells/{name}/plan",
+    tags=["cells"],
+    response_model_exclude_unset=True,
+    responses=problems(404, 409, 422, 503),
+)
+async def get_promise_of_cell(here: Here, name: Name, n: Number = None) -> PlanDocument:
+    """Choose configurations and say what accuracy they promise, before anything moves; nothing is stored."""
+    from truepose.analysis.promises import promise_of_cell
+
+    if name != here.cell.name:
+        raise HTTPException(404, f"There is no cell '{name}'; this service has '{here.cell.name}'.")
+    return await asyncio.to_thread(lambda: document_of(promise_of_cell(here.cell, n)))
+
+
+@router.get(
+    "/sessions/{id}/promise",
+    tags=["sessions"],
+    response_model_exclude_unset=True,
+    responses=problems(404, 409, 422, 503),
+)
+async def get_promise_of_session(here: Here, id: Id, n: Number = None) -> PlanDocument:
+    """Say what the configurations measured so far promise, and what further ones would gain."""
+    from truepose.analysis.promises import promise_of_session
+
+    session = await measured_session(here.sessions, here.readings, id)
+    return await asyncio.to_thread(lambda: document_of(promise_of_session(session, n)))
+
+
+def document_of(promised: "Promised") -> PlanDocument:
+    """Return a promise as a document."""
+    from truepose.reports.plans import plan_sentences
+
+    minutes = minutes_for(promised)
+    sentences = list(plan_sentences(promised.plan, minutes))
+    return plan_document(promised.plan, promised.subject.space.robot.name, minutes, sentences)
+
+
+def minutes_for(promised: "Promised") -> float:
+    """Return how long it takes to measure what is planned [min]."""
+    from truepose.planning.promise.tracker import session_plan
+
+    subject = promised.subject
+    return minutes_of(session_plan(promised.plan), subject.space, len(subject.knowns.fixed_nests))

@@ -1,0 +1,48 @@
+"""What a plan promises, for people: sentences, the curve, the table behind it."""
+
+import asyncio
+from dataclasses import dataclass
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+from markupsafe import Markup
+
+from truepose.domain.cell import Cell
+from truepose.web.context import Here
+from truepose.web.languages import Kept, Words
+from truepose.web.measurement.promises import Number, minutes_for
+from truepose.web.rendering import spoken_page
+from truepose.words.catalogue import Catalogue
+
+router = APIRouter(include_in_schema=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What the page shows of a plan."""
+
+    n: int
+    sentences: tuple[str, ...]
+    figure: Markup
+    head: tuple[str, ...]
+    rows: tuple[tuple[int, tuple[str, ...]], ...]  # number of configurations, cells of the table
+
+
+@router.get("/plan", response_class=HTMLResponse)
+async def plan_page(here: Here, words: Words, kept: Kept, n: Number = None) -> HTMLResponse:
+    """Show what n configurations promise in this cell."""
+    shown = await asyncio.to_thread(_shown, here.cell, n, words)
+    return spoken_page(words, "plan.html", here=here, kept=kept, shown=shown)
+
+
+def _shown(cell: Cell, n: int | None, words: Catalogue) -> Shown:
+    from truepose.analysis.promises import promise_of_cell
+    from truepose.reports.figures.promise_curve import promise_curve
+    from truepose.reports.plans import curve_head, curve_rows, plan_sentences
+
+    promised = promise_of_cell(cell, n)
+    plan = promised.plan
+    sentences = map(words.spoken, plan_sentences(plan, minutes_for(promised)))
+    rows = zip((point.n for point in plan.curve), curve_rows(plan), strict=True)
+    figure = promise_curve(plan, words)
+    return Shown(plan.total, tuple(sentences), figure, curve_head(words), tuple(rows))

@@ -1,0 +1,53 @@
+"""What configurations promise, over the API and as a page."""
+
+from tests.integration.web.bench import session_request
+
+
+async def test_a_cell_says_what_configurations_promise_before_anything_moves(client):
+    reply = await client.get("/api/v1/cells/bench/plan?n=25")
+
+    plan = reply.json()
+    assert reply.status_code == 200
+    assert len(plan["configurations_deg"]) == len(plan["nests"]) == plan["n"] == 25
+    assert plan["open"] == []
+    assert "legs" not in plan
+    assert plan["assumptions"]["discrepancy_mm"] == 0.09  # its devices are said to be real ones
+    assert (await client.get("/api/v1/sessions")).json() == []
+
+
+async def test_there_is_no_promise_of_another_cell_or_of_nothing(client):
+    assert (await client.get("/api/v1/cells/other/plan")).status_code == 404
+    assert (await client.get("/api/v1/cells/bench/plan?n=0")).status_code == 422
+    assert (await client.get("/api/v1/sessions/7/promise")).status_code == 404
+
+
+async def test_a_session_that_has_measured_nothing_promises_what_its_cell_does(client):
+    given = await client.post("/api/v1/sessions", json=session_request())
+
+    promise = (await client.get(f"{given.headers['Location']}/promise?n=20")).json()
+
+    assert promise["measured"] == 0
+    assert promise["n"] == 20
+
+
+async def test_the_page_shows_sentences_the_curve_and_every_number(client):
+    reply = await client.get("/plan?n=30")
+
+    assert reply.status_code == 200
+    assert "30 configurations promise a mean error of" in reply.text
+    assert "<svg" in reply.text
+    assert 'href="/plan?n=50"' in reply.text
+    assert "*30" in reply.text
+
+
+async def test_the_page_speaks_french_where_it_is_asked_to(client):
+    text = (await client.get("/plan?language=fr&n=30")).text
+
+    assert '<html lang="fr">' in text
+    assert "promettent une erreur moyenne" in text
+    assert 'href="/plan?n=50&amp;language=fr"' in text
+    assert "mean error" not in text
+
+
+async def test_the_start_page_leads_there(client):
+    assert 'href="/plan"' in (await client.get("/")).text
