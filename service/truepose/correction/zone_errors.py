@@ -20,6 +20,8 @@ from truepose.kinematics.frames import placement_rotation, placement_translation
 CONFIGURATIONS: Final = 400
 _DRAWN: Final = 20 * CONFIGURATIONS  # the box of joint ranges is larger than the hull of the places in it
 
+_ON_THE_HULL_MM: Final = 1e-6  # rounding puts places that span the hull outside of it
+
 
 @dataclass(frozen=True, slots=True)
 class ZoneError:
@@ -32,15 +34,17 @@ class ZoneError:
 def zone_targets(model: Model, seed: int) -> Targets | None:
     """Return configurations spread over the measured zone, with every nest, each joint come from either side.
 
-    None where nobody can say: the model knows neither zone nor nest, or loads gears by torques that only
-    the controller measures.
+    None where nobody can say: the model knows no nest or no zone that holds any of them, or loads gears by
+    torques that only the controller measures.
     """
     if model.zone is None or model.torques_measured or not model.nests:
         return None
     rng = np.random.default_rng(seed)
     joints = _drawn(model.zone.joint_ranges, rng)
     distance_mm, _ = outside(model.zone, model.robot, joints)
-    joints = joints[distance_mm == 0.0][:CONFIGURATIONS]
+    joints = joints[distance_mm < _ON_THE_HULL_MM][:CONFIGURATIONS]
+    if not len(joints):
+        return None
     nests = np.array([nest.nest for nest in model.nests])
     rows = np.repeat(np.arange(len(joints)), len(nests))
     stops = Stops(rows + 1, joints[rows], direction=rng.choice([-1, 1], joints.shape)[rows])

@@ -12,7 +12,7 @@ from truepose.correction.controller_values import controller_values, three_point
 from truepose.correction.zone_errors import CONFIGURATIONS, zone_targets
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import NestCentre
-from truepose.identification.model.zone import outside
+from truepose.identification.model.zone import measured_zone, outside
 from truepose.kinematics.frames import placement_rotation, placement_translation
 
 OFFSETS = (2e-3, -1e-3, 5e-4, -3e-3, 1e-3)
@@ -82,13 +82,29 @@ def test_a_model_of_which_nobody_knows_the_zone_is_refused(model):
         controller_values(model)
 
 
+def test_a_zone_of_one_configuration_is_that_configuration():
+    there = np.array([[0.1, 0.4, -0.3, 0.2, 0.5, 0.0]])
+    model = replace(of_zeros(), zone=measured_zone(IRB_120, there))
+
+    targets = zone_targets(model, 3)
+
+    assert np.ptp(targets.stops.joints_rad, axis=0).max() == 0.0
+    assert controller_values(model).controller.max_mm < 0.01
+
+
+def test_a_hull_that_holds_nothing_of_its_joint_ranges_says_nothing():
+    nowhere = replace(of_zeros().zone, extents_mm=(-1e4,) * 26)
+
+    assert zone_targets(replace(of_zeros(), zone=nowhere), 3) is None
+
+
 def test_configurations_of_the_zone_are_within_it():
     model = of_zeros()
     targets = zone_targets(model, 3)
 
     beyond_mm, beyond_rad = outside(model.zone, model.robot, targets.stops.joints_rad)
     assert len(targets) == 3 * CONFIGURATIONS
-    assert beyond_mm.max() == 0.0 == beyond_rad.max()
+    assert beyond_mm.max() < 1e-6 and beyond_rad.max() == 0.0
 
 
 def test_three_points_make_a_frame_and_points_on_a_line_none():
