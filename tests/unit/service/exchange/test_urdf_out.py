@@ -20,6 +20,8 @@ from truepose.domain.campaign import Stops
 from truepose.domain.robot import JointRange
 from truepose.exchange.exports.formats import export
 from truepose.exchange.robots.urdf.reading import urdf_from_text
+from truepose.identification.model.estimates import identified_estimate
+from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.prediction import predict
 from truepose.kinematics.chain import forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
@@ -74,6 +76,23 @@ def test_a_urdf_of_a_model_reads_back_as_the_same_arm(model):
     np.testing.assert_allclose(turned, own.end_rotation, atol=1e-12)
     masses = sorted((mass.frame, mass.mass_kg) for mass in found.robot.masses)
     assert masses == sorted((mass.frame, mass.mass_kg) for mass in model.robot.masses)
+
+
+def test_the_tool_frame_is_turned_as_the_model_turns_it():
+    turned = parameters_of("tool", [("tool_rx", 2e-3, "rad"), ("tool_rz", -1e-3, "rad")])
+    model = model_of(ROBOTS["irb120"], *turned, tool_rotation_rad=(0.4, -0.3, 1.2))
+    joints = angles(model, 5)
+    stops = Stops(np.arange(5), joints)
+    estimate = identified_estimate(model)
+
+    expected = evaluate(
+        estimate.structure, estimate.values, Targets(stops, np.ones(5, dtype=int))
+    ).orientation
+
+    text = export(model, "urdf").text
+    for row, configuration in enumerate(joints):
+        found = frames(text, configuration)["tool0"][:3, :3]
+        np.testing.assert_allclose(found, expected[row], atol=1e-12)
 
 
 def test_every_link_hangs_on_one_joint_and_every_name_is_legal(model):
