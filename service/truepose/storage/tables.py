@@ -5,6 +5,7 @@ record becomes is a further row. Times of day are UTC in ISO 8601; `time_s` is t
 """
 
 import sqlalchemy as sa
+from sqlalchemy.schema import SchemaItem
 
 metadata = sa.MetaData()
 
@@ -21,37 +22,32 @@ def _reference(name: str, target: str, *, nullable: bool = False) -> sa.Column[i
     return sa.Column(name, sa.Integer, sa.ForeignKey(f"{target}.id"), nullable=nullable)
 
 
-sessions = sa.Table(
+def _records(name: str, *columns: SchemaItem) -> sa.Table:
+    return sa.Table(name, metadata, _number(), _recorded(), *columns, sqlite_autoincrement=True)
+
+
+def _records_of_sessions(name: str, *columns: SchemaItem) -> sa.Table:
+    found = sa.Index(f"ix_{name}_session_id", "session_id", "id")
+    return _records(name, _reference("session_id", "sessions"), *columns, found)
+
+
+sessions = _records(
     "sessions",
-    metadata,
-    _number(),
-    _recorded(),
     sa.Column("name", sa.Text, nullable=False),
     sa.Column("role", sa.Text, nullable=False),
     sa.Column("setup", sa.JSON, nullable=False),
     sa.Column("plan", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-session_states = sa.Table(
+session_states = _records_of_sessions(
     "session_states",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
     sa.Column("state", sa.Text, nullable=False),
     sa.Column("reason", sa.Text, nullable=False),
     sa.Column("person", sa.Text, nullable=True),
-    sa.Index("ix_session_states_session_id", "session_id", "id"),
-    sqlite_autoincrement=True,
 )
 
-readings = sa.Table(
+readings = _records_of_sessions(
     "readings",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
     sa.Column("kind", sa.Text, nullable=False),  # point or fixed_nest
     sa.Column("config", sa.Integer, nullable=True),
     sa.Column("nest", sa.Integer, nullable=False),  # of the tool, or fixed
@@ -59,188 +55,111 @@ readings = sa.Table(
     # A reading is superseded at most once: two successors would leave two truths.
     sa.Column("supersedes", sa.Integer, sa.ForeignKey("readings.id"), nullable=True, unique=True),
     sa.Column("document", sa.JSON, nullable=False),
-    sa.Index("ix_readings_session_id", "session_id", "id"),
     sa.Index("ix_readings_place", "session_id", "config", "nest", "id"),
     sa.Index("ix_readings_counted", "session_id", "kind", "supersedes"),
-    sqlite_autoincrement=True,
 )
 
-skipped_stops = sa.Table(
-    "skipped_stops",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
-    sa.Column("document", sa.JSON, nullable=False),
-    sa.Index("ix_skipped_stops_session_id", "session_id", "id"),
-    sqlite_autoincrement=True,
-)
+skipped_stops = _records_of_sessions("skipped_stops", sa.Column("document", sa.JSON, nullable=False))
 
-registrations = sa.Table(
-    "registrations",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
-    sa.Column("document", sa.JSON, nullable=False),
-    sa.Index("ix_registrations_session_id", "session_id", "id"),
-    sqlite_autoincrement=True,
-)
+registrations = _records_of_sessions("registrations", sa.Column("document", sa.JSON, nullable=False))
 
-notes = sa.Table(
-    "notes",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
-    sa.Column("text", sa.Text, nullable=False),
-    sa.Index("ix_notes_session_id", "session_id", "id"),
-    sqlite_autoincrement=True,
-)
+notes = _records_of_sessions("notes", sa.Column("text", sa.Text, nullable=False))
 
-added_stops = sa.Table(
+added_stops = _records_of_sessions(
     "added_stops",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
     _reference("diagnosis_id", "diagnoses", nullable=True),  # which is to be run again after them
     sa.Column("person", sa.Text, nullable=False),
     sa.Column("document", sa.JSON, nullable=False),
-    sa.Index("ix_added_stops_session_id", "session_id", "id"),
-    sqlite_autoincrement=True,
 )
 
-session_entries = sa.Table(
+session_entries = _records_of_sessions(
     "session_entries",
-    metadata,
-    _number(),
-    _recorded(),
-    _reference("session_id", "sessions"),
     sa.Column("step_id", sa.Text, nullable=False),
     sa.Column("kind", sa.Text, nullable=False),
     sa.Column("key", sa.Text, nullable=True),  # of the request that caused it
     sa.Column("document", sa.JSON, nullable=False),  # without the reading that it brings
     _reference("reading_id", "readings", nullable=True),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_entries_key"),
-    sa.Index("ix_session_entries_session_id", "session_id", "id"),
     sa.Index("ix_session_entries_kind", "session_id", "kind", "step_id"),
-    sqlite_autoincrement=True,
 )
 
-ballbar_answers = sa.Table(
+ballbar_answers = _records(
     "ballbar_answers",
-    metadata,
-    _number(),
-    _recorded(),
     _reference("session_id", "sessions"),
     _reference("entry_id", "session_entries", nullable=True),  # what was kept; none: nothing was
     sa.Column("key", sa.Text, nullable=False),
     sa.Column("fingerprint", sa.Text, nullable=False),  # SHA-256 of method, path and body
     sa.Column("sentence", sa.Text, nullable=False),
     sa.UniqueConstraint("session_id", "key", name="uq_ballbar_answers_key"),
-    sqlite_autoincrement=True,
 )
 
-campaigns = sa.Table(
+campaigns = _records(
     "campaigns",
-    metadata,
-    _number(),
-    _recorded(),
     sa.Column("name", sa.Text, nullable=False),
     sa.Column("robot", sa.Text, nullable=False),
     sa.Column("summary", sa.JSON, nullable=False),
     sa.Column("session_ids", sa.JSON, nullable=False),  # empty for an uploaded campaign
     sa.Column("archive", sa.LargeBinary, nullable=False),  # zip of the folder as it came; empty: none did
     sa.Column("campaign", sa.LargeBinary, nullable=True),  # packed; null in rows of before: see the archive
-    sqlite_autoincrement=True,
 )
 
-jobs = sa.Table(
+jobs = _records(
     "jobs",
-    metadata,
-    _number(),
-    _recorded(),
     sa.Column("kind", sa.Text, nullable=False),
     sa.Column("request", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-job_states = sa.Table(
+job_states = _records(
     "job_states",
-    metadata,
-    _number(),
-    _recorded(),
     _reference("job_id", "jobs"),
     sa.Column("state", sa.Text, nullable=False),
     sa.Column("message", sa.Text, nullable=False),
     sa.Column("result_id", sa.Integer, nullable=True),  # of the kind that the job makes
     sa.Index("ix_job_states_job_id", "job_id", "id"),
-    sqlite_autoincrement=True,
 )
 
-identifications = sa.Table(
+identifications = _records(
     "identifications",
-    metadata,
-    _number(),
-    _recorded(),
     _reference("job_id", "jobs"),
     _reference("campaign_id", "campaigns"),
     sa.Column("document", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-diagnoses = sa.Table(
+diagnoses = _records(
     "diagnoses",
-    metadata,
-    _number(),
-    _recorded(),
     _reference("job_id", "jobs"),
     _reference("campaign_id", "campaigns"),
     sa.Column("measured_at", sa.Text, nullable=False),  # empty where nobody said it
     sa.Column("robot_serial_number", sa.Text, nullable=False),  # empty where nobody said it
     sa.Column("summary", sa.JSON, nullable=False),  # the document without what only a page draws
     sa.Column("document", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-models = sa.Table(
+models = _records(
     "models",
-    metadata,
-    _number(),
-    _recorded(),
     # exactly one of the two
     _reference("identification_id", "identifications", nullable=True),
     _reference("diagnosis_id", "diagnoses", nullable=True),
     sa.Column("robot", sa.Text, nullable=False),
     sa.Column("document", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-validations = sa.Table(
+validations = _records(
     "validations",
-    metadata,
-    _number(),
-    _recorded(),
     _reference("job_id", "jobs"),
     _reference("model_id", "models"),
     _reference("campaign_id", "campaigns"),
     sa.Column("document", sa.JSON, nullable=False),
-    sqlite_autoincrement=True,
 )
 
-events = sa.Table(
+events = _records(
     "events",
-    metadata,
-    _number(),
-    _recorded(),
     sa.Column("kind", sa.Text, nullable=False),
     _reference("session_id", "sessions", nullable=True),
     _reference("job_id", "jobs", nullable=True),
     sa.Column("document", sa.JSON, nullable=False),
     sa.Index("ix_events_session_id", "session_id", "kind", "id"),
     sa.Index("ix_events_job_id", "job_id", "kind", "id"),
-    sqlite_autoincrement=True,
 )
 
 request_keys = sa.Table(

@@ -10,7 +10,8 @@ from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
 from truepose.storage.errors import NotFoundError
 from truepose.storage.events import add_event
-from truepose.storage.records import CampaignRecord, CampaignSummary, Page, RequestKey
+from truepose.storage.numbered import NumberedRecords
+from truepose.storage.records import CampaignRecord, CampaignSummary, RequestKey
 from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns
@@ -30,11 +31,11 @@ class NewCampaign:
     session_ids: tuple[int, ...] = ()
 
 
-class CampaignRepository:
-    """All queries about campaigns."""
+class CampaignRepository(NumberedRecords[CampaignRecord]):
+    """All queries about campaigns; a record is what is known of one without reading it."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database, "campaign", campaigns, _records, _record)
 
     async def add(self, campaign: NewCampaign, key: RequestKey | None = None) -> int:
         """Store a campaign and return its number."""
@@ -43,19 +44,6 @@ class CampaignRepository:
     async def answered(self, key: RequestKey) -> int | None:
         """Return the campaign that a request with this key made before; raises KeyReusedError."""
         return await self._database.read(lambda c: answered(c, key, "campaign"))
-
-    async def get(self, campaign_id: int) -> CampaignRecord:
-        """Return what is known of a campaign without reading it; raises NotFoundError."""
-        query = _records().where(campaigns.c.id == campaign_id)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("campaign", campaign_id)
-        return _record(row)
-
-    async def page(self, page: Page) -> list[CampaignRecord]:
-        """Return campaigns, oldest first."""
-        query = _records().where(campaigns.c.id > page.after).order_by(campaigns.c.id).limit(page.limit)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
 
     async def archive(self, campaign_id: int) -> bytes:
         """Return the zip that was uploaded, empty where none was; raises NotFoundError."""

@@ -2,6 +2,7 @@
 
 import dataclasses
 from datetime import date
+from functools import partial
 from typing import Any, Final
 
 from sqlalchemy import Connection, Row, Select, select
@@ -11,7 +12,7 @@ from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import Origin, simulated_campaign
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.errors import NotFoundError
+from truepose.storage.numbered import NumberedRecords
 from truepose.storage.records import DiagnosisRecord, JobState, Page
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, diagnoses, models
@@ -25,6 +26,9 @@ class DiagnosisRepository:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        whole, undrawn = partial(_records, diagnoses.c.document), partial(_records, diagnoses.c.summary)
+        self._whole = NumberedRecords(database, "diagnosis", diagnoses, whole, _record)
+        self._undrawn = NumberedRecords(database, "diagnosis", diagnoses, undrawn, _record)
 
     async def keep(self, job_id: int, campaign_id: int, found: Diagnosis, measured_on: date | None) -> int:
         """Store a diagnosis, with its model as a record of its own, and end the job.
@@ -57,22 +61,15 @@ class DiagnosisRepository:
 
     async def get(self, diagnosis_id: int) -> DiagnosisRecord:
         """Return a diagnosis; raises NotFoundError."""
-        query = _records(diagnoses.c.document).where(diagnoses.c.id == diagnosis_id)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("diagnosis", diagnosis_id)
-        return _record(row)
+        return await self._whole.get(diagnosis_id)
 
     async def page(self, page: Page) -> list[DiagnosisRecord]:
         """Return diagnoses without their drawings, oldest first."""
-        query = _records(diagnoses.c.summary).where(diagnoses.c.id > page.after)
-        ordered = query.order_by(diagnoses.c.id).limit(page.limit)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(ordered)])
+        return await self._undrawn.page(page)
 
     async def newest(self, count: int) -> list[DiagnosisRecord]:
         """Return the latest diagnoses without their drawings, newest first."""
-        query = _records(diagnoses.c.summary).order_by(diagnoses.c.id.desc()).limit(count)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._undrawn.newest(count)
 
     async def of_robot(self, robot: str, serial_number: str | None = None) -> list[DiagnosisRecord]:
         """Return the diagnoses of robots of that name without their drawings, in the order of storing."""

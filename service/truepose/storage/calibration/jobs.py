@@ -5,9 +5,10 @@ from typing import Any
 from sqlalchemy import Connection, Row, Select, exists, select
 
 from truepose.storage.database import Database
-from truepose.storage.errors import ConflictError, NotFoundError
+from truepose.storage.errors import ConflictError
 from truepose.storage.events import add_event
-from truepose.storage.records import JobKind, JobRecord, JobState, Page, RequestKey
+from truepose.storage.numbered import NumberedRecords
+from truepose.storage.records import JobKind, JobRecord, JobState, RequestKey
 from truepose.storage.request_keys import once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import events, job_states, jobs
@@ -35,11 +36,11 @@ _ENDED = {
 }
 
 
-class JobRepository:
+class JobRepository(NumberedRecords[JobRecord]):
     """All queries about jobs."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database, "job", jobs, _records, _record)
 
     async def add(self, kind: JobKind, request: dict[str, Any], key: RequestKey | None = None) -> int:
         """Store a queued job and return its number."""
@@ -51,29 +52,10 @@ class JobRepository:
 
         return await self._database.write(lambda c: once(c, key, f"{kind} job", create))
 
-    async def get(self, job_id: int) -> JobRecord:
-        """Return a job; raises NotFoundError."""
-        query = _records().where(jobs.c.id == job_id)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("job", job_id)
-        return _record(row)
-
-    async def page(self, page: Page) -> list[JobRecord]:
-        """Return jobs, oldest first."""
-        query = _records().where(jobs.c.id > page.after).order_by(jobs.c.id).limit(page.limit)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
-
-    async def newest(self, count: int) -> list[JobRecord]:
-        """Return the latest jobs, newest first."""
-        query = _records().order_by(jobs.c.id.desc()).limit(count)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
-
     async def unfinished(self) -> list[JobRecord]:
         """Return the jobs that no final state ended, oldest first."""
         open_states = (JobState.QUEUED, JobState.RUNNING)
-        query = _records().where(job_states.c.state.in_(open_states)).order_by(jobs.c.id)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._listed(_records().where(job_states.c.state.in_(open_states)).order_by(jobs.c.id))
 
     async def change_state(self, job_id: int, state: JobState, message: str) -> None:
         """Append a state; raises ConflictError where the job has ended already."""

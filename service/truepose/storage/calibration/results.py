@@ -11,8 +11,8 @@ from truepose.storage.calibration.jobs import add_job_state
 from truepose.storage.calibration.origins import simulated_campaign
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.errors import NotFoundError
 from truepose.storage.measurement.sessions import add_session
+from truepose.storage.numbered import NumberedRecords
 from truepose.storage.records import (
     IdentificationRecord,
     JobState,
@@ -31,6 +31,11 @@ class ResultRepository:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._identifications = NumberedRecords(
+            database, "identification", identifications, _identifications, _identification
+        )
+        self._models = NumberedRecords(database, "model", models, _models, _model)
+        self._validations = NumberedRecords(database, "validation", validations, _validations, _validation)
 
     async def keep_identification(self, job_id: int, campaign_id: int, found: Identification) -> int:
         """Store an identification, with its model as a record of its own, and end the job."""
@@ -80,39 +85,27 @@ class ResultRepository:
 
     async def identification(self, identification_id: int) -> IdentificationRecord:
         """Return an identification; raises NotFoundError."""
-        query = _identifications().where(identifications.c.id == identification_id)
-        return _identification(await self._one(query, "identification", identification_id))
+        return await self._identifications.get(identification_id)
 
     async def identifications(self, page: Page) -> list[IdentificationRecord]:
         """Return identifications, oldest first."""
-        return [_identification(row) for row in await self._page(_identifications(), identifications, page)]
+        return await self._identifications.page(page)
 
     async def model(self, model_id: int) -> ModelRecord:
         """Return a model; raises NotFoundError."""
-        return _model(await self._one(_models().where(models.c.id == model_id), "model", model_id))
+        return await self._models.get(model_id)
 
     async def models(self, page: Page) -> list[ModelRecord]:
         """Return models, oldest first."""
-        return [_model(row) for row in await self._page(_models(), models, page)]
+        return await self._models.page(page)
 
     async def validation(self, validation_id: int) -> ValidationRecord:
         """Return a validation; raises NotFoundError."""
-        query = _validations().where(validations.c.id == validation_id)
-        return _validation(await self._one(query, "validation", validation_id))
+        return await self._validations.get(validation_id)
 
     async def validations(self, page: Page) -> list[ValidationRecord]:
         """Return validations, oldest first."""
-        return [_validation(row) for row in await self._page(_validations(), validations, page)]
-
-    async def _one(self, query: Select[Any], what: str, number: int) -> Row[Any]:
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError(what, number)
-        return row
-
-    async def _page(self, query: Select[Any], table: Any, page: Page) -> list[Row[Any]]:
-        ordered = query.where(table.c.id > page.after).order_by(table.c.id).limit(page.limit)
-        return await self._database.read(lambda c: list(c.execute(ordered)))
+        return await self._validations.page(page)
 
 
 def _identifications() -> Select[Any]:

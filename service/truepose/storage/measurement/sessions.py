@@ -17,7 +17,8 @@ from truepose.storage.errors import ConflictError, NotFoundError
 from truepose.storage.events import add_event
 from truepose.storage.measurement.added_stops import stops_added_to
 from truepose.storage.measurement.counted_poses import measured_poses, skipped_poses
-from truepose.storage.records import Page, RequestKey, SessionRecord, SessionSetup, StateChange
+from truepose.storage.numbered import NumberedRecords
+from truepose.storage.records import RequestKey, SessionRecord, SessionSetup, StateChange
 from truepose.storage.request_keys import answered, once
 from truepose.storage.rows import add_row
 from truepose.storage.tables import (
@@ -80,11 +81,11 @@ def add_note(connection: Connection, session_id: int, text: str) -> None:
     add_event(connection, "session.note", {"text": text}, session_id=session_id)
 
 
-class SessionRepository:
+class SessionRepository(NumberedRecords[SessionRecord]):
     """All queries about sessions."""
 
     def __init__(self, database: Database) -> None:
-        self._database = database
+        super().__init__(database, "session", sessions, _records, _record)
 
     async def add(
         self, name: str, setup: SessionSetup, plan: SessionPlan | BallbarPlan, key: RequestKey | None = None
@@ -102,28 +103,11 @@ class SessionRepository:
         """Return the session that a request with this key made before; raises KeyReusedError."""
         return await self._database.read(lambda c: answered(c, key, "session"))
 
-    async def get(self, session_id: int) -> SessionRecord:
-        """Return a session; raises NotFoundError."""
-        query = _records().where(sessions.c.id == session_id)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("session", session_id)
-        return _record(row)
-
-    async def page(self, page: Page) -> list[SessionRecord]:
-        """Return sessions, oldest first."""
-        query = _records().where(sessions.c.id > page.after).order_by(sessions.c.id).limit(page.limit)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
-
-    async def newest(self, count: int) -> list[SessionRecord]:
-        """Return the latest sessions, newest first."""
-        query = _records().order_by(sessions.c.id.desc()).limit(count)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
-
     async def in_state(self, *states: SessionState) -> list[SessionRecord]:
         """Return the sessions that stand in one of `states`, oldest first."""
-        query = _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
-        return await self._database.read(lambda c: [_record(row) for row in c.execute(query)])
+        return await self._listed(
+            _records().where(session_states.c.state.in_(states)).order_by(sessions.c.id)
+        )
 
     async def plan(self, session_id: int) -> SessionPlan:
         """Return what the session does, with what was added to it; raises NotFoundError, ConflictError."""

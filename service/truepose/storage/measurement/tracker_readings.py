@@ -5,13 +5,13 @@ Lengths of a ballbar are lines of the `ledger`.
 
 from typing import Any
 
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, Row, Select, select
 
 from truepose.domain.session import FixedNestTaken, PointTaken
 from truepose.storage.database import Database
 from truepose.storage.documents import from_document, to_document
-from truepose.storage.errors import NotFoundError
 from truepose.storage.events import add_event
+from truepose.storage.numbered import NumberedRecords
 from truepose.storage.records import Page, ReadingKind, ReadingRecord
 from truepose.storage.rows import add_row
 from truepose.storage.tables import readings
@@ -36,14 +36,11 @@ class ReadingRepository:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._every = NumberedRecords(database, "reading", readings, _records, _record)
 
     async def get(self, reading_id: int) -> ReadingRecord:
         """Return a reading; raises NotFoundError."""
-        query = _records().where(readings.c.id == reading_id)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
-            raise NotFoundError("reading", reading_id)
-        return _record(row)
+        return await self._every.get(reading_id)
 
     async def page(
         self,
@@ -78,7 +75,7 @@ _ALL = Page(limit=-1)  # SQLite: a negative limit is none
 _SUCCESSOR = readings.alias("successor")
 
 
-def _records() -> Any:
+def _records() -> Select[Any]:
     joined = readings.outerjoin(_SUCCESSOR, _SUCCESSOR.c.supersedes == readings.c.id)
     return select(readings, _SUCCESSOR.c.id.label("superseded_by")).select_from(joined)
 

@@ -1,0 +1,53 @@
+"""Numbered records as every repository is asked for them: one, a page of them, the newest."""
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from sqlalchemy import Row, Select, Table
+
+from truepose.storage.database import Database
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import Page
+
+R = TypeVar("R")
+
+
+class NumberedRecords(Generic[R]):
+    """Records of one kind, each found by the number of its row in `table`.
+
+    `select_all` makes the query of all of them, `read` a record of one of its rows.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        kind: str,
+        table: Table,
+        select_all: Callable[[], Select[Any]],
+        read: Callable[[Row[Any]], R],
+    ) -> None:
+        self._database = database
+        self._kind = kind
+        self._id = table.c.id
+        self._select_all = select_all
+        self._read = read
+
+    async def get(self, number: int) -> R:
+        """Return a record; raises NotFoundError."""
+        query = self._select_all().where(self._id == number)
+        row = await self._database.read(lambda c: c.execute(query).one_or_none())
+        if row is None:
+            raise NotFoundError(self._kind, number)
+        return self._read(row)
+
+    async def page(self, page: Page) -> list[R]:
+        """Return records, oldest first."""
+        query = self._select_all().where(self._id > page.after).order_by(self._id).limit(page.limit)
+        return await self._listed(query)
+
+    async def newest(self, count: int) -> list[R]:
+        """Return the latest records, newest first."""
+        return await self._listed(self._select_all().order_by(self._id.desc()).limit(count))
+
+    async def _listed(self, query: Select[Any]) -> list[R]:
+        return await self._database.read(lambda c: [self._read(row) for row in c.execute(query)])
