@@ -7,18 +7,25 @@ from dataclasses import dataclass
 METHODS = ("GET", "HEAD", "OPTIONS", "POST", "PUT", "PATCH", "DELETE", "TRACE")
 
 
-def paths_of(app):
-    """Return the templates of all paths: of the API, of pages, of files that are not in the document."""
-    found = set(app.openapi()["paths"])
+def _routes_of(app):
     left = list(app.routes)
     while left:
         route = left.pop()
         inner = getattr(route, "effective_candidates", None)
         if inner is None:
-            found.add(route.path)
+            yield route
         else:
             left += inner()
-    return sorted(found)
+
+
+def paths_of(app):
+    """Return the templates of all paths: of the API, of pages, of files that are not in the document."""
+    return sorted({*app.openapi()["paths"], *(route.path for route in _routes_of(app))})
+
+
+def paths_answering(app, kind):
+    """Return the templates of the paths whose answer is stated to be of that class."""
+    return {route.path for route in _routes_of(app) if getattr(route, "response_class", None) is kind}
 
 
 def addresses_of(app):

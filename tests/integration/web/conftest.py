@@ -2,9 +2,9 @@
 
 import asyncio
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import client_of
 from tests.integration.web.bench import CELL, Bench
 from truepose.analysis.workers.process import perform_in_worker
 from truepose.app import create_app
@@ -20,7 +20,7 @@ def bench():
 def settings(tmp_path, database_url):
     cell_file = tmp_path / "cell.toml"
     cell_file.write_text(CELL)
-    return Settings(database_url=database_url, cell_file=cell_file, allowed_hosts=("service",))
+    return Settings(database_url=database_url, cell_file=cell_file)
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ async def app(settings, bench, worker):
 
 @pytest.fixture
 async def client(app):
-    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service") as opened:
+    async with client_of(app) as opened:
         yield opened
 
 

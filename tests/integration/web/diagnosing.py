@@ -3,12 +3,10 @@
 import contextlib
 from dataclasses import replace
 
-import httpx
-
 from tests.helpers.diagnosis.answers import make_diagnosis
+from tests.helpers.web import clients
 from tests.integration.web.conftest import asking
 from truepose.analysis.workers.tasks import stored_campaign
-from truepose.app import create_app
 
 
 class Diagnostician:
@@ -27,10 +25,5 @@ class Diagnostician:
 
 @contextlib.asynccontextmanager
 async def served(settings, bench, worker):
-    application = create_app(settings, bench.registry(), worker)
-    transport = httpx.ASGITransport(application)
-    async with (
-        application.router.lifespan_context(application),
-        httpx.AsyncClient(transport=transport, base_url="http://service") as client,
-    ):
+    async with clients.served(settings, bench.registry(), worker) as client:
         yield client, asking(client)

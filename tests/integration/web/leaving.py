@@ -9,7 +9,7 @@ class LeavingClient:
     def __init__(self, app, path, body, media_type):
         self._received = asyncio.Queue()
         self._received.put_nowait({"type": "http.request", "body": body, "more_body": False})
-        headers = {"host": "service", "content-type": media_type, "content-length": str(len(body))}
+        headers = {"host": "localhost", "content-type": media_type, "content-length": str(len(body))}
         scope = {
             "type": "http",
             "method": "POST",

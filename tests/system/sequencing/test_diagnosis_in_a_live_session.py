@@ -1,14 +1,11 @@
 """An effect that begins in the middle of a session is found by the product, over REST, with real numerics."""
 
-import asyncio
-import contextlib
 from pathlib import Path
 
-import httpx
 import pytest
 
 import truepose.exchange
-from truepose.app import create_app
+from tests.helpers.web.clients import made, served, until
 from truepose.settings import Settings
 
 # A clean robot whose base is pushed when about half of the configurations are measured: they take from 580 s
@@ -35,30 +32,6 @@ SESSION = {
 }
 
 
-@contextlib.asynccontextmanager
-async def client_of(settings):
-    application = create_app(settings)
-    transport = httpx.ASGITransport(application)
-    async with (
-        application.router.lifespan_context(application),
-        httpx.AsyncClient(transport=transport, base_url="http://localhost", timeout=60) as client,
-    ):
-        yield client
-
-
-async def until(client, path, condition):
-    async with asyncio.timeout(120):
-        while not condition(found := (await client.get(path)).json()):
-            await asyncio.sleep(0.05)
-    return found
-
-
-async def made(client, asked):
-    job = await until(client, asked.headers["Location"], lambda job: job["state"] in {"succeeded", "failed"})
-    assert job["state"] == "succeeded", job["message"]
-    return job["result_url"]
-
-
 async def confirmed(client, path):
     await until(client, path, lambda session: session["state"] == "awaiting_confirmation")
     await client.post(f"{path}/confirm", json={"person": "Ada"})
@@ -78,7 +51,7 @@ async def service_of_a_pushed_cell(tmp_path):
     file = tmp_path / "cell.toml"
     file.write_text(f'robot = "abb-irb-120"\n{SHIPPED.read_text()}{PUSH}')
     url = f"sqlite:///{tmp_path}/truepose.sqlite3"
-    async with client_of(Settings(url, cell_file=file, simulated_pace=0)) as client:
+    async with served(Settings(url, cell_file=file, simulated_pace=0)) as client:
         yield client
 
 

@@ -1,12 +1,8 @@
 """The proof move on a simulated cell, over REST: measure, identify, correct, measure again."""
 
-import asyncio
-import contextlib
-
-import httpx
 import pytest
 
-from truepose.app import create_app
+from tests.helpers.web.clients import made, served, until
 from truepose.settings import Settings
 
 CALIBRATION = {
@@ -16,31 +12,6 @@ CALIBRATION = {
     "registration_readings": 5,
 }
 PROOF = {"name": "proof", "role": "validation", "registration_readings": 5}
-
-
-@contextlib.asynccontextmanager
-async def client_of(settings):
-    application = create_app(settings)
-    transport = httpx.ASGITransport(application)
-    async with (
-        application.router.lifespan_context(application),
-        httpx.AsyncClient(transport=transport, base_url="http://localhost", timeout=60) as client,
-    ):
-        yield client
-
-
-async def until(client, path, condition):
-    async with asyncio.timeout(120):
-        while not condition(found := (await client.get(path)).json()):
-            await asyncio.sleep(0.05)
-    return found
-
-
-async def made(client, asked):
-    assert asked.status_code == 202, asked.text
-    job = await until(client, asked.headers["Location"], lambda job: job["state"] in {"succeeded", "failed"})
-    assert job["state"] == "succeeded", job["message"]
-    return job["result_url"]
 
 
 async def measured(client, wanted):
@@ -56,7 +27,7 @@ async def measured(client, wanted):
 @pytest.fixture
 async def client(tmp_path):
     settings = Settings(f"sqlite:///{tmp_path}/truepose.sqlite3", simulated_pace=0)
-    async with client_of(settings) as opened:
+    async with served(settings) as opened:
         yield opened
 
 

@@ -3,15 +3,14 @@
 import asyncio
 import dataclasses
 
-import httpx
 import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
+from tests.helpers.web.clients import served
 from truepose.analysis.errors import WorkerDiedError
 from truepose.analysis.workers.process import TaskRefusedError
 from truepose.analysis.workers.tasks import IdentifyTask, PlanTask, stored_campaign
-from truepose.app import create_app
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import (
     Counts,
@@ -235,22 +234,16 @@ async def test_a_job_asked_twice_with_one_key_runs_once(client, until, campaign_
 
 async def test_a_restart_marks_unfinished_jobs_as_interrupted(settings, bench, worker):
     worker.gate.clear()
-    first = create_app(settings, bench.registry(), worker)
-    async with first.router.lifespan_context(first), connected(first) as client:
+    async with served(settings, bench.registry(), worker) as client:
         archive = write_campaign_zip(make_campaign())
         await client.post("/api/v1/campaigns", content=archive, headers={"Content-Type": "application/zip"})
         path = await identification_job(client, 1)
 
-    second = create_app(settings, bench.registry(), worker)
-    async with second.router.lifespan_context(second), connected(second) as client:
+    async with served(settings, bench.registry(), worker) as client:
         job = (await client.get(path)).json()
 
     assert job["state"] == "interrupted"
     assert "service was stopped" in job["message"]
-
-
-def connected(app):
-    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service")
 
 
 async def test_what_is_not_there_cannot_be_identified(client):

@@ -5,7 +5,7 @@ import contextlib
 import pytest
 from fastapi.responses import HTMLResponse
 
-from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_of
+from tests.helpers.web.routes import METHODS, addresses_of, asked, paths_answering, paths_of
 from truepose.web.application import create_application
 from truepose.web.door.admission import PAGES
 from truepose.web.door.hosts import AllowedHosts
@@ -141,12 +141,7 @@ async def test_a_link_on_another_page_leads_to_pages_only(method):
 
 
 async def test_the_pages_that_a_link_may_lead_to_are_those_with_html():
-    left, html = list(APP.routes), set()
-    while left:
-        route = left.pop()
-        left += getattr(route, "effective_candidates", list)()
-        if getattr(route, "response_class", None) is HTMLResponse:
-            html.add(route.path)
+    html = paths_answering(APP, HTMLResponse)
 
     assert html
     assert {path for path in paths_of(APP) if PAGES.fullmatch(path)} == html

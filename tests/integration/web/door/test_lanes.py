@@ -8,7 +8,7 @@ import httpx
 import pytest
 from fastapi.responses import StreamingResponse
 
-from tests.helpers.web.routes import paths_of
+from tests.helpers.web.routes import paths_answering, paths_of
 from truepose.web import lanes
 from truepose.web.application import create_application
 from truepose.web.lanes import Lanes
@@ -157,12 +157,7 @@ def test_every_route_that_stops_something_is_urgent():
 
 
 def test_every_stream_goes_in_the_lane_of_streams():
-    left, streams = list(APP.routes), set()
-    while left:
-        route = left.pop()
-        left += getattr(route, "effective_candidates", list)()
-        if getattr(route, "response_class", None) is StreamingResponse:
-            streams.add(route.path)
+    streams = paths_answering(APP, StreamingResponse)
 
     assert streams
     assert {path for path in paths_of(APP) if lanes._STREAMS.fullmatch(path)} == streams

@@ -2,13 +2,12 @@
 
 import asyncio
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import PLACEMENT, SESSIONS, WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
 from tests.integration.web.leaving import LeavingClient, Waiting
-from truepose.app import create_app
 
 
 @pytest.fixture
@@ -224,26 +223,14 @@ async def test_the_scene_before_the_start_shows_the_robot_only(client, tablet):
 async def test_after_a_restart_the_same_step_is_shown_and_nothing_moves_before_a_person_confirms(
     settings, bench
 ):
-    async def opened(devices):
-        application = create_app(settings, devices.registry())
-        return application, application.router.lifespan_context(application)
-
-    application, lifespan = await opened(bench)
-    async with (
-        lifespan,
-        httpx.AsyncClient(transport=httpx.ASGITransport(application), base_url="http://service") as client,
-    ):
+    async with served(settings, bench.registry()) as client:
         await client.post(SESSIONS, json=WANTED)
         tablet = Tablet(client)
         await tablet.press("start", key="k1")
         before = await until_step(tablet, "tool/side-1-2")
 
     again = Bench()
-    application, lifespan = await opened(again)
-    async with (
-        lifespan,
-        httpx.AsyncClient(transport=httpx.ASGITransport(application), base_url="http://service") as client,
-    ):
+    async with served(settings, again.registry()) as client:
         tablet = Tablet(client)
         async with asyncio.timeout(10):
             while (after := await tablet.see())["state"] != "awaiting_confirmation":

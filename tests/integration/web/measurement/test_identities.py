@@ -1,15 +1,13 @@
 """Which instrument answers, over REST: expected and answered side by side, accepted by its number only."""
 
 import asyncio
-import contextlib
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
-from truepose.app import create_app
 
 SESSION = "/api/v1/sessions/1"
 NAMED = CELL.replace('driver = "fake_tracker"', 'driver = "fake_tracker"\nserial_number = "390003"')
@@ -136,25 +134,14 @@ async def test_the_start_page_says_where_another_device_answers(client):
     assert "the cell file names 390003" in page
 
 
-@contextlib.asynccontextmanager
-async def started(settings, bench):
-    app = create_app(settings, bench.registry())
-    transport = httpx.ASGITransport(app)
-    async with (
-        app.router.lifespan_context(app),
-        httpx.AsyncClient(transport=transport, base_url="http://service") as client,
-    ):
-        yield client
-
-
 async def test_a_session_planned_for_another_robot_does_not_start(settings, bench):
-    async with started(settings, bench) as client:
+    async with served(settings, bench.registry()) as client:
         await client.post("/api/v1/sessions", json=session_request())
         await client.post(BALLBAR_SESSIONS, json=WANTED)
     settings.cell_file.write_text(settings.cell_file.read_text().replace('"120-1"', '"120-2"'))
     bench.robot.serial = "120-2"
 
-    async with started(settings, bench) as client:
+    async with served(settings, bench.registry()) as client:
         tracker = await client.post(f"{SESSION}/start")
         ballbar = await Tablet(client, session_id=2).press("start")
 

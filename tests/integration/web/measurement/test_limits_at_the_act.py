@@ -1,16 +1,14 @@
 """What the cell file says at the moment binds every motion, whatever was stored with a session."""
 
 import asyncio
-import contextlib
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, WANTED, Tablet
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request
 from tests.integration.web.conftest import asking
-from truepose.app import create_app
 
 SESSIONS = "/api/v1/sessions"
 TIGHT = "[limits]\njoints_deg = [[-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5], [-5, 5]]\n"
@@ -33,14 +31,17 @@ class Service:
     def write(self, limits):
         self.settings.cell_file.write_text(CELL + BALLBAR + limits)
 
-    @contextlib.asynccontextmanager
-    async def started(self):
-        app = create_app(self.settings, self.bench.registry())
-        async with (
-            app.router.lifespan_context(app),
-            httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service") as client,
-        ):
-            yield client
+    def started(self):
+        return served(self.settings, self.bench.registry())
+
+    async def measures_a_planned_session_after(self, limits):
+        async with self.started() as client:
+            await client.post(SESSIONS, json=session_request())
+        self.write(limits)
+        async with self.started() as client:
+            await client.post(f"{SESSIONS}/1/start")
+            await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
+            await asking(client)(f"{SESSIONS}/1", "state", "finished")
 
 
 @pytest.fixture
@@ -96,27 +97,14 @@ async def test_an_interrupted_session_is_refused_while_the_limits_are_tight_and_
 
 async def test_stored_limits_that_are_tighter_than_the_present_ones_still_bind(service):
     service.write("[limits]\ntool_speed_mm_s = 60.0\n")
-    async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
-    service.write(WIDE)
 
-    async with service.started() as client:
-        await client.post(f"{SESSIONS}/1/start")
-        await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
-        await asking(client)(f"{SESSIONS}/1", "state", "finished")
+    await service.measures_a_planned_session_after(WIDE)
 
     assert {limits.tool_speed_mm_s for limits in service.speeds} == {60.0}
 
 
 async def test_the_robot_is_as_slow_as_the_cell_file_says_now(service, bench):
-    async with service.started() as client:
-        await client.post(SESSIONS, json=session_request())
-    service.write(SLOW)
-
-    async with service.started() as client:
-        await client.post(f"{SESSIONS}/1/start")
-        await client.post(f"{SESSIONS}/1/confirm", json={"person": "Ada"})
-        await asking(client)(f"{SESSIONS}/1", "state", "finished")
+    await service.measures_a_planned_session_after(SLOW)
 
     assert bench.robot.moves > 0
     assert [limits.tool_speed_mm_s for limits in service.speeds] == [50.0]

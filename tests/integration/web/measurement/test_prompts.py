@@ -1,15 +1,13 @@
 """Questions have numbers: an answer to one that is not asked any more is refused, whatever the session."""
 
 import asyncio
-import contextlib
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.ballbar_bench import WANTED, Tablet, with_ballbar
 from tests.integration.web.bench import Bench, session_request
-from truepose.app import create_app
 
 PATH = "/api/v1/sessions/1"
 
@@ -102,13 +100,13 @@ async def test_a_ballbar_session_goes_on_from_the_question_that_was_read(client)
 
 async def test_a_question_from_before_a_restart_is_not_the_one_that_is_asked_after_it(settings, bench):
     bench.ballbar.dead = True
-    async with served(settings, bench) as client:
+    async with served(settings, bench.registry()) as client:
         await client.post("/api/v1/sessions", json=session_request(n=3))
         before = (await client.post(f"{PATH}/start")).json()["session"]
 
     later = Bench()
     later.ballbar.dead = True
-    async with served(settings, later) as client:
+    async with served(settings, later.registry()) as client:
         stale = await answer(client, "confirm", before["prompt_id"])
         asked = (await client.get(PATH)).json()
         moves = later.robot.moves
@@ -118,15 +116,3 @@ async def test_a_question_from_before_a_restart_is_not_the_one_that_is_asked_aft
     assert asked["prompt_id"] > before["prompt_id"]
     assert moves == 0
     assert good.status_code == 202
-
-
-@contextlib.asynccontextmanager
-async def served(settings, bench):
-    """A client of a service that begins and ends here."""
-    app = create_app(settings, bench.registry())
-    transport = httpx.ASGITransport(app)
-    async with (
-        app.router.lifespan_context(app),
-        httpx.AsyncClient(transport=transport, base_url="http://service") as client,
-    ):
-        yield client

@@ -3,11 +3,10 @@
 import asyncio
 import threading
 
-import httpx
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.bench import Bench, session_request, stops
-from truepose.app import create_app
 from truepose.operation.tracker import plans
 
 SESSIONS = "/api/v1/sessions"
@@ -123,13 +122,11 @@ async def test_a_planned_session_can_be_ended_without_ever_moving(client, bench)
 
 async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(settings, bench):
     bench.robot.gate.clear()
-    first = create_app(settings, bench.registry())
-    async with first.router.lifespan_context(first), connected(first) as client:
+    async with served(settings, bench.registry()) as client:
         path = await running(client, bench)
 
     later = Bench()
-    second = create_app(settings, later.registry())
-    async with second.router.lifespan_context(second), connected(second) as client:
+    async with served(settings, later.registry()) as client:
         found = (await client.get(path)).json()
         await asyncio.sleep(0.05)
         moves_before = later.robot.moves
@@ -142,10 +139,6 @@ async def test_after_a_restart_the_session_awaits_a_person_and_then_goes_on(sett
     assert "service was stopped" in found["reason"]
     assert moves_before == 0
     assert session["measured"] == 3
-
-
-def connected(app):
-    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://service")
 
 
 async def test_one_session_runs_at_a_time(client):

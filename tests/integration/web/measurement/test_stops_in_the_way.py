@@ -4,12 +4,11 @@ from math import radians
 
 import pytest
 
+from tests.helpers.web.clients import served
 from tests.integration.web.ballbar_bench import BALLBAR, PLACEMENT
 from tests.integration.web.ballbar_bench import SESSIONS as BALLBAR_SESSIONS
 from tests.integration.web.bench import CELL, session_request, stops
 from tests.integration.web.conftest import asking
-from tests.integration.web.measurement.test_sessions import connected
-from truepose.app import create_app
 from truepose_drivers.errors import ConnectionLostError
 
 SESSIONS = "/api/v1/sessions"
@@ -44,8 +43,7 @@ async def test_an_approach_below_the_table_is_refused(client):
 @pytest.mark.parametrize("base", [ON_A_PEDESTAL, LOW_FLOOR])
 async def test_a_robot_that_stands_high_or_has_a_low_floor_may_go_there(settings, bench, base):
     settings.cell_file.write_text(CELL.replace("[[fixed_nest]]", base + "[[fixed_nest]]", 1))
-    app = create_app(settings, bench.registry())
-    async with app.router.lifespan_context(app), connected(app) as client:
+    async with served(settings, bench.registry()) as client:
         answer = await client.post(SESSIONS, json=session_request(plan=given(BELOW)))
 
     assert answer.status_code == 201, answer.text
@@ -54,8 +52,7 @@ async def test_a_robot_that_stands_high_or_has_a_low_floor_may_go_there(settings
 async def test_a_floor_that_is_stated_higher_since_binds_at_the_start(settings, bench):
     for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 900.0\n", f"{SESSIONS}/1/start")):
         settings.cell_file.write_text(CELL + floor)
-        app = create_app(settings, bench.registry())
-        async with app.router.lifespan_context(app), connected(app) as client:
+        async with served(settings, bench.registry()) as client:
             answer = await client.post(path, json=None if floor else session_request())
 
     assert answer.status_code == 409
@@ -71,8 +68,7 @@ DEPTH = "tool nest 2 would be 76 mm below floor or table"
 @pytest.fixture
 async def on_a_stated_floor(settings, bench):
     settings.cell_file.write_text(CELL + "[limits]\nfloor_z_mm = 0.0\n")
-    app = create_app(settings, bench.registry())
-    async with app.router.lifespan_context(app), connected(app) as client:
+    async with served(settings, bench.registry()) as client:
         yield client
 
 
@@ -173,8 +169,7 @@ async def test_a_way_of_a_given_ballbar_plan_is_judged_as_one_of_a_tracker_plan(
     settings, bench, floor, status
 ):
     settings.cell_file.write_text(CELL + BALLBAR + floor)
-    app = create_app(settings, bench.registry())
-    async with app.router.lifespan_context(app), connected(app) as client:
+    async with served(settings, bench.registry()) as client:
         planned = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BEYOND))
         notes = (await client.get(f"{SESSIONS}/1")).json().get("notes")
 
@@ -186,8 +181,7 @@ async def test_a_way_of_a_given_ballbar_plan_is_judged_as_one_of_a_tracker_plan(
 
 async def test_a_pose_of_a_given_ballbar_plan_below_the_table_is_refused(settings, bench):
     settings.cell_file.write_text(CELL + BALLBAR)
-    app = create_app(settings, bench.registry())
-    async with app.router.lifespan_context(app), connected(app) as client:
+    async with served(settings, bench.registry()) as client:
         refused = await client.post(BALLBAR_SESSIONS, json=ballbar_session(BEFORE, BELOW))
 
     assert refused.status_code == 409
@@ -198,8 +192,7 @@ async def test_a_way_through_a_floor_that_is_stated_since_is_refused_at_the_star
     wanted = session_request(plan=given(BEFORE, BEYOND))
     for floor, path in (("", SESSIONS), ("[limits]\nfloor_z_mm = 0.0\n", f"{SESSIONS}/1/start")):
         settings.cell_file.write_text(CELL + floor)
-        app = create_app(settings, bench.registry())
-        async with app.router.lifespan_context(app), connected(app) as client:
+        async with served(settings, bench.registry()) as client:
             answer = await client.post(path, json=None if floor else wanted)
 
     assert answer.status_code == 409

@@ -1,0 +1,38 @@
+"""Clients of an application in this process, without a network between them."""
+
+import asyncio
+import contextlib
+
+import httpx
+
+from truepose.app import create_app
+
+ENDED = {"succeeded", "failed"}
+
+
+def client_of(app):
+    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost", timeout=60)
+
+
+@contextlib.asynccontextmanager
+async def served(*pieces):
+    """A client of a service that begins and ends here."""
+    app = create_app(*pieces)
+    async with app.router.lifespan_context(app), client_of(app) as client:
+        yield client
+
+
+async def until(client, path, condition):
+    """Ask a resource until it is as it should be, and return it."""
+    async with asyncio.timeout(120):
+        while not condition(found := (await client.get(path)).json()):
+            await asyncio.sleep(0.05)
+    return found
+
+
+async def made(client, accepted):
+    """Return where the result of a job is that was just accepted, once it is there."""
+    assert accepted.status_code == 202, accepted.text
+    job = await until(client, accepted.headers["Location"], lambda job: job["state"] in ENDED)
+    assert job["state"] == "succeeded", job["message"]
+    return job["result_url"]
