@@ -128,33 +128,19 @@ def make_errors(n=300, components=3, before_mm=0.045, after_mm=NOISE_MM, seed=3)
     return HeldOutErrors(np.arange(1, n + 1), position, after + swirl, after)
 
 
+def _found_parameter(effect, name, value, u, **changes):
+    found = {"name": name, "effect": effect, "value": value, "standard_uncertainty": u, "prior_width": 1e-3}
+    return make_parameter(**found, **changes)
+
+
 def make_diagnosis(**changes):
     """A wave of joint 6 explains everything, judged on 300 held-out positions."""
     errors = changes.get("errors", make_errors())
     parameters = (
         *make_model().parameters,
-        make_parameter(
-            name="wave_6_2_cos",
-            effect="joint_harmonics",
-            value=3.8e-4,
-            standard_uncertainty=2.3e-5,
-            prior_width=1e-3,
-        ),
-        make_parameter(
-            name="wave_6_2_sin",
-            effect="joint_harmonics",
-            value=3.4e-4,
-            standard_uncertainty=2.2e-5,
-            prior_width=1e-3,
-        ),
-        make_parameter(
-            name="gain_2",
-            effect="joint_gain",
-            value=2.07e-4,
-            unit="1",
-            standard_uncertainty=1.9e-5,
-            prior_width=1e-3,
-        ),
+        _found_parameter("joint_harmonics", "wave_6_2_cos", 3.8e-4, 2.3e-5),
+        _found_parameter("joint_harmonics", "wave_6_2_sin", 3.4e-4, 2.2e-5),
+        _found_parameter("joint_gain", "gain_2", 2.07e-4, 1.9e-5, unit="1"),
     )
     model = make_model(
         effects=(*START, "joint_harmonics", "joint_gain"),

@@ -41,19 +41,22 @@ def true_lengths(arm, plan, pose, legs):
     return np.array([arm.length(placement, pose.joints_rad, leg) for leg in legs])
 
 
-def test_lengths_that_were_never_measured_are_foreseen_as_well_as_is_said(arm, plan, found):
+def squared_misses(arm, plan, found):
+    """What forecasts miss by in units of what they claim, squared, one mean a pose."""
     forecasts = {forecast.config: forecast for forecast in found.forecasts}
-
-    squares = []
     for pose in found.poses:
         forecast = forecasts[pose.config]
         miss = np.array(forecast.length_mm) - true_lengths(arm, plan, pose, forecast.legs)
-        squares.append(miss @ np.linalg.solve(np.array(forecast.covariance_mm2), miss) / len(miss))
+        yield miss @ np.linalg.solve(np.array(forecast.covariance_mm2), miss) / len(miss)
+
+
+def test_lengths_that_were_never_measured_are_foreseen_as_well_as_is_said(arm, plan, found):
+    squares = list(squared_misses(arm, plan, found))
 
     # Of six poses with nine lengths each from one and the same model: the squares share the model's few
     # unseen directions, so a factor of four either way of 1 is what chance does.
     assert 0.0 < np.mean(squares) < 4.0
-    assert max(np.sqrt(np.diag(f.covariance_mm2)).max() for f in forecasts.values()) < 0.2
+    assert max(np.sqrt(np.diag(f.covariance_mm2)).max() for f in found.forecasts) < 0.2
 
 
 def test_every_pair_of_cup_and_nest_is_foreseen_at_every_pose(plan, found):
@@ -107,14 +110,8 @@ def test_legs_that_were_exchanged_are_found_and_their_pose_is_asked_for_again(ar
 def test_from_few_poses_lengths_are_foreseen_as_well_as_is_said(arm, plan, setup):
     few = precalibrate(setup, plan, measured_session(arm, plan, range(1, 7)))
 
-    forecasts = {forecast.config: forecast for forecast in few.forecasts}
-    squares = []
-    for pose in few.poses:
-        forecast = forecasts[pose.config]
-        miss = np.array(forecast.length_mm) - true_lengths(arm, plan, pose, forecast.legs)
-        squares.append(miss @ np.linalg.solve(np.array(forecast.covariance_mm2), miss) / len(miss))
     # A fit to as many lengths as it has unknowns would claim hundredths and miss by tenths.
-    assert np.mean(squares) < 4.0
+    assert np.mean(list(squared_misses(arm, plan, few))) < 4.0
 
 
 def test_an_exchange_in_the_first_of_few_poses_is_found(arm, plan, setup):

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from tests.studies.accuracy.measured_cell import CellMeasurement, measure_cell
+from tests.studies.report_command import campaigns_folder, shown, status_of, without_data
 from truepose.demo.truth_comparison import true_errors
 from truepose.domain.results import Identification
 from truepose.exchange.campaigns.folder import read_campaign
@@ -40,23 +41,10 @@ _SPEED_MS: Final = {50: 20.0, 1000: 30.0, 10000: 170.0}
 def main() -> int:
     """Measure everything, print it, write it; status 1 where a target is missed."""
     options = _options()
-    sections = []
-    for section in _sections(options.seeds, options.coverage_seeds):
-        _print(section)
-        sections.append(section)
+    sections = shown(_sections(options.seeds, options.coverage_seeds))
     options.out.mkdir(parents=True, exist_ok=True)
     write_table_report(options.out / "accuracy.html", "Accuracy report", sections, simulated=True)
-    missed = any(row.verdict is Verdict.FAILED for section in sections for row in section.rows)
-    return 1 if missed else 0
-
-
-def _print(section: Section) -> None:
-    sys.stdout.write(f"\n{section.title}\n")
-    for row in section.rows:
-        sys.stdout.write(f"  {row.figure:62s} {row.target:>22s} {row.measured:>34s}  {row.verdict.value}\n")
-    if section.note:
-        sys.stdout.write(f"  {section.note}\n")
-    sys.stdout.flush()
+    return status_of(sections)
 
 
 def _options() -> argparse.Namespace:
@@ -170,10 +158,9 @@ def _between(figure: str, low: float, high: float, measured: float) -> Row:
 
 def _measured_data() -> Section:
     title = "Measured data of real robots, RMS of held-out points"
-    folder = Path(os.environ.get("TRUEPOSE_DATA") or "-") / "campaigns"
-    if not folder.is_dir():
-        missing = Row("all", "", "TRUEPOSE_DATA names no folder", Verdict.NOT_MEASURED)
-        return Section(title, (missing,))
+    folder = campaigns_folder()
+    if folder is None:
+        return without_data(title)
     rows = [_held_out_row(folder, name) for name in _MEASURED_DATA]
     return Section(title, (*rows, _draw_wire_row(folder)))
 

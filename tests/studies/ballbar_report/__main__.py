@@ -21,9 +21,10 @@ from tests.studies.ballbar_report.robot_sections import robot_sections, stated_s
 from tests.studies.ballbar_report.robots import Outcome
 from tests.studies.ballbar_report.work import Extent, make_plans, outcomes_of, robots_of, slips_of
 from tests.studies.diagnosis_report.workers import worker_processes
+from tests.studies.report_command import add_sections, count, shown, status_of
 from truepose.demo.progress import shown_progress
 from truepose.exchange.json_text import render_json
-from truepose.reports.table_report import Section, Verdict, write_table_report
+from truepose.reports.table_report import Section, write_table_report
 
 _QUICK: Final = Extent(robots=2, validation=300, stops=50, draws=20000)
 _SECTIONS: Final = ("pose-device", "connections", "robots")
@@ -41,13 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure everything, print it, write it; status 1 where a target is missed."""
     options = _options(arguments)
     extent = _extent(options)
-    measured, sections = _Measured(), []
-    for section in _sections(options, extent, measured):
-        _print(section)
-        sections.append(section)
+    measured = _Measured()
+    sections = shown(_sections(options, extent, measured))
     _write(options.out, extent, sections, measured)
-    missed = any(row.verdict is Verdict.FAILED for section in sections for row in section.rows)
-    return 1 if missed else 0
+    return status_of(sections)
 
 
 def _sections(options: argparse.Namespace, extent: Extent, measured: _Measured) -> Iterator[Section]:
@@ -69,14 +67,6 @@ def _sections(options: argparse.Namespace, extent: Extent, measured: _Measured) 
                 measured.outcomes += outcomes_of(robots, workers, told)
             yield from robot_sections(measured.outcomes)
             yield stated_section(measured.outcomes)
-
-
-def _print(section: Section) -> None:
-    sys.stdout.write(f"\n{section.title}\n")
-    for row in section.rows:
-        sys.stdout.write(f"  {row.figure:72s} {row.target:>10s}  {row.measured:64s} {row.verdict.value}\n")
-    sys.stdout.write(f"  {section.note}\n")
-    sys.stdout.flush()
 
 
 def _write(out: Path, extent: Extent, sections: Sequence[Section], measured: _Measured) -> None:
@@ -105,37 +95,15 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     add(
         "--plans", type=Path, help="folder of plans; used where there are, made where not (default: in --out)"
     )
-    add("--robots", type=_count, default=usual.robots, help="of each scenario (default: %(default)s)")
-    add(
-        "--validation", type=_count, default=usual.validation, help="positions of each (default: %(default)s)"
-    )
-    add("--stops", type=_count, default=usual.stops, help="with wrong connections (default: %(default)s)")
-    add("--draws", type=_count, default=usual.draws, help="of the twelve lengths (default: %(default)s)")
-    add("--first-seed", type=_count, default=usual.first_seed, help="default: %(default)s")
-    add("--jobs", type=_count, default=os.cpu_count() or 1, help="processes (default: one a core)")
-    add(
-        "--sections",
-        type=_chosen,
-        default=_SECTIONS,
-        help=f"only these, with commas between them: {', '.join(_SECTIONS)}",
-    )
+    add("--robots", type=count, default=usual.robots, help="of each scenario (default: %(default)s)")
+    add("--validation", type=count, default=usual.validation, help="positions of each (default: %(default)s)")
+    add("--stops", type=count, default=usual.stops, help="with wrong connections (default: %(default)s)")
+    add("--draws", type=count, default=usual.draws, help="of the twelve lengths (default: %(default)s)")
+    add("--first-seed", type=count, default=usual.first_seed, help="default: %(default)s")
+    add("--jobs", type=count, default=os.cpu_count() or 1, help="processes (default: one a core)")
+    add_sections(parser, _SECTIONS)
     add("--quick", action="store_true", help="two robots of each kind: does it work at all?")
     return parser.parse_args(arguments)
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{number} is not 1 or more")
-    return number
-
-
-def _chosen(text: str) -> tuple[str, ...]:
-    chosen = tuple(text.split(","))
-    unknown = [key for key in chosen if key not in _SECTIONS]
-    if unknown:
-        raise argparse.ArgumentTypeError(f"no section {', '.join(unknown)}; known: {', '.join(_SECTIONS)}")
-    return chosen
 
 
 if __name__ == "__main__":

@@ -19,9 +19,10 @@ from tests.studies.diagnosis_report.studies import studies
 from tests.studies.diagnosis_report.study import Extent, Study
 from tests.studies.diagnosis_report.timing import timing_section
 from tests.studies.diagnosis_report.workers import outcomes_of, worker_processes
+from tests.studies.report_command import add_sections, count, shown, status_of
 from truepose.demo.progress import RunProgress, shown_progress
 from truepose.exchange.json_text import render_json
-from truepose.reports.table_report import Section, Verdict, write_table_report
+from truepose.reports.table_report import Section, write_table_report
 
 _QUICK = Extent(campaigns=2, undisturbed=8, pairs=6, sizes=(100,))
 _MEASURED, _TIMING, _CURVES = "measured", "timing", "curves"
@@ -32,13 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _options(arguments)
     extent = _QUICK if options.quick else _extent(options)
     outcomes: dict[str, list[Outcome]] = {}
-    sections = []
-    for section in _sections(options, studies(extent), outcomes):
-        _print(section)
-        sections.append(section)
+    sections = shown(_sections(options, studies(extent), outcomes))
     _write(options.out, extent, sections, outcomes)
-    missed = any(row.verdict is Verdict.FAILED for section in sections for row in section.rows)
-    return 1 if missed else 0
+    return status_of(sections)
 
 
 def _sections(
@@ -71,15 +68,6 @@ def _simulated(
             yield Section(study.title, study.rows(outcomes[study.key]), study.note(outcomes[study.key]))
 
 
-def _print(section: Section) -> None:
-    sys.stdout.write(f"\n{section.title}\n")
-    for row in section.rows:
-        sys.stdout.write(f"  {row.figure:56s} {row.target:>12s} {row.measured:>18s}  {row.verdict.value}\n")
-    if section.note:
-        sys.stdout.write(f"  {section.note}\n")
-    sys.stdout.flush()
-
-
 def _write(
     out: Path, extent: Extent, sections: Sequence[Section], outcomes: dict[str, list[Outcome]]
 ) -> None:
@@ -104,48 +92,24 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("--out", type=Path, default=Path("out/diagnosis"), help="default: %(default)s")
-    add(
-        "--campaigns", type=_count, default=usual.campaigns, help="a cell of the table (default: %(default)s)"
-    )
-    add(
-        "--undisturbed", type=_count, default=usual.undisturbed, help="without any effect, per size and noise"
-    )
-    add("--pairs", type=_count, default=usual.pairs, help="of effects (default: %(default)s)")
+    add("--campaigns", type=count, default=usual.campaigns, help="a cell of the table (default: %(default)s)")
+    add("--undisturbed", type=count, default=usual.undisturbed, help="without any effect, per size and noise")
+    add("--pairs", type=count, default=usual.pairs, help="of effects (default: %(default)s)")
     add("--sizes", type=_sizes, default=usual.sizes, help="readings of a campaign (default: 50,100,200)")
-    add("--first-seed", type=_count, default=usual.first_seed, help="default: %(default)s")
-    add("--jobs", type=_count, default=os.cpu_count() or 1, help="processes (default: one a core)")
-    add(
-        "--sections",
-        type=lambda text: _among(text, keys),
-        default=keys,
-        help=f"only these, with commas between them: {', '.join(keys)}",
-    )
+    add("--first-seed", type=count, default=usual.first_seed, help="default: %(default)s")
+    add("--jobs", type=count, default=os.cpu_count() or 1, help="processes (default: one a core)")
+    add_sections(parser, keys)
     add("--quick", action="store_true", help="a few campaigns of 100 readings: does it work at all?")
     return parser.parse_args(arguments)
 
 
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{number} is not 1 or more")
-    return number
-
-
 def _sizes(text: str) -> tuple[int, ...]:
     try:
-        return tuple(sorted({_count(size) for size in text.split(",")}))
+        return tuple(sorted({count(size) for size in text.split(",")}))
     except ValueError:
         raise argparse.ArgumentTypeError(
             f'"{text}" must be a number of readings, or several: 50,100'
         ) from None
-
-
-def _among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
-    chosen = tuple(text.split(","))
-    unknown = [key for key in chosen if key not in known]
-    if unknown:
-        raise argparse.ArgumentTypeError(f"no section {', '.join(unknown)}; known: {', '.join(known)}")
-    return chosen
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """Campaigns measured on real robots, whose folder the environment variable TRUEPOSE_DATA names."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from tests.studies.report_command import campaigns_folder, without_data
 from truepose.diagnosis.diagnose import diagnose
 from truepose.domain.diagnosis import Cause, Confidence, Diagnosis, Finding
 from truepose.exchange.campaigns.folder import read_campaign
@@ -28,10 +28,9 @@ class _Expected:
 def measured_section() -> Section:
     """Diagnose every campaign, or say that there is none."""
     title = "Measured data of real robots"
-    folder = Path(os.environ.get("TRUEPOSE_DATA") or "-") / "campaigns"
-    if not folder.is_dir():
-        missing = Row("all", "", "TRUEPOSE_DATA names no folder", Verdict.NOT_MEASURED)
-        return Section(title, (missing,))
+    folder = campaigns_folder()
+    if folder is None:
+        return without_data(title)
     return Section(title, tuple(_row(folder, expected) for expected in _EXPECTED))
 
 

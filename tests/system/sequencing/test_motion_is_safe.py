@@ -204,13 +204,18 @@ async def test_the_guard_notices_a_motion_without_confirmation():
         await guard.move((0.0,) * 6)
 
 
-async def test_an_abort_during_a_confirmation_wins():
+async def asking_on_a_slow_disk():
     cell = FakeCell()
     cell.journal = SlowLedger()
     runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
     running = asyncio.create_task(runner.run())
     while runner.state is not SessionState.AWAITING_CONFIRMATION:
         await asyncio.sleep(0)
+    return cell, runner, running
+
+
+async def test_an_abort_during_a_confirmation_wins():
+    cell, runner, running = await asking_on_a_slow_disk()
 
     await asyncio.gather(asking.confirm(runner, "Eva"), asking.end(runner, "Adam"))
 
@@ -219,12 +224,7 @@ async def test_an_abort_during_a_confirmation_wins():
 
 
 async def test_of_two_confirmations_one_is_refused():
-    cell = FakeCell()
-    cell.journal = SlowLedger()
-    runner = TrackerRunner(make_plan(), cell.cell, cell.journal)
-    running = asyncio.create_task(runner.run())
-    while runner.state is not SessionState.AWAITING_CONFIRMATION:
-        await asyncio.sleep(0)
+    _, runner, running = await asking_on_a_slow_disk()
 
     answers = await asyncio.gather(
         asking.confirm(runner, "Eva"), asking.confirm(runner, "Adam"), return_exceptions=True

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.instruments.sockets import connections_to
 from truepose_drivers.abb_open_abb.protocol import LogReader
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
@@ -25,20 +26,8 @@ async def robot(*, pace=0, refusal="hang", logger=False):
     scenario = replace(load_scenario("irb120-tilted"), arm=ArmSetup(refusal=refusal))
     cell = Cell(scenario, 1, CellClock(pace))
     endpoint = (logger_endpoint if logger else robot_endpoint)(cell, MotionProgram(cell))
-    address = await endpoint.open("127.0.0.1", 0)
-    writers = []
-
-    async def connect():
-        reader, writer = await asyncio.open_connection("127.0.0.1", address.port)
-        writers.append(writer)
-        return reader, writer
-
-    try:
+    async with connections_to(endpoint) as connect:
         yield connect
-    finally:
-        for writer in writers:
-            writer.close()
-        await endpoint.close()
 
 
 async def ask(connection, request):

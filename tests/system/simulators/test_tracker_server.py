@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.helpers.instruments.sockets import connections_to
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.faults.kinds import TrackerCut
@@ -59,20 +60,12 @@ async def tracker(clock, **changes):
     """Serve a tracker and hand out a way to connect."""
     scenario = replace(load_scenario("irb120-tilted"), tracker=TrackerSetup(initialise_s=0.0), **changes)
     endpoint = tracker_endpoint(Cell(scenario, 1, clock))
-    address = await endpoint.open("127.0.0.1", 0)
-    writers = []
+    async with connections_to(endpoint) as connect:
 
-    async def connect():
-        reader, writer = await asyncio.open_connection("127.0.0.1", address.port)
-        writers.append(writer)
-        return Client(reader, writer)
+        async def connected():
+            return Client(*await connect())
 
-    try:
-        yield connect
-    finally:
-        for writer in writers:
-            writer.close()
-        await endpoint.close()
+        yield connected
 
 
 async def test_a_second_application_is_told_so_and_takes_over_when_the_first_leaves():

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.instruments.sockets import connections_to
 from truepose_drivers.abb_open_abb.driver import OpenAbbRobot, TimeOuts
 from truepose_drivers.api import MotionLimits
 from truepose_drivers.monotonic_clock import MonotonicClock
@@ -28,22 +29,8 @@ async def controller(server="truepose"):
     scenario = replace(load_scenario("irb120-clean"), arm=ArmSetup(server=server))
     cell = Cell(scenario, 1, CellClock(1))
     endpoint = robot_endpoint(cell, MotionProgram(cell))
-    address = await endpoint.open("127.0.0.1", 0)
-    writers = []
-
-    async def connect():
-        reader, writer = await asyncio.open_connection("127.0.0.1", address.port)
-        writers.append(writer)
-        return reader, writer
-
-    try:
+    async with connections_to(endpoint) as connect:
         yield cell, connect
-    finally:
-        for writer in writers:
-            writer.close()
-            with contextlib.suppress(ConnectionError):
-                await writer.wait_closed()
-        await endpoint.close()
 
 
 async def asked(connection, *requests):

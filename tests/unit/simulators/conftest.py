@@ -1,14 +1,30 @@
 """Cells for the tests of simulators."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.unit.simulators.model_documents import model_document
 from truepose_simulators.cell.clock import CellClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.scenarios.file import load_scenario
+from truepose_simulators.scenarios.model_file import load_model
+
+
+@pytest.fixture
+def load(tmp_path: Path) -> Callable[..., Any]:
+    """Return what writes a model file with these parameters and loads it; keywords replace keys."""
+
+    def write_and_load(*parameters: tuple[str, str, float, str], **changes: Any) -> Any:
+        path = tmp_path / "robot.json"
+        path.write_text(json.dumps(model_document(*parameters, **changes)))
+        return load_model(path)
+
+    return write_and_load
 
 
 @pytest.fixture

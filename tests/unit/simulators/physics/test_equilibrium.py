@@ -1,25 +1,14 @@
 import numpy as np
 import pytest
 
+from tests.unit.simulators.physics.circumstances import stops
 from truepose_simulators.physics.chain import place_bodies
-from truepose_simulators.physics.effects import Conditions, Deflection
+from truepose_simulators.physics.effects import Deflection
 from truepose_simulators.physics.equilibrium import NoEquilibriumError, find_rest
 from truepose_simulators.physics.plant import Plant
 from truepose_simulators.physics.rigid import move
 
 NESTS_MM = np.array([[0.0, 0.0, 125.0], [75.0, 93.675, 215.0], [150.0, 0.0, 125.0]])
-
-
-def stops(joints_rad, **changes):
-    n = len(joints_rad)
-    values = {
-        "joints_rad": joints_rad,
-        "direction": np.ones_like(joints_rad),
-        "time_s": np.zeros(n),
-        "temperature_c": np.full(n, 23.0),
-        "attachment": np.ones(n),
-    }
-    return Conditions(**{**values, **changes})
 
 
 def potential_energy_n_mm(plant, angles_rad):

@@ -1,14 +1,11 @@
-import json
-
 import numpy as np
 import pytest
 
-from tests.unit.simulators.model_documents import AT_THE_WORLD, model_document, robot_document
+from tests.unit.simulators.model_documents import AT_THE_WORLD, robot_document
 from truepose_simulators.errors import ModelError
 from truepose_simulators.physics.effects import Conditions
 from truepose_simulators.physics.equilibrium import find_rest
 from truepose_simulators.physics.identified import realise
-from truepose_simulators.scenarios.model_file import load_model
 
 # Each row is about an effect and a parameter that its physics has no meaning for.
 STRANGE = [
@@ -46,16 +43,6 @@ BEYOND = [
     ("tool", "nest_4_x", "no nest 4, there are 1"),
     ("tool_certificate", "certified_2_x", "no nest 2, there are 1"),
 ]
-
-
-@pytest.fixture
-def load(tmp_path):
-    def write_and_load(*parameters, **changes):
-        path = tmp_path / "robot.json"
-        path.write_text(json.dumps(model_document(*parameters, **changes)))
-        return load_model(path)
-
-    return write_and_load
 
 
 @pytest.fixture

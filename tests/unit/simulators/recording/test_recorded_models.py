@@ -1,29 +1,16 @@
 """New campaigns of an identified robot: what a folder states of it, and what its papers cannot say."""
 
-import json
-
 import numpy as np
 import pytest
 
-from tests.unit.simulators.model_documents import model_document, robot_document
+from tests.unit.simulators.model_documents import robot_document
 from truepose_simulators.errors import ModelError
 from truepose_simulators.recording import Wishes, record
 from truepose_simulators.recording.files import campaign_document
 from truepose_simulators.scenarios.file import load_scenario
-from truepose_simulators.scenarios.model_file import load_model
 
 CLEAN = load_scenario("irb120-clean")
 FEW = Wishes(configurations=8, validation=0)
-
-
-@pytest.fixture
-def load(tmp_path):
-    def write_and_load(*parameters, **changes):
-        path = tmp_path / "robot.json"
-        path.write_text(json.dumps(model_document(*parameters, **changes)))
-        return load_model(path)
-
-    return write_and_load
 
 
 def test_the_papers_are_those_of_the_models_robot(load):

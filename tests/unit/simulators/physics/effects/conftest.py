@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.unit.simulators.physics.circumstances import stops
 from truepose_simulators.physics.arm import CarriedMass
-from truepose_simulators.physics.effects import Conditions, PlantedChange, Site, plant_effect
+from truepose_simulators.physics.effects import PlantedChange, Site, plant_effect
 from truepose_simulators.physics.equilibrium import find_rest
 from truepose_simulators.physics.plant import Plant
 from truepose_simulators.physics.robots import ARMS
@@ -59,16 +60,7 @@ def rigid_bench():
 def at():
     """Conditions of stops at joint angles [deg]; keywords replace single circumstances."""
 
-    def stops(rows_deg, **changes):
-        joints = np.radians(np.atleast_2d(np.array(rows_deg, dtype=float)))
-        n = len(joints)
-        values = {
-            "joints_rad": joints,
-            "direction": np.ones_like(joints),
-            "time_s": np.zeros(n),
-            "temperature_c": np.full(n, 23.0),
-            "attachment": np.ones(n),
-        }
-        return Conditions(**{**values, **changes})
+    def stops_at(rows_deg, **changes):
+        return stops(np.radians(np.atleast_2d(np.array(rows_deg, dtype=float))), **changes)
 
-    return stops
+    return stops_at
