@@ -1,22 +1,30 @@
-"""Robots of one's own: one reader a format, told by the ending of the file's name."""
+"""Robots of one's own: one reader a format, told by the ending of the file's name.
 
+A reader is imported when a file of its kind is read: most robots are shipped ones, and parsers take time.
+"""
+
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.robots.calibrated_kinematics import read_calibrated_kinematics
 from truepose.exchange.robots.shipped import RobotWithTool, read_toml_robot
-from truepose.exchange.robots.urdf.reading import read_urdf
+
+_TIP: Final = re.compile(r"(?P<file>.+\.urdf)#(?P<tip>.+)", re.IGNORECASE)
 
 
 def _read_urdf(path: Path) -> RobotWithTool:
     """Read a URDF; behind a `#` stands the link at its tip."""
-    name, _, tip = path.name.partition("#")
-    return RobotWithTool(read_urdf(path.with_name(name), tip=tip or None).robot, nests=())
+    from truepose.exchange.robots.urdf.reading import read_urdf
+
+    name, tip = _and_tip(path.name)
+    return RobotWithTool(read_urdf(path.with_name(name), tip=tip).robot, nests=())
 
 
 def _read_kinematics(path: Path) -> RobotWithTool:
+    from truepose.exchange.robots.calibrated_kinematics import read_calibrated_kinematics
+
     return RobotWithTool(read_calibrated_kinematics(path), nests=())
 
 
@@ -48,4 +56,10 @@ def read_robot_file(path: Path) -> RobotWithTool:
 
 
 def _ending(name: str) -> str:
-    return Path(name.partition("#")[0]).suffix.lower()
+    return Path(_and_tip(name)[0]).suffix.lower()
+
+
+def _and_tip(name: str) -> tuple[str, str | None]:
+    """Return the name of a file, and of the link that stands behind that of a URDF."""
+    match = _TIP.fullmatch(name)
+    return (match["file"], match["tip"]) if match else (name, None)

@@ -214,6 +214,14 @@ def test_a_hand_can_be_left_off_by_naming_the_tip_behind_the_file(tmp_path):
     assert found.robot.source == "URDF, arm.urdf"
 
 
+def test_a_sign_in_the_name_of_a_file_is_part_of_it(tmp_path):
+    (tmp_path / "arm#2.urdf").write_text(robot(joint("a", "b", "l1"), *HAND))
+
+    assert read_robot_file(tmp_path / "arm#2.urdf#l1").robot.n_joints == 1
+    with pytest.raises(InputFileError, match="the arm branches"):
+        read_robot_file(tmp_path / "arm#2.urdf")
+
+
 def test_a_file_of_no_known_kind_is_refused_with_those_that_are(tmp_path):
     with pytest.raises(UnreadableFileError, match=r"ends in .toml, .urdf"):
         read_robot_file(tmp_path / "arm.xml")
