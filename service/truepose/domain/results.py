@@ -283,3 +283,4 @@ class Validation:
     distance_errors: DistanceErrors | None = None  # with sign; None where `distance` is
     places: ErrorsByPlace | None = None  # None: of a program that did not tell it yet
     decision: Decision | None = None  # None without a limit
+    relative: NominalAndIdentified | None = None  # after the best rigid alignment; None of lengths

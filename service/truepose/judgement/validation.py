@@ -7,6 +7,7 @@ from truepose.identification import judge
 from truepose.judgement.decision import decide
 from truepose.judgement.distances import distances
 from truepose.judgement.places import errors_by_place
+from truepose.judgement.relative import relative_errors
 
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 
@@ -52,6 +53,7 @@ def validate(
         claimed,
         distance_errors=None if apart is None else apart.errors,
         places=errors_by_place(model, found),
+        relative=relative_errors(found),
         decision=None if limit_mm is None else decide(found, limit_mm, rule),
     )
 

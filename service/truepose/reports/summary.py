@@ -47,6 +47,8 @@ def validation_summary(validation: Validation) -> Group:
     """Return the errors of positions (or lengths) and of distances, and whether they pass."""
     table = _error_table(f"{validation.quantity.capitalize()} errors, mm")
     _add_pair(table, validation.quantity.capitalize(), validation.position)
+    if validation.relative is not None:
+        _add_pair(table, "Relative: after alignment", validation.relative)
     if validation.distance is not None:
         _add_pair(table, "Distance between points", validation.distance)
     said = [verdict_sentence(validation), decision_sentence(validation)]

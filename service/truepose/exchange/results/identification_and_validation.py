@@ -256,6 +256,9 @@ class ValidationDocument(Document):
 
     quantity: Literal["position", "length"]
     position: PairDocument
+    relative: PairDocument | None = Field(
+        None, description="Positions after the best rigid alignment: the base may stand anywhere."
+    )
     distance: PairDocument | None
     distance_errors: DistanceErrorsDocument | None = Field(
         None, description="All pairs, with sign and histogram; null where there are no pairs."

@@ -1,0 +1,41 @@
+"""Relative accuracy: errors that a base somewhere else would hide."""
+
+import numpy as np
+import pytest
+
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.identification.synthetic import configurations
+from truepose.domain.campaign import PointReadings, Stops
+from truepose.identification import predict
+from truepose.judgement.validation import validate
+from truepose.kinematics.frames import rotation_from_vector
+
+MODEL = model_of(IRB_120, *plain_parameters(IRB_120))
+N = 60
+
+
+def readings(shift_mm=(0.0, 0.0, 0.0), turn_rad=(0.0, 0.0, 0.0), noise_mm=0.0, n=N):
+    stops, nest = Stops(np.arange(n), configurations(n)), 1 + np.arange(n) % 2
+    places, _ = predict(MODEL, stops, nest)
+    moved = places @ rotation_from_vector(np.array(turn_rad)).T + shift_mm
+    moved += noise_mm * np.random.default_rng(0).standard_normal(moved.shape)
+    return PointReadings(stops, nest, moved, np.full(n, 0.01))
+
+
+def test_a_base_that_stands_elsewhere_costs_absolute_accuracy_and_nothing_else():
+    found = validate(MODEL, readings((0.3, -0.2, 0.1), (2e-4, 0.0, -1e-4)))
+
+    assert found.position.identified.mean_mm > 0.3
+    assert found.relative.identified.max_mm == pytest.approx(0.0, abs=1e-9)
+
+
+def test_without_a_shift_both_are_the_noise():
+    found = validate(MODEL, readings(noise_mm=0.02))
+
+    assert found.relative.identified.mean_mm == pytest.approx(found.position.identified.mean_mm, rel=0.1)
+    assert found.relative.identified.rms_mm <= found.position.identified.rms_mm
+
+
+def test_three_readings_are_too_few_to_align():
+    assert validate(MODEL, readings(n=3)).relative is None
