@@ -55,7 +55,7 @@ def of_cell(cell: Cell) -> Subject:
 
 def expected_discrepancy(cell: Cell) -> Discrepancy:
     """Return what parameters are likely not to express: nothing where no real robot is behind the cell."""
-    return TYPICAL if cell.devices else NONE
+    return TYPICAL if cell.devices and cell.simulated is None else NONE
 
 
 def of_campaign(campaign: Campaign, model: Model) -> Subject:

@@ -7,7 +7,7 @@ import pytest
 
 from tests.helpers.ballbar.cells import IRB_120, domain_cell
 from tests.helpers.identification.synthetic import leg_campaign, measured, nominal_campaign
-from truepose.domain.cell import DeviceEntry
+from truepose.domain.cell import DeviceEntry, SimulatedCell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
 from truepose.identification import identify
@@ -18,12 +18,14 @@ from truepose.planning.promise.tracker import promised_session
 TRACKER_MM = (2600.0, -700.0, 500.0)
 
 
-def test_a_cell_without_devices_is_taken_to_be_what_its_parameters_say():
+def test_a_cell_without_real_devices_is_taken_to_be_what_its_parameters_say():
     cell = domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)
     real = replace(cell, devices=(DeviceEntry("tracker", "emscon", {}),))
 
     assert of_cell(cell).knowns.discrepancy == NONE
     assert of_cell(real).knowns.discrepancy == TYPICAL
+    simulated = replace(real, simulated=SimulatedCell("irb120-tilted", 0))  # as a service has it
+    assert of_cell(simulated).knowns.discrepancy == NONE
 
 
 def test_sizes_that_are_given_count():
