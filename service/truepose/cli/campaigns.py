@@ -5,10 +5,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import CampaignPath, Json, effect_names, read_measured, require_folders, writing
+from truepose.cli.files import (
+    CampaignPath,
+    Json,
+    Language,
+    effect_names,
+    read_measured,
+    require_folders,
+    writing,
+)
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
-from truepose.words.catalogue import english
+from truepose.domain.sentences import Sentence, said
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue, english
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
@@ -30,6 +39,7 @@ def identify_command(
             help="Of a ballbar campaign: also turn the legs into positions first, as the thesis does.",
         ),
     ] = False,
+    language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
     """Identify the robot of a campaign folder.
@@ -39,75 +49,74 @@ def identify_command(
     from truepose.identification import identify
 
     require_folders(model_out, report)
+    words = catalogue(language)
     measured = read_measured(campaign)
     remark(measured.ignored)
     answer = identify(measured, effect_names(effects))
     # Files first: who reads "converged" may rely on the model being there.
     if model_out is not None:
-        _write_model(model_out, answer)
+        _write_model(model_out, answer, words)
     if report is not None:
-        _write_report(report, measured, answer)
+        _write_report(report, measured, answer, words)
     thesis = _as_thesis(measured) if compare_thesis else None
     if json:
         from truepose.exchange.results.identification_and_validation import identification_document
 
         document = identification_document(answer, measured.robot.name)
-        print_json(document if thesis is None else document | {"thesis_procedure": thesis})
+        print_json(document if thesis is None else document | {"thesis_procedure": thesis[0]})
     else:
-        _show(answer)
-        remark(_thesis_sentences(thesis))
+        _show(answer, words)
+        remark(() if thesis is None else (words.spoken(thesis[1]),))
     return 0 if _converged(answer) else 1
 
 
-def _as_thesis(campaign: "Campaign") -> "dict[str, JsonValue]":
-    """Return the document of the thesis' procedure; where it cannot be followed, why."""
+def _as_thesis(campaign: "Campaign") -> "tuple[dict[str, JsonValue], Sentence]":
+    """Return what the procedure of the thesis gives, or why none of it: as a document, and in words."""
     from truepose.exchange.results.identification_and_validation import identification_document
     from truepose.identification.thesis_procedure import identify_as_thesis
 
     try:
         answer, positions = identify_as_thesis(campaign)
     except ConfigurationError as error:
-        return {"status": "not_possible", "message": str(error)}
-    return {
-        **identification_document(answer, campaign.robot.name),
-        "configurations_lost": list(positions.lost),
-    }
+        why = str(error)
+        return {"status": "not_possible", "message": why}, said("terminal.thesis", message=why)
+    document = identification_document(answer, campaign.robot.name)
+    return document | {"configurations_lost": list(positions.lost)}, _thesis_sentence(answer)
 
 
-def _thesis_sentences(thesis: "dict[str, JsonValue] | None") -> list[str]:
-    if thesis is None:
-        return []
-    statistics = thesis.get("statistics")
-    judged = statistics.get("validation_position") if isinstance(statistics, dict) else None
-    identified = judged.get("identified") if isinstance(judged, dict) else None
-    error = f", mean position error {identified['mean_mm']:.3f} mm" if isinstance(identified, dict) else ""
-    return [f"As the thesis does (positions from six legs each){error}: {thesis['message']}"]
+def _thesis_sentence(answer: "Identification") -> Sentence:
+    judged = answer.positions.tied if answer.positions else None
+    if judged is None:
+        return said("terminal.thesis", message=answer.message)
+    mean_mm = judged.identified.mean_mm
+    return said("terminal.thesis.judged", mean_mm=mean_mm, message=answer.message)
 
 
 def _converged(answer: "Identification") -> bool:
     return answer.model is not None and answer.status.value == "converged"
 
 
-def _write_model(path: Path, answer: "Identification") -> None:
+def _write_model(path: Path, answer: "Identification", words: Catalogue) -> None:
     from truepose.exchange.models.file import write_model
 
     if answer.model is not None and _converged(answer):
         with writing(path):
             write_model(answer.model, path)
     else:
-        remark([f"No model was written to {path}: {english(answer.message)}"])
+        remark([words.say("terminal.no_model", path=str(path), sentence=answer.message)])
 
 
-def _show(answer: "Identification") -> None:
+def _show(answer: "Identification", words: Catalogue) -> None:
     from truepose.reports.summary import identification_summary
 
-    print_tables(identification_summary(answer))
+    print_tables(identification_summary(answer, words))
 
 
-def _write_report(path: Path, campaign: "Campaign", answer: "Identification") -> None:
+def _write_report(path: Path, campaign: "Campaign", answer: "Identification", words: Catalogue) -> None:
     from truepose.reports import ReportInput, write_identification_report
 
-    write_identification_report(path, ReportInput(identification=answer, campaign=campaign))
+    report = ReportInput(identification=answer, campaign=campaign, language=words.language)
+    write_identification_report(path, report)
 
 
 def predict_command(

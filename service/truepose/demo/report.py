@@ -9,6 +9,7 @@ from truepose.demo.cell.client import PERSON
 from truepose.demo.cell.run import SessionRecords
 from truepose.demo.truth_comparison import JudgedRun
 from truepose.domain.cell import Cell
+from truepose.domain.sentences import said
 from truepose.exchange.cells.file import simulated_cell
 from truepose.reports import (
     DiagnosisLink,
@@ -42,7 +43,10 @@ def write_report(judged: JudgedRun, file: Path) -> None:
 def _truth(judged: JudgedRun) -> Truth | None:
     if judged.errors is None:
         return None
-    errors = (("absolute", judged.errors.absolute), ("after rigid alignment", judged.errors.aligned))
+    errors = (
+        (said("truth.absolute"), judged.errors.absolute),
+        (said("truth.aligned"), judged.errors.aligned),
+    )
     return Truth(parameters=judged.parameters, errors=errors)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.domain.sentences import Sentence, said
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.uncertainty.judged import FAR_OUT, without_far_out
 
@@ -12,8 +13,8 @@ from truepose.reports.uncertainty.judged import FAR_OUT, without_far_out
 class FiguresRow:
     """One block of the table of figures."""
 
-    label: str
-    remark: str
+    label: Sentence
+    remark: Sentence
     pair: NominalAndIdentified
 
 
@@ -23,33 +24,29 @@ def _positions_rows(identification: Identification) -> Iterator[FiguresRow]:
     if positions is None:
         return
     if positions.tied is not None:
-        remark = "held out positions, the frame tied by the measured base cups"
-        yield FiguresRow("Positions", remark, positions.tied)
-    remark = "held out positions, after the best rigid alignment"
-    yield FiguresRow("Positions, aligned", remark, positions.aligned)
+        yield FiguresRow(said("figures.positions"), said("figures.positions.remark"), positions.tied)
+    remark = said("figures.positions_aligned.remark")
+    yield FiguresRow(said("figures.positions_aligned"), remark, positions.aligned)
 
 
 def figures_rows(identification: Identification, shown: Judged | None) -> Iterator[FiguresRow]:
     """Yield the statistics that a reader compares, with and without what lies far out."""
     if identification.validation is not None:
-        yield FiguresRow(
-            "Validation", "held out: the model never saw these readings", identification.validation
-        )
+        remark = said("figures.validation.remark")
+        yield FiguresRow(said("figures.validation"), remark, identification.validation)
         further = None if shown is None else without_far_out(shown)
         if further is not None:
             pair, dropped = further
-            remark = (
-                f"the same without {dropped} beyond {FAR_OUT:g} times the median error, for comparison only"
-            )
-            yield FiguresRow("Validation, without far readings", remark, pair)
+            remark = said("figures.validation.near.remark", dropped=dropped, times=FAR_OUT)
+            yield FiguresRow(said("figures.validation.near"), remark, pair)
     elif identification.cross_validation is not None:
-        remark = "by configuration: each predicted by a model that never saw it"
-        yield FiguresRow("Cross-validation", remark, identification.cross_validation)
+        remark = said("figures.cross_validation.remark")
+        yield FiguresRow(said("figures.cross_validation"), remark, identification.cross_validation)
     yield from _positions_rows(identification)
     if identification.calibration is not None:
-        yield FiguresRow(
-            "Calibration", "all readings that the model was made from", identification.calibration
-        )
+        remark = said("figures.calibration.remark")
+        yield FiguresRow(said("figures.calibration"), remark, identification.calibration)
     if identification.calibration_without_outliers is not None:
-        remark = f"without the {identification.counts.outliers} given no weight"
-        yield FiguresRow("Calibration, without outliers", remark, identification.calibration_without_outliers)
+        remark = said("figures.calibration.near.remark", outliers=identification.counts.outliers)
+        without = identification.calibration_without_outliers
+        yield FiguresRow(said("figures.calibration.near"), remark, without)

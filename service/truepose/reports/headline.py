@@ -1,14 +1,40 @@
 """The one sentence that a person at the robot reads, and the few numbers beside it."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 from truepose.domain.results import Identification, NominalAndIdentified, Statistics, Status
+from truepose.domain.sentences import Sentence, Text, said, together
 from truepose.identification.verdict.judge import Judged
+from truepose.reports.conditions import NOT_STATED
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.uncertainty.budget import Budget
 from truepose.reports.uncertainty.judged import judging_figures
-from truepose.words.catalogue import english
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+_CHANGES: Final = {
+    ("position", True): "headline.position.falls",
+    ("position", False): "headline.position.stays",
+    ("length", True): "headline.length.falls",
+    ("length", False): "headline.length.stays",
+}
+# By what judges the model and what it measures: the key of one of them, and of several.
+_JUDGED_ON: Final = {
+    ("validation", "position"): ("judged.validation.position.one", "judged.validation.position.several"),
+    ("validation", "length"): ("judged.validation.length.one", "judged.validation.length.several"),
+    ("cross_validation", "position"): (
+        "judged.cross_validation.position.one",
+        "judged.cross_validation.position.several",
+    ),
+    ("cross_validation", "length"): (
+        "judged.cross_validation.length.one",
+        "judged.cross_validation.length.several",
+    ),
+    ("calibration", "position"): ("judged.calibration.position.one", "judged.calibration.position.several"),
+    ("calibration", "length"): ("judged.calibration.length.one", "judged.calibration.length.several"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,18 +55,27 @@ class Headline:
     figures: tuple[Figure, ...] = ()
 
 
-def headline(identification: Identification, judged: Judged | None, budget: Budget | None) -> Headline:
+def headline(
+    identification: Identification,
+    judged: Judged | None,
+    budget: Budget | None,
+    words: Catalogue = IN_ENGLISH,
+) -> Headline:
     """Return the headline; whatever was not reached is said first."""
     pair = judging_figures(identification)
     if judged is None or budget is None or pair is None:
-        return Headline(english(identification.message) or "No model was identified.", good=False)
+        return Headline(words.spoken(identification.message or said("headline.none")), good=False)
     converged = identification.status is Status.CONVERGED
-    warning = "" if converged else f"Not to be used: {english(identification.message)} "
+    warning = "" if converged else said("headline.not_to_be_used", message=identification.message)
     return Headline(
-        sentence=warning + _sentence(identification, budget, pair),
+        sentence=words.spoken(together(warning, _sentence(identification, budget, pair), _far_errors(pair))),
         good=converged and _improves(pair),
-        figures=_figures(identification, budget, pair),
+        figures=tuple(_figure(words, *figure) for figure in _figures(identification, budget, pair)),
     )
+
+
+def _figure(words: Catalogue, name: str, value: Text, remark: Text) -> Figure:
+    return Figure(words.say(name), words.spoken(value), words.spoken(remark))
 
 
 def _improves(pair: NominalAndIdentified) -> bool:
@@ -48,83 +83,79 @@ def _improves(pair: NominalAndIdentified) -> bool:
     return identified.mean_mm < nominal.mean_mm and identified.rms_mm < nominal.rms_mm
 
 
-def _sentence(identification: Identification, budget: Budget, pair: NominalAndIdentified) -> str:
+def _sentence(identification: Identification, budget: Budget, pair: NominalAndIdentified) -> Sentence:
     nominal, identified = pair.nominal, pair.identified
-    verb = "falls from" if identified.mean_mm < nominal.mean_mm else "does not fall: it goes from"
-    before, after = _stated(nominal, budget.before_mm), _stated(identified, budget.after_mm)
-    return (
-        f"On {judged_on(identification, nominal)} the mean {identification.quantity} error {verb} {before} "
-        f"with the nominal model to {after} with the identified one; {_noise(identified)}"
-        f"{_far_errors(pair)}"
+    return said(
+        _CHANGES[identification.quantity, identified.mean_mm < nominal.mean_mm],
+        judged=judged_on(identification, nominal),
+        before=_stated(nominal, budget.before_mm),
+        after=_stated(identified, budget.after_mm),
+        noise=_noise(identified),
     )
 
 
-def _stated(statistics: Statistics, u_mm: float) -> str:
-    return f"{rounded(statistics.mean_mm, 2 * u_mm)} mm ({_expanded(u_mm)})"
+def _stated(statistics: Statistics, u_mm: float) -> Sentence:
+    return said("headline.stated", mean=rounded(statistics.mean_mm, 2 * u_mm), expanded=_expanded(u_mm))
 
 
-def _expanded(u_mm: float) -> str:
+def _expanded(u_mm: float) -> Sentence:
     if not math.isfinite(u_mm):
-        return "U not known from one configuration"
-    return f"U = {uncertainty(2 * u_mm)} mm"
+        return said("headline.expanded.unknown")
+    return said("headline.expanded", u=uncertainty(2 * u_mm))
 
 
-def _far_errors(pair: NominalAndIdentified) -> str:
+def _far_errors(pair: NominalAndIdentified) -> Text:
     """Say when a falling mean hides growing errors: the mean alone would praise such a model."""
     nominal, identified = pair.nominal, pair.identified
     if identified.rms_mm < nominal.rms_mm or identified.mean_mm >= nominal.mean_mm:
         return ""
-    change = f"{millimetres(nominal.rms_mm)} mm before, {millimetres(identified.rms_mm)} mm after"
-    return f" But the RMS does not fall ({change}): some errors have grown."
+    return said("headline.grown", before=millimetres(nominal.rms_mm), after=millimetres(identified.rms_mm))
 
 
-def _noise(identified: Statistics) -> str:
+def _noise(identified: Statistics) -> Sentence:
     if identified.noise_mm == 0.0:
-        return "the noise of instrument and robot is not stated."
-    if identified.noise_mm >= identified.mean_mm:
-        return (
-            f"the noise of instrument and robot alone would show {millimetres(identified.noise_mm)} mm, "
-            "so the model's own error is below what these readings can tell."
-        )
-    return (
-        f"of this, the noise of instrument and robot alone would show {millimetres(identified.noise_mm)} mm."
-    )
+        return said("headline.noise.not_stated")
+    below = identified.noise_mm >= identified.mean_mm
+    key = "headline.noise.all" if below else "headline.noise.part"
+    return said(key, noise=millimetres(identified.noise_mm))
 
 
-def judged_on(identification: Identification, statistics: Statistics) -> str:
+def judged_on(identification: Identification, statistics: Statistics) -> Sentence:
     """Return what the figures stand on, e.g. "1,000 held-out positions"."""
-    things = identification.quantity if statistics.n == 1 else f"{identification.quantity}s"
+    one, several = _JUDGED_ON[_judged_by(identification), identification.quantity]
+    return said(one if statistics.n == 1 else several, n=statistics.n)
+
+
+def _judged_by(identification: Identification) -> str:
     if identification.validation is not None:
-        return f"{statistics.n:,} held-out {things}"
-    if identification.cross_validation is not None:
-        return f"{statistics.n:,} {things}, each predicted by a model that never saw its configuration,"
-    return f"{statistics.n:,} {things} that the model was made from"
+        return "validation"
+    return "calibration" if identification.cross_validation is None else "cross_validation"
 
 
 def _figures(
     identification: Identification, budget: Budget, pair: NominalAndIdentified
-) -> tuple[Figure, ...]:
-    factor = pair.nominal.mean_mm / pair.identified.mean_mm if pair.identified.mean_mm > 0.0 else float("inf")
-    return (
-        _mean("Mean error before", pair.nominal, budget.before_mm),
-        _mean("Mean error after", pair.identified, budget.after_mm),
-        Figure(
-            "Largest error after",
-            f"{millimetres(pair.identified.max_mm)} mm",
-            f"before {millimetres(pair.nominal.max_mm)} mm",
-        ),
-        Figure("Noise alone", f"{millimetres(pair.identified.noise_mm)} mm", _noise_of(identification, pair)),
-        Figure("Improvement", f"{factor:.3g} times", "mean error before over after, noise included"),
-    )
+) -> Iterator[tuple[str, Text, Text]]:
+    """Yield the name of each number by its key, the number, and a remark."""
+    nominal, identified = pair.nominal, pair.identified
+    factor = nominal.mean_mm / identified.mean_mm if identified.mean_mm > 0.0 else float("inf")
+    yield "headline.mean_before", _mean(nominal, budget.before_mm), _expanded(budget.before_mm)
+    yield "headline.mean_after", _mean(identified, budget.after_mm), _expanded(budget.after_mm)
+    before = said("headline.largest_before", largest=millimetres(nominal.max_mm))
+    yield "headline.largest_after", f"{millimetres(identified.max_mm)} mm", before
+    noise = f"{millimetres(identified.noise_mm)} mm"
+    yield "report.noise_alone", noise, _noise_of(identification, identified)
+    times = said("headline.improvement.value", factor=factor)
+    yield "headline.improvement", times, said("headline.improvement.remark")
 
 
-def _noise_of(identification: Identification, pair: NominalAndIdentified) -> str:
+def _noise_of(identification: Identification, identified: Statistics) -> Sentence:
     """Return of which readings the noise is, and what is in it."""
-    if pair.identified.noise_mm == 0.0:
-        return "not stated"
-    readings = f"{pair.identified.n:,} {'held-out' if identification.validation else 'calibration'} readings"
-    return f"mean that instrument and robot scatter would show on these {readings}"
+    if identified.noise_mm == 0.0:
+        return said(NOT_STATED)
+    held_out = identification.validation is not None
+    key = "headline.noise_alone.held_out" if held_out else "headline.noise_alone.calibration"
+    return said(key, n=identified.n)
 
 
-def _mean(name: str, statistics: Statistics, u_mm: float) -> Figure:
-    return Figure(name, f"{rounded(statistics.mean_mm, 2 * u_mm)} mm", _expanded(u_mm))
+def _mean(statistics: Statistics, u_mm: float) -> str:
+    return f"{rounded(statistics.mean_mm, 2 * u_mm)} mm"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from truepose.domain.campaign import Campaign, Stops
 from truepose.domain.results import Identification
+from truepose.domain.sentences import Text
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.conditions import ReportConditions, condition_rows, temperature_range
 from truepose.reports.figures.correlation import correlation_map, strongest_pairs
@@ -20,6 +21,7 @@ from truepose.reports.truth import Truth, truth_row
 from truepose.reports.uncertainty.budget import Budget, budget
 from truepose.reports.uncertainty.judged import FAR_OUT, judged, noise_split, shown_noise_mm
 from truepose.reports.uncertainty.shifts import DRAWS
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +29,7 @@ class DiagnosisLink:
     """Where the report of a diagnosis of the same readings lies, and its first line."""
 
     href: str  # relative to the report that links it
-    message: str
+    message: Text
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,7 @@ class ReportInput:
     conditions: ReportConditions = field(default_factory=ReportConditions)
     truth: Truth | None = None
     diagnosis: DiagnosisLink | None = None
+    language: str = ENGLISH  # one of `LANGUAGES`
 
 
 def write_identification_report(path: Path, report: ReportInput) -> None:
@@ -59,29 +62,31 @@ def write_identification_report(path: Path, report: ReportInput) -> None:
     ConfigurationError
         The campaign is not the one that the identification was made from.
     """
-    identification, campaign = report.identification, report.campaign
+    identification, campaign, words = report.identification, report.campaign, catalogue(report.language)
     conditions = _with_temperature(report.conditions, campaign)
     shown = judged(identification, campaign)
     uncertainties = _budget(shown, identification, campaign, conditions)
     write_page(
         path,
         "identification.html",
+        words=words,
+        say=words.say,
         identification=identification,
         campaign=campaign,
         conditions=conditions,
-        condition_rows=tuple(condition_rows(conditions)),
+        condition_rows=tuple(condition_rows(conditions, words)),
         simulated=conditions.simulated or bool(campaign.simulated),
-        headline=headline(identification, shown, uncertainties),
+        headline=headline(identification, shown, uncertainties, words),
         figures_rows=tuple(figures_rows(identification, shown)),
         far_out=FAR_OUT,
         budget=uncertainties,
         draws=DRAWS,
-        parameters=parameter_rows(identification, campaign),
+        parameters=parameter_rows(identification, campaign, words),
         truth=report.truth,
         diagnosis=report.diagnosis,
         truth_rows=() if report.truth is None else tuple(truth_row(p) for p in report.truth.parameters),
-        **_evidence(shown, identification),
-        **_correlation(identification),
+        **_evidence(shown, identification, words),
+        **_correlation(identification, words),
     )
 
 
@@ -104,7 +109,7 @@ def _budget(
     return None if shown is None else budget(shown, identification, campaign, conditions)
 
 
-def _evidence(shown: Judged | None, identification: Identification) -> dict[str, object]:
+def _evidence(shown: Judged | None, identification: Identification, words: Catalogue) -> dict[str, object]:
     """Return the figures drawn from residuals; all None where there are none."""
     model = identification.model
     if shown is None or model is None:
@@ -115,15 +120,15 @@ def _evidence(shown: Judged | None, identification: Identification) -> dict[str,
     )
     return {
         "judged": shown,
-        "histogram": histogram(shown, shown_noise_mm(identification)),
-        "joints": joint_residuals(shown),
-        "space": work_space(shown),
+        "histogram": histogram(shown, shown_noise_mm(identification), words),
+        "joints": joint_residuals(shown, words),
+        "space": work_space(shown, words),
         "splits": splits,
     }
 
 
-def _correlation(identification: Identification) -> dict[str, object]:
+def _correlation(identification: Identification, words: Catalogue) -> dict[str, object]:
     model = identification.model
     if model is None:
         return {"correlation": None, "strongest": ()}
-    return {"correlation": correlation_map(model), "strongest": strongest_pairs(model)}
+    return {"correlation": correlation_map(model, words), "strongest": strongest_pairs(model)}

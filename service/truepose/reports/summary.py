@@ -7,7 +7,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from truepose.domain.results import Identification, NominalAndIdentified, Validation
+from truepose.domain.results import Identification, NominalAndIdentified, Outlier, Validation
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
@@ -16,7 +16,7 @@ from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
 from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
-from truepose.words.catalogue import english
+from truepose.words.catalogue import IN_ENGLISH, Catalogue, english
 
 _DECIDED = {
     "conforms": "conforms",
@@ -25,22 +25,23 @@ _DECIDED = {
 }
 
 
-def identification_summary(identification: Identification) -> Group:
+def identification_summary(identification: Identification, words: Catalogue = IN_ENGLISH) -> Group:
     """Return message, errors, parameters and what the data leave open."""
-    parts: list[RenderableType] = [Text(english(identification.message))]
+    parts: list[RenderableType] = [Text(words.spoken(identification.message))]
     if any(figures_rows(identification, None)):
-        parts.append(figures_table(identification))
+        parts.append(figures_table(identification, words))
     if identification.parameters:
-        parts.append(_parameter_table(identification))
+        parts.append(_parameter_table(identification, words))
     parts += [
-        Text(f"Not told apart: {', '.join(group.parameters)}: {english(group.reason)}.")
+        Text(words.say("terminal.open", parameters=group.parameters, reason=group.reason))
         for group in identification.not_identifiable
     ]
-    parts += [
-        Text(f"No weight: configuration {outlier.config}, nest {outlier.nest}: {english(outlier.reason)}.")
-        for outlier in identification.outliers
-    ]
+    parts += [Text(_without_weight(outlier, words)) for outlier in identification.outliers]
     return Group(*parts)
+
+
+def _without_weight(outlier: Outlier, words: Catalogue) -> str:
+    return words.say("terminal.no_weight", config=outlier.config, nest=outlier.nest, reason=outlier.reason)
 
 
 def validation_summary(validation: Validation) -> Group:
@@ -106,36 +107,40 @@ def _without_limit(validation: Validation) -> str:
     )
 
 
-def figures_table(identification: Identification) -> Table:
+def figures_table(identification: Identification, words: Catalogue = IN_ENGLISH) -> Table:
     """Return nominal and identified errors [mm] side by side."""
-    table = _error_table(f"{identification.quantity.capitalize()} errors, mm")
+    positions = identification.quantity == "position"
+    title = words.say("terminal.position_errors" if positions else "terminal.length_errors")
+    table = _error_table(title, words)
     for row in figures_rows(identification, None):
-        _add_pair(table, row.label, row.pair)
+        _add_pair(table, words.spoken(row.label), row.pair, words)
     return table
 
 
-def _error_table(title: str) -> Table:
+def _error_table(title: str, words: Catalogue = IN_ENGLISH) -> Table:
     table = Table(title=title)
-    table.add_column("readings")
-    table.add_column("model")
-    for name in ("n", "mean", "rms", "sd", "max", "noise"):
+    table.add_column(words.say("curve.readings"))
+    table.add_column(words.say("terminal.model"))
+    mean, sd, noise = map(words.say, ("terminal.mean", "terminal.sd", "terminal.noise_column"))
+    for name in ("n", mean, "rms", sd, "max", noise):
         table.add_column(name, justify="right")
     return table
 
 
-def _add_pair(table: Table, label: str, pair: NominalAndIdentified) -> None:
-    for first, model, figures in ((label, "nominal", pair.nominal), ("", "identified", pair.identified)):
+def _add_pair(table: Table, label: str, pair: NominalAndIdentified, words: Catalogue = IN_ENGLISH) -> None:
+    nominal, identified = words.say("model.nominal"), words.say("model.identified")
+    for first, model, figures in ((label, nominal, pair.nominal), ("", identified, pair.identified)):
         values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)
         table.add_row(first, model, str(figures.n), *(millimetres(value) for value in values))
 
 
-def _parameter_table(identification: Identification) -> Table:
+def _parameter_table(identification: Identification, words: Catalogue) -> Table:
     """Return what is added to the nominal values, as documents do; what only a prior holds stands out."""
-    table = Table(title="Parameters, added to the nominal values")
-    table.add_column("parameter")
-    for name in ("value", "u"):
+    table = Table(title=words.say("terminal.parameters"))
+    table.add_column(words.say("terminal.parameter"))
+    for name in (words.say("terminal.value"), "u"):
         table.add_column(name, justify="right")
-    table.add_column("unit")
+    table.add_column(words.say("terminal.unit"))
     for parameter in identification.parameters:
         factor = file_factor(parameter.unit)
         u = parameter.standard_uncertainty * factor
@@ -149,12 +154,14 @@ def _parameter_table(identification: Identification) -> Table:
     return table
 
 
-def truth_table(parameters: Iterable[TrueParameter]) -> Table:
+def truth_table(parameters: Iterable[TrueParameter], words: Catalogue = IN_ENGLISH) -> Table:
     """Return identified parameters against true ones; deviations beyond 3 u stand out."""
-    table = Table(title="Identified parameters against the simulator's truth")
-    table.add_column("parameter")
-    for name in ("identified", "true", "u", "unit", "deviation / u"):
-        table.add_column(name, justify="left" if name == "unit" else "right")
+    table = Table(title=words.say("terminal.truth"))
+    table.add_column(words.say("terminal.parameter"))
+    for name in (words.say("terminal.identified"), words.say("terminal.true"), "u"):
+        table.add_column(name, justify="right")
+    table.add_column(words.say("terminal.unit"))
+    table.add_column(words.say("terminal.deviation"), justify="right")
     for row in map(truth_row, parameters):
         style = "yellow" if row.far else ""
         table.add_row(

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from truepose.domain.results import Statistics
+from truepose.domain.sentences import Text
 from truepose.reports.rounding import MISSING, rounded, uncertainty
 
 _K_95 = 1.96  # two-sided 95 % of the normal distribution
@@ -36,7 +37,7 @@ class Truth:
     """True parameters and true errors: distances between predicted and true positions [mm]."""
 
     parameters: tuple[TrueParameter, ...] = ()
-    errors: tuple[tuple[str, Statistics], ...] = ()  # label such as "absolute" or "after rigid alignment"
+    errors: tuple[tuple[Text, Statistics], ...] = ()  # label such as "absolute" or "after rigid alignment"
 
     @property
     def covered_95(self) -> int:

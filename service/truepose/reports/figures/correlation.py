@@ -7,6 +7,7 @@ from matplotlib.colors import to_rgb
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Model
 from truepose.reports.figures.canvas import new_figure, no_spines, page_style, to_svg
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_READABLE = 48  # parameters whose names still stand side by side
 _STRONG = 0.8
@@ -34,7 +35,7 @@ def strongest_pairs(model: Model) -> tuple[tuple[str, str, float], ...]:
     return tuple((names[i], names[j], float(matrix[i, j])) for i, j in strong[:_MOST_PAIRS])
 
 
-def correlation_map(model: Model) -> Markup | None:
+def correlation_map(model: Model, words: Catalogue = IN_ENGLISH) -> Markup | None:
     """Return the map, or None where it could not be read."""
     if not 2 <= len(model.parameters) <= _MOST_READABLE:
         return None
@@ -48,7 +49,7 @@ def correlation_map(model: Model) -> Markup | None:
         axes.tick_params(length=0)
         axes.grid(visible=False)
         no_spines(axes)
-        return to_svg(figure, "correlation", "Correlation of the identified parameters")
+        return to_svg(figure, "correlation", words.say("correlation.picture"))
 
 
 def _coloured(matrix: FloatArray) -> FloatArray:

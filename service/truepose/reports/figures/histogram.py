@@ -19,6 +19,7 @@ from truepose.reports.figures.canvas import (
     to_svg,
 )
 from truepose.reports.rounding import millimetres
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _BINS = 60
 _SMALLEST_SHARE = 1e-4  # of the largest error: what lies below is drawn in the first bin
@@ -33,7 +34,7 @@ class Histogram:
     noise_drawn: bool
 
 
-def histogram(judged: Judged, noise_mm: float) -> Histogram:
+def histogram(judged: Judged, noise_mm: float, words: Catalogue = IN_ENGLISH) -> Histogram:
     """Draw the histogram of error norms, both on one logarithmic axis: they differ by decades.
 
     `noise_mm` is the mean that noise alone would show; below the first bin it is not drawn.
@@ -41,38 +42,41 @@ def histogram(judged: Judged, noise_mm: float) -> Histogram:
     before, after = _norms(judged)
     edges = _edges(np.concatenate([before, after]))
     with page_style():
-        figure = _drawn(before, after, noise_mm, PAGE)
-        picture = to_svg(figure, "histogram", "Histogram of errors before and after identification")
+        figure = _drawn(before, after, noise_mm, PAGE, words)
+        picture = to_svg(figure, "histogram", words.say("histogram"))
         return Histogram(picture, noise_drawn=bool(noise_mm > edges[0]))
 
 
 def plain_histogram(judged: Judged, noise_mm: float) -> Drawing:
     """Return the same histogram as a figure that a program may change."""
     with plain_style():
-        return _drawn(*_norms(judged), noise_mm, PLAIN)
+        return _drawn(*_norms(judged), noise_mm, PLAIN, IN_ENGLISH)
 
 
 def _norms(judged: Judged) -> tuple[FloatArray, FloatArray]:
     return np.linalg.norm(judged.nominal_mm, axis=1), np.linalg.norm(judged.identified_mm, axis=1)
 
 
-def _drawn(before: FloatArray, after: FloatArray, noise_mm: float, colours: Colours) -> Drawing:
+def _drawn(
+    before: FloatArray, after: FloatArray, noise_mm: float, colours: Colours, words: Catalogue
+) -> Drawing:
     figure = new_figure(8.0, 3.0)
     axes = figure.add_subplot()
     edges = _edges(np.concatenate([before, after]))
-    for norms, colour, name in ((before, colours.before, "nominal"), (after, colours.after, "identified")):
-        label = f"{name}: mean {millimetres(float(norms.mean()))} mm"
+    nominal, identified = words.say("model.nominal"), words.say("model.identified")
+    for norms, colour, name in ((before, colours.before, nominal), (after, colours.after, identified)):
+        label = words.say("comparison.mean", name=name, mean=millimetres(float(norms.mean())))
         axes.hist(np.maximum(norms, edges[0]), edges.tolist(), color=colour, alpha=0.75, label=label)
     if noise_mm > edges[0]:
-        label = f"noise alone: mean {millimetres(noise_mm)} mm"
+        label = words.say("comparison.noise", mean=millimetres(noise_mm))
         axes.axvline(noise_mm, color=colours.noise, linestyle="--", linewidth=1.4, label=label)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=3 * _DECADES_OF_LABELS))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_locator(LogLocator(subs=(), numticks=1))
     axes.grid(axis="x", visible=False)
-    axes.set_xlabel("error [mm], logarithmic")
-    axes.set_ylabel("readings")
+    axes.set_xlabel(words.say("histogram.error"))
+    axes.set_ylabel(words.say("curve.readings"))
     figure.legend(loc="outside upper left", ncols=3)
     return figure
 

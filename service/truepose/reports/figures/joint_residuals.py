@@ -14,9 +14,10 @@ from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.chain import theta_gradient
 from truepose.reports.figures.canvas import AFTER, MUTED, X, Y, Z, new_figure, page_style, to_svg
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _COLUMNS = 3
-_DIRECTIONS = ("along the joint's motion", "along its axis", "away from its axis")
+_DIRECTIONS = ("joints.along_motion", "joints.along_axis", "joints.away")
 _MOST_POINTS = 400  # dots of one colour in one panel; more make no one wiser and the file heavy
 _LEGEND_SCALE = 4.0  # its dots must show their colour
 _BANDWIDTH = 0.04  # of the joint's range: shows two waves per turn nearly undamped
@@ -36,7 +37,7 @@ class JointResiduals:
     band: bool  # of the instrument
 
 
-def joint_residuals(judged: Judged) -> JointResiduals:
+def joint_residuals(judged: Judged, words: Catalogue = IN_ENGLISH) -> JointResiduals:
     """Return one panel per joint with the identified model's residuals and an eye-guide."""
     seen = residuals_by_joint(judged)
     angles_deg = np.degrees(judged.stops.joints_rad)
@@ -47,16 +48,16 @@ def joint_residuals(judged: Judged) -> JointResiduals:
         panels = figure.subplots(rows, _COLUMNS, sharey=True, squeeze=False).ravel()
         for joint, axes in enumerate(panels):
             if joint < angles_deg.shape[1]:
-                _band(axes, noise_mm)
-                guides |= _panel(axes, angles_deg[:, joint], seen[joint])
-                axes.set_title(f"joint {joint + 1} [deg]")
+                _band(axes, noise_mm, words)
+                guides |= _panel(axes, angles_deg[:, joint], seen[joint], words)
+                axes.set_title(words.say("joints.panel", joint=f"joint {joint + 1}"))
             else:
                 axes.set_visible(False)
         _limit(panels[0], judged.identified_mm)
-        figure.supylabel("residual [mm]", fontsize=9)
+        figure.supylabel(words.say("joints.residual"), fontsize=9)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=4, markerscale=_LEGEND_SCALE)
-        picture = to_svg(figure, "joints", "Residuals of the identified model against each joint angle")
+        picture = to_svg(figure, "joints", words.say("joints.picture"))
         return JointResiduals(picture, guides, noise_mm > 0.0)
 
 
@@ -65,16 +66,16 @@ def _noise_mm(judged: Judged) -> float:
     return float(np.sqrt(np.trace(judged.block.covariance(), axis1=1, axis2=2).mean() / components))
 
 
-def _band(axes: Axes, noise_mm: float) -> None:
+def _band(axes: Axes, noise_mm: float, words: Catalogue) -> None:
     if noise_mm > 0.0:
-        name = "± 2 u of the instrument"
+        name = words.say("joints.band")
         axes.axhspan(-2.0 * noise_mm, 2.0 * noise_mm, color=MUTED, alpha=0.15, linewidth=0.0, label=name)
 
 
-def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray) -> bool:
+def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray, words: Catalogue) -> bool:
     """Draw the residuals over one angle; return whether there is a guide to the eye."""
     guided = False
-    names = zip((X, Y, Z), _DIRECTIONS, strict=True) if residual.shape[1] == 3 else [(AFTER, "length")]
+    names = zip((X, Y, Z), _DIRECTIONS, strict=True) if residual.shape[1] == 3 else [(AFTER, "joints.length")]
     shown = slice(None, None, -(-len(residual) // _MOST_POINTS))
     for component, (colour, name) in enumerate(names):
         grid, guide = eye_guide(angle_deg, residual[:, component])
@@ -85,7 +86,7 @@ def _panel(axes: Axes, angle_deg: FloatArray, residual: FloatArray) -> bool:
             color=colour,
             markersize=2.0,
             alpha=0.45,
-            label=name,
+            label=words.say(name),
         )
         if np.isfinite(guide).any():
             guided = True

@@ -10,10 +10,11 @@ from matplotlib.axes import Axes
 from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
 from truepose.reports.figures.canvas import AFTER, BEFORE, MUTED, new_figure, page_style, to_svg
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_VECTORS = 250
 _SHARE_OF_SPACE = 0.12  # length of a large (95 %) error, of the extent of the work space
-_VIEWS = ((0, 1, "from above"), (0, 2, "from the front"), (1, 2, "from the side"))
+_VIEWS = ((0, 1, "space.from_above"), (0, 2, "space.from_the_front"), (1, 2, "space.from_the_side"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +29,7 @@ class WorkSpaceFigures:
     total: int
 
 
-def work_space(judged: Judged) -> WorkSpaceFigures:
+def work_space(judged: Judged, words: Catalogue = IN_ENGLISH) -> WorkSpaceFigures:
     """Draw the errors of `judged`; where there are too many, an even selection of them."""
     total = len(judged.position_mm)
     shown = slice(None, None, -(-total // _MOST_VECTORS))
@@ -37,8 +38,8 @@ def work_space(judged: Judged) -> WorkSpaceFigures:
     after = judged.vectors_mm(judged.identified_mm)[shown]
     scales = exaggeration(points, before), exaggeration(points, after)
     return WorkSpaceFigures(
-        in_space=_in_space(points, before * scales[0], after * scales[1], scales),
-        views=_views(points, after * scales[1]),
+        in_space=_in_space(points, before * scales[0], after * scales[1], scales, words),
+        views=_views(points, after * scales[1], words),
         exaggeration_before=scales[0],
         exaggeration_after=scales[1],
         shown=len(points),
@@ -58,7 +59,11 @@ def exaggeration(points_mm: FloatArray, vectors_mm: FloatArray) -> float:
 
 
 def _in_space(
-    points: FloatArray, before: FloatArray, after: FloatArray, scales: tuple[float, float]
+    points: FloatArray,
+    before: FloatArray,
+    after: FloatArray,
+    scales: tuple[float, float],
+    words: Catalogue,
 ) -> Markup:
     with page_style():
         figure = new_figure(8.0, 4.4)
@@ -66,8 +71,8 @@ def _in_space(
         for column, (vectors, colour, name, scale) in enumerate(panels, start=1):
             axes = figure.add_subplot(1, 2, column, projection="3d")
             _space_panel(axes, points, vectors, colour)
-            axes.set_title(f"{name}, errors {scale:g} times larger")
-        return to_svg(figure, "space", "Error vectors in the work space before and after identification")
+            axes.set_title(words.say("space.larger", name=words.say(name), times=scale))
+        return to_svg(figure, "space", words.say("space.picture"))
 
 
 def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str) -> None:
@@ -82,15 +87,15 @@ def _space_panel(axes: Any, points: FloatArray, vectors: FloatArray, colour: str
         axis.set_pane_color((0.0, 0.0, 0.0, 0.0))
 
 
-def _views(points: FloatArray, vectors: FloatArray) -> Markup:
+def _views(points: FloatArray, vectors: FloatArray, words: Catalogue) -> Markup:
     with page_style():
         figure = new_figure(8.0, 3.1)
         for axes, (across, up, name) in zip(figure.subplots(1, 3), _VIEWS, strict=True):
             _view(axes, points[:, [across, up]], vectors[:, [across, up]])
-            axes.set_title(name)
+            axes.set_title(words.say(name))
             axes.set_xlabel(f"{'xyz'[across]} [mm]")
             axes.set_ylabel(f"{'xyz'[up]} [mm]")
-        return to_svg(figure, "views", "Error vectors after identification in three views")
+        return to_svg(figure, "views", words.say("space.views"))
 
 
 def _view(axes: Axes, points: FloatArray, vectors: FloatArray) -> None:

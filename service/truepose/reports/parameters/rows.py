@@ -19,6 +19,7 @@ from truepose.kinematics.frames import (
 )
 from truepose.reports.parameters.meanings import meaning
 from truepose.reports.rounding import MISSING, exact, rounded, uncertainty
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 Standing = Literal["determined", "combination", "prior"]
 _AXES = ("x", "y", "z")
@@ -47,7 +48,9 @@ class ParameterRow:
     standing: Standing
 
 
-def parameter_rows(identification: Identification, campaign: Campaign) -> tuple[ParameterRow, ...]:
+def parameter_rows(
+    identification: Identification, campaign: Campaign, words: Catalogue = IN_ENGLISH
+) -> tuple[ParameterRow, ...]:
     """Return a row per parameter, in their order; none without a model."""
     model = identification.model
     if model is None:
@@ -59,6 +62,7 @@ def parameter_rows(identification: Identification, campaign: Campaign) -> tuple[
             _nominal(parameter, model, campaign),
             _identified(parameter, model),
             parameter.name in together,
+            words,
         )
         for parameter in identification.parameters
     )
@@ -75,7 +79,9 @@ def _seen_together(identification: Identification) -> set[str]:
     }
 
 
-def _row(parameter: Parameter, nominal: float | None, identified: float, together: bool) -> ParameterRow:
+def _row(
+    parameter: Parameter, nominal: float | None, identified: float, together: bool, words: Catalogue
+) -> ParameterRow:
     factor = file_factor(parameter.unit)
     u = parameter.standard_uncertainty * factor
 
@@ -88,7 +94,7 @@ def _row(parameter: Parameter, nominal: float | None, identified: float, togethe
         standard_uncertainty=uncertainty(u),
         unit=file_unit(parameter.unit),
         prior_width=f"{parameter.prior_width * factor:.2g}",
-        meaning=meaning(parameter.name, parameter.effect),
+        meaning=meaning(parameter.name, parameter.effect, words),
         standing=_standing(parameter, together),
     )
 

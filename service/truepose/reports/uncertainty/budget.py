@@ -16,11 +16,12 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import Identification, Model, NominalAndIdentified, Statistics
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.identification.fit.considered import world_registration
 from truepose.identification.model.stops import sites
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.frames import placement_translation
-from truepose.reports.conditions import ReportConditions
+from truepose.reports.conditions import NOT_STATED, ReportConditions
 from truepose.reports.rounding import uncertainty
 from truepose.reports.uncertainty.judged import judging_figures
 from truepose.reports.uncertainty.shifts import (
@@ -38,12 +39,12 @@ _EXPANSION_PER_K = 23e-6  # aluminium, of which arms of this size are cast; stee
 class Contribution:
     """One row of the budget; None where the source does not act on that figure or is contained elsewhere."""
 
-    source: str
+    source: Sentence
     kind: Literal["A", "B"]
-    stated: str
+    stated: Sentence
     before_mm: float | None = None
     after_mm: float | None = None
-    remark: str = ""
+    remark: Text = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +91,12 @@ def budget(
 def _sampling(judged: Judged, figures: NominalAndIdentified) -> Contribution:
     n = len(np.unique(sites(judged.stops)))
     return Contribution(
-        "Finite number of configurations",
+        said("budget.configurations"),
         "A",
-        f"{n:,} configurations",
+        said("budget.configurations.stated", configurations=n),
         _standard_error(judged, judged.nominal_mm, figures.nominal),
         _standard_error(judged, judged.identified_mm, figures.identified),
-        "standard error of the mean, by configuration: its readings and revisits share its error",
+        said("budget.configurations.remark"),
     )
 
 
@@ -116,16 +117,18 @@ def _standard_error(judged: Judged, residual_mm: FloatArray, figures: Statistics
 def _parameters(judged: Judged, model: Model) -> Contribution:
     shifts = parameter_shifts(judged, model)
     return Contribution(
-        "Identified parameters",
+        said("budget.parameters"),
         "A",
-        f"covariance of {len(model.parameters)} parameters",
+        said("budget.parameters.stated", parameters=len(model.parameters)),
         None,
         spread_of_mean_mm(judged.identified_mm, shifts),
-        "what another calibration of the same size would change",
+        said("budget.parameters.remark"),
     )
 
 
-def _acting(source: str, stated: str, judged: Judged, shifts: FloatArray, remark: str = "") -> Contribution:
+def _acting(
+    source: Sentence, stated: Sentence, judged: Judged, shifts: FloatArray, remark: Text = ""
+) -> Contribution:
     """Return the row of a systematic source that acts on both figures."""
     before = spread_of_mean_mm(judged.nominal_mm, shifts)
     after = spread_of_mean_mm(judged.identified_mm, shifts)
@@ -136,20 +139,20 @@ def _instrument(judged: Judged) -> Contribution:
     per_axis = float(
         np.sqrt(np.trace(judged.block.covariance(), axis1=1, axis2=2).mean() / judged.block.components)
     )
-    what = "per length" if judged.block.quantity == "length" else "per axis"
-    remark = "random from reading to reading: contained in the standard error"
-    return Contribution("Instrument, noise", "B", f"u = {uncertainty(per_axis)} mm {what}", remark=remark)
+    key = "budget.u_per_length" if judged.block.quantity == "length" else "budget.u_per_axis"
+    stated, remark = said(key, u=uncertainty(per_axis)), said("budget.instrument.remark")
+    return Contribution(said("budget.instrument"), "B", stated, remark=remark)
 
 
 def _scatter(judged: Judged, model: Model, campaign: Campaign) -> Contribution:
+    source, contained = said("budget.scatter"), said("budget.contained")
     if campaign.repeatability_in_uncertainty:
-        return Contribution(
-            "Robot, scatter", "B", "within the stated uncertainty", remark="as the campaign says"
-        )
+        stated = said("budget.scatter.within")
+        return Contribution(source, "B", stated, remark=said("budget.scatter.as_stated"))
     if judged.block.scatter_mm == 0.0:
-        return Contribution("Robot, scatter", "B", "not stated", remark="contained in the standard error")
-    stated = f"u = {uncertainty(model.repeatability_mm)} mm per axis"
-    return Contribution("Robot, scatter", "B", stated, remark="contained in the standard error")
+        return Contribution(source, "B", said(NOT_STATED), remark=contained)
+    stated = said("budget.u_per_axis", u=uncertainty(model.repeatability_mm))
+    return Contribution(source, "B", stated, remark=contained)
 
 
 def _nests(judged: Judged, model: Model, campaign: Campaign) -> Contribution:
@@ -158,43 +161,44 @@ def _nests(judged: Judged, model: Model, campaign: Campaign) -> Contribution:
         for number, nest in enumerate(campaign.nests, start=1)
         if nest.centre_mm is not None and nest.standard_uncertainty_mm
     ]
+    source = said("budget.nests")
     if not known:
-        return Contribution(
-            "Certified tool nests", "B", "not stated", remark="none is certified with an uncertainty"
-        )
-    stated = f"u up to {uncertainty(max(u for _, u in known))} mm per axis"
-    return _acting("Certified tool nests", stated, judged, nest_shifts(judged, model, known))
+        return Contribution(source, "B", said(NOT_STATED), remark=said("budget.nests.none"))
+    stated = said("budget.nests.stated", u=uncertainty(max(u for _, u in known)))
+    return _acting(source, stated, judged, nest_shifts(judged, model, known))
 
 
 def _registration(judged: Judged, campaign: Campaign) -> Contribution:
-    source = "Registration of the world frame"
+    source = said("budget.registration")
     if judged.block.quantity == "length":
-        return Contribution(source, "B", "does not act", remark="lengths need no world frame")
+        idle = said("budget.registration.does_not_act")
+        return Contribution(source, "B", idle, remark=said("budget.registration.lengths"))
     registration = world_registration(campaign)
     if registration is None:
-        remark = "not included: errors are those in the instrument's own frame"
-        return Contribution(source, "B", "not stated", remark=remark)
+        remark = said("budget.registration.not_included")
+        return Contribution(source, "B", said(NOT_STATED), remark=remark)
     translation = np.sqrt(np.trace(registration.covariance[:3, :3]) / 3.0)
-    stated = f"u = {uncertainty(float(translation))} mm per axis at the origin"
+    stated = said("budget.registration.stated", u=uncertainty(float(translation)))
     return _acting(source, stated, judged, motion_shifts(judged, registration.covariance))
 
 
 def _scale(judged: Judged, model: Model, conditions: ReportConditions) -> Contribution:
-    source, relative = "Scale of the instrument", conditions.scale_standard_uncertainty
+    source, relative = said("budget.scale"), conditions.scale_standard_uncertainty
     if relative is None:
-        remark = "not included: U is that of lengths in the instrument's own scale"
-        return Contribution(source, "B", "scale not verified", remark=remark)
+        unverified = said("budget.scale.not_verified")
+        return Contribution(source, "B", unverified, remark=said("budget.scale.not_included"))
     origin = model.instrument_mm if model.instrument_mm is not None else (0.0, 0.0, 0.0)
     shifts = relative * growth(judged, np.array(origin))
-    return _acting(source, f"relative u = {uncertainty(relative)}", judged, shifts)
+    return _acting(source, said("budget.scale.stated", u=uncertainty(relative)), judged, shifts)
 
 
 def _temperature(judged: Judged, model: Model, conditions: ReportConditions) -> Contribution:
-    source = "Temperature of the arm"
+    source = said("budget.temperature")
     if conditions.temperature_c is None:
-        return Contribution(source, "B", "not stated", remark="not included")
+        return Contribution(source, "B", said(NOT_STATED), remark=said("budget.temperature.not_included"))
     half_k = (conditions.temperature_c[1] - conditions.temperature_c[0]) / 2.0
     relative = _EXPANSION_PER_K * half_k / float(np.sqrt(3.0))  # rectangular, GUM 4.3.7
     shifts = relative * growth(judged, placement_translation(model.base))
-    remark = f"all lengths grow by {_EXPANSION_PER_K * 1e6:.0f}e-6 per K (aluminium, assumed)"
-    return _acting(source, f"± {half_k:.1f} K, rectangular", judged, shifts, remark)
+    remark = said("budget.temperature.remark", per_million=_EXPANSION_PER_K * 1e6)
+    stated = said("budget.temperature.stated", half_k=half_k)
+    return _acting(source, stated, judged, shifts, remark)

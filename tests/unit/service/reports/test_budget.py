@@ -12,6 +12,7 @@ from truepose.reports.conditions import ReportConditions
 from truepose.reports.uncertainty.budget import budget
 from truepose.reports.uncertainty.judged import judged
 from truepose.reports.uncertainty.shifts import DRAWS, motion_shifts, spread_of_mean_mm
+from truepose.words.catalogue import english
 
 # A standard deviation from N draws scatters by 1 / sqrt(2 N) of itself; four times is ample.
 MONTE_CARLO = 4.0 / np.sqrt(2.0 * DRAWS)
@@ -24,7 +25,7 @@ def shown(identification, campaign):
 
 def rows_of(shown, identification, campaign, **conditions):
     made = budget(shown, identification, campaign, ReportConditions(**conditions))
-    return made, {row.source: row for row in made.contributions}
+    return made, {english(row.source): row for row in made.contributions}
 
 
 def test_one_reading_per_configuration_gives_the_usual_standard_error(shown, identification, campaign):
@@ -45,7 +46,7 @@ def test_reading_every_configuration_twice_buys_no_certainty(shown, identificati
     _, again = rows_of(doubled, replace(identification, validation=pair), campaign)
 
     source = "Finite number of configurations"
-    assert again[source].stated == "60 configurations"
+    assert english(again[source].stated) == "60 configurations"
     assert again[source].after_mm == pytest.approx(once[source].after_mm, rel=1e-12)
 
 
@@ -124,7 +125,7 @@ def test_an_unverified_scale_is_named_and_not_counted(shown, identification, cam
     _, rows = rows_of(shown, identification, campaign)
 
     row = rows["Scale of the instrument"]
-    assert row.stated == "scale not verified"
+    assert english(row.stated) == "scale not verified"
     assert (row.before_mm, row.after_mm) == (None, None)
 
 
@@ -137,7 +138,7 @@ def test_a_verified_scale_counts_with_its_uncertainty(shown, identification, cam
 def test_noise_of_instrument_and_arm_is_not_counted_twice(shown, identification, campaign):
     _, rows = rows_of(shown, identification, campaign)
 
-    assert rows["Instrument, noise"].stated == "u = 0.010 mm per axis"
+    assert english(rows["Instrument, noise"].stated) == "u = 0.010 mm per axis"
     assert rows["Instrument, noise"].after_mm is None
     assert rows["Robot, scatter"].after_mm is None
 
@@ -147,4 +148,4 @@ def test_a_campaign_without_registration_says_that_errors_are_in_the_instruments
 ):
     _, rows = rows_of(shown, identification, replace(campaign, registration=None))
 
-    assert "instrument's own frame" in rows["Registration of the world frame"].remark
+    assert "instrument's own frame" in english(rows["Registration of the world frame"].remark)

@@ -12,6 +12,7 @@ from tests.helpers.diagnosis.point_scenes import START, telling_campaign, tellin
 from tests.helpers.diagnosis.selections import planted
 from tests.helpers.identification.synthetic import configurations
 from tests.helpers.web.pages import Page
+from tests.helpers.words.english import FUNCTION_WORDS, NOUNS, english_in
 from truepose.cli.diagnosis_text import diagnosis_lines
 from truepose.diagnosis.diagnose import diagnose
 from truepose.diagnosis.screening.smooth_families import families
@@ -24,33 +25,6 @@ from truepose.words.catalogue import catalogue
 
 FRENCH = catalogue("fr")
 FOLDER = Path(truepose.__file__).parent / "words" / "fr"
-# Of each English sentence at least one of these is a part, and of no French one.
-FUNCTION_WORDS = set(
-    re.findall(
-        r"\w+",
-        """
-    the of and is are was were with without by that which what from this these than it its not no nothing has
-    have be been they them there where when how all each every other more
-""",
-    )
-)
-NOUNS = set(
-    re.findall(
-        r"\w+",
-        """
-    joint joints link links nest nests tool load time direction torque mounting mountings range line
-    wave curve jump drift settling sign group reading readings shift error order mean speed length share turn
-""",
-    )
-)
-TITLES = ("Annals of Statistics", "An Introduction to the Bootstrap")
-
-
-def english_in(text, words=FUNCTION_WORDS):
-    for title in TITLES:
-        text = text.replace(title, "")
-    # Keys of tables and names of effects keep their spelling between backquotes and in brackets.
-    return sorted(words & set(re.findall(r"[a-zà-ÿ]+", re.sub(r"`\w+`|<[^>]*>", "", text.lower()))))
 
 
 @pytest.mark.parametrize("file", sorted(path.name for path in FOLDER.glob("*.json") if path.stem != "names"))
