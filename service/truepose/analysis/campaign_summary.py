@@ -5,6 +5,7 @@ from typing import Final
 
 from truepose.domain.campaign import Campaign
 from truepose.storage.records import CampaignSummary
+from truepose.words.catalogue import english
 
 _MOST_SENTENCES: Final = 100
 
@@ -17,7 +18,7 @@ def summary_of(campaign: Campaign) -> CampaignSummary:
         calibration_legs=_rows(campaign.legs),
         validation_legs=_rows(campaign.validation_legs),
         reference_readings=_rows(campaign.reference),
-        ignored=_first(campaign.ignored),
+        ignored=_first(tuple(map(english, campaign.ignored))),
         notes=_first(campaign.notes),
         simulated=campaign.simulated,
         measured_on=None if campaign.measured_on is None else campaign.measured_on.isoformat(),

@@ -51,7 +51,7 @@ def identify_command(
     require_folders(model_out, report)
     words = catalogue(language)
     measured = read_measured(campaign)
-    remark(measured.ignored)
+    remark(map(words.spoken, measured.ignored))
     answer = identify(measured, effect_names(effects))
     # Files first: who reads "converged" may rely on the model being there.
     if model_out is not None:
@@ -137,7 +137,7 @@ def predict_command(
     identified = read_model(model)
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
-    remark(rows.ignored)
+    remark(map(english, rows.ignored))
     stops, nest = rows.of_each_nest(nests)
     position, uncertainty = predict(identified, stops, nest)
     remark(map(english, prediction_cautions(identified, rows.stops)))

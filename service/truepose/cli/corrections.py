@@ -151,7 +151,7 @@ def _corrected(model: "Model", targets: Path, out: Path, frame: Frame, words: Ca
             found = correct(model, goals, part.branch)
             if not summary.targets:
                 cautions = prediction_cautions(model, goals.at(found.joints_rad))
-                remark([*part.ignored, *map(words.spoken, cautions)])
+                remark(map(words.spoken, (*part.ignored, *cautions)))
             writer.write(part.names, found)
             summary.add(part.names, found)
             progress(part.share, f"{summary.targets:,} targets")

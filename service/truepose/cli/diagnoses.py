@@ -46,7 +46,7 @@ def diagnose_command(
     names, words = effect_names(effects), catalogue(language)
     _check_known(names)
     measured = read_measured(campaign)
-    remark(measured.ignored)
+    remark(map(words.spoken, measured.ignored))
     answer = _diagnosed(measured, names)
     # Files first: who reads "explained" may rely on the model being there.
     if model_out is not None:

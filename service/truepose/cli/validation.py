@@ -78,12 +78,13 @@ def _require_length(limit_mm: float | None) -> None:
 def _read(model: Path, points: Path) -> "tuple[Model, Readings]":
     from truepose.exchange.models.file import read_model
     from truepose.exchange.tables.files import read_validation_file
+    from truepose.words.catalogue import english
 
     identified = read_model(model)
     measured = read_validation_file(
         points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
     )
-    remark(measured.ignored)
+    remark(map(english, measured.ignored))
     return identified, measured.readings
 
 

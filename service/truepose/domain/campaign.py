@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray, Table
 from truepose.domain.robot import FixedNest, FramePlacement, Nest, Robot, WorldRegistration
+from truepose.domain.sentences import Text
 
 Quantity = Literal["position", "length"]  # what the readings of a campaign are of
 
@@ -178,7 +179,7 @@ class Campaign:
     simulated: bool | None = None  # no robot and no instrument took part; None: nobody said
     measured_on: date | None = None  # None: nobody said
     notes: tuple[str, ...] = ()
-    ignored: tuple[str, ...] = ()  # columns and keys kept but not understood, one sentence each
+    ignored: tuple[Text, ...] = ()  # columns and keys kept but not understood, one sentence each
 
     @property
     def readings(self) -> Readings | None:

@@ -19,6 +19,7 @@ from truepose.notebook.frames import frame_of_text
 from truepose.notebook.given import read_if_path
 from truepose.notebook.robots import RobotGiven, known_robot, robot_keys, with_limits_of
 from truepose.notebook.tables import Table, columns_of
+from truepose.words.catalogue import english
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -61,7 +62,7 @@ class Campaign:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What was not understood and is ignored, and which installed causes cannot be used, as sentences."""
-        return (*self.data.ignored, *unusable_causes())
+        return (*map(english, self.data.ignored), *unusable_causes())
 
     def to_frame(self, role: Role = "calibration") -> "DataFrame":
         """Return one table as a DataFrame with the columns of the file format, angles in deg.

@@ -153,7 +153,8 @@ def correct(
         goals = in_world(data, part.goals) if frame == "base" else part.goals
         found = correct_goals(data, goals, part.branch)
         if not parts:
-            remarks += [*part.ignored, *map(english, prediction_cautions(data, goals.at(found.joints_rad)))]
+            cautions = prediction_cautions(data, goals.at(found.joints_rad))
+            remarks += map(english, (*part.ignored, *cautions))
         names += part.names
         parts.append(found)
         summary.add(part.names, found)

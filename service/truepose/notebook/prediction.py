@@ -127,5 +127,5 @@ def predict(model: Model | str | Path, points: TableOrFile) -> Predictions:
     table = points_to_predict(*named_data(points, "points"), data.robot.n_joints, nests)
     stops, nest = table.of_each_nest(nests)
     position_mm, uncertainty_mm = predict_positions(data, stops, nest)
-    remarks = (*table.ignored, *map(english, prediction_cautions(data, table.stops)))
+    remarks = tuple(map(english, (*table.ignored, *prediction_cautions(data, table.stops))))
     return Predictions(stops.config, nest, position_mm, uncertainty_mm, remarks)

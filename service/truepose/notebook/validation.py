@@ -211,6 +211,6 @@ def validate(
     nests = [nest.nest for nest in data.nests]
     table = held_out_readings(*named_data(points, "points"), data.robot.n_joints, nests)
     answer = validate_model(data, table.readings, limit_mm=limit_mm, rule=rule)
-    remarks = (*table.ignored, *map(english, validation_cautions(data, table.readings)))
+    remarks = tuple(map(english, (*table.ignored, *validation_cautions(data, table.readings))))
     test = pose_test(data, table.readings) if iso9283 else None
     return Validation(answer, data, table.readings, remarks, test)

@@ -15,6 +15,7 @@ import numpy as np
 
 from truepose.domain.campaign import Campaign
 from truepose.domain.robot import FixedNest, Nest, Robot, WorldRegistration
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.campaigns.origin import read_day, read_simulated
 from truepose.exchange.document import Node
 from truepose.exchange.errors import MissingEntryError, NewerVersionError, WrongUnitError
@@ -213,16 +214,16 @@ def _plain_name(node: Node) -> str:
     return name
 
 
-def _ignored(root: Node) -> Iterator[str]:
+def _ignored(root: Node) -> Iterator[Sentence]:
     """Say which keys are kept but not understood; a key of many rows once."""
     for node in root.unlisted(KEYS):
-        yield f"campaign.json: key {node.name} is not part of the format and is ignored."
+        yield said("ignored.key", name=node.name)
     in_rows = {key: None for row in root.key("dhm_nominal").items() for key in row.entries()}
     for key in in_rows:
         if key not in _JOINT_KEYS:
-            yield f"campaign.json: key {key} of dhm_nominal is not part of the format and is ignored."
+            yield said("ignored.joint_key", name=key)
     for node in root.key("files").unlisted(ROLES):
-        yield f"campaign.json: role {node.path[-1]} of files is not part of the format and is ignored."
+        yield said("ignored.role", role=str(node.path[-1]))
 
 
 def description_document(campaign: Campaign, files: dict[str, str]) -> dict[str, Json]:

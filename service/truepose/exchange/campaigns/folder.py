@@ -8,6 +8,7 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import Campaign, PointReadings
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.campaigns.description import Description, description_document, read_description
 from truepose.exchange.document import json_document
 from truepose.exchange.errors import MissingFileError, UnreadableFileError
@@ -23,7 +24,13 @@ from truepose.exchange.tables.legs import (
     read_setup_table,
     setup_text,
 )
-from truepose.exchange.tables.points import point_text, read_point_table, read_reference_table, reference_text
+from truepose.exchange.tables.points import (
+    in_files,
+    point_text,
+    read_point_table,
+    read_reference_table,
+    reference_text,
+)
 from truepose.exchange.tables.table import TableData
 
 DESCRIPTION = "campaign.json"
@@ -87,7 +94,7 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
     campaign = description.campaign
     joints, nests = campaign.robot.n_joints, range(1, len(campaign.nests) + 1)
     tracker, fixed = campaign.tracker_position_mm, len(campaign.fixed_nests)
-    readers: dict[str, Callable[[str, TableData], tuple[object, tuple[str, ...]]]] = {
+    readers: dict[str, Callable[[str, TableData], tuple[object, tuple[Sentence, ...]]]] = {
         "calibration": lambda file, data: read_point_table(file, data, joints, nests, tracker),
         "validation": lambda file, data: read_point_table(file, data, joints, nests, tracker),
         "reference": lambda file, data: read_reference_table(file, data, fixed),
@@ -97,28 +104,31 @@ def with_tables(description: Description, load: LoadTable) -> Campaign:
         "setup": lambda file, data: read_setup_table(file, data, joints),
         "cups": read_cup_table,
     }
-    ignored: dict[str, list[str]] = {}
+    ignored: dict[Sentence, list[str]] = {}
     for role in description.files:  # one after the other: the text of a table is larger than the table
         table, clauses = readers[role](description.files[role], _load_role(description, role, load))
         campaign = replace(campaign, **{role: table})  # type: ignore[arg-type]  # a role is the field of its table
         for clause in clauses:
             ignored.setdefault(clause, []).append(description.files[role])
-    sentences = (f"{', '.join(files)}: {clause}." for clause, files in ignored.items())
+    sentences = (in_files(files, clause) for clause, files in ignored.items())
     return replace(
         campaign, ignored=(*campaign.ignored, *sentences, *_judged_by_themselves(description, campaign))
     )
 
 
-def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[str]:
+def _judged_by_themselves(description: Description, campaign: Campaign) -> Iterator[Sentence]:
     """Say how many validation readings are calibration readings too: a copied file proves nothing."""
     if campaign.calibration is None or campaign.validation is None:
         return
     identifying = {row.tobytes() for row in _readings(campaign.calibration)}
     shared = sum(row.tobytes() in identifying for row in _readings(campaign.validation))
     if shared:
-        yield (
-            f"{description.files['validation']}: {shared} of {len(campaign.validation)} readings stand in "
-            f"{description.files['calibration']} as well; these judge nothing."
+        yield said(
+            "ignored.judge_nothing",
+            validation=description.files["validation"],
+            shared=shared,
+            readings=len(campaign.validation),
+            calibration=description.files["calibration"],
         )
 
 

@@ -8,10 +8,17 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import LegReadings, PointReadings, Stops
+from truepose.domain.sentences import Sentence
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.fields import LENGTH, Field, columns_of, table_text
 from truepose.exchange.tables.legs import leg_columns, read_leg_table
-from truepose.exchange.tables.points import POSITION_FIELD, ignored_columns, point_columns, read_point_table
+from truepose.exchange.tables.points import (
+    POSITION_FIELD,
+    ignored_columns,
+    in_files,
+    point_columns,
+    read_point_table,
+)
 from truepose.exchange.tables.stops import stop_fields, stops_to_visit, torque_names
 from truepose.exchange.tables.table import WHOLE, Column, TableData, column_names, one_of, read_table
 from truepose.identification.model.stops import each_nest
@@ -30,7 +37,7 @@ class PointsToPredict:
 
     stops: Stops
     nest: IntArray | None  # (n,)
-    ignored: tuple[str, ...]  # one sentence for every column not understood
+    ignored: tuple[Sentence, ...]  # one sentence for every column not understood
 
     def of_each_nest(self, known: Sequence[int]) -> tuple[Stops, IntArray]:
         """Return the stop and the nest of every prediction that is wanted, in the order of the rows."""
@@ -42,7 +49,7 @@ class ValidationFile:
     """Readings of a table for `validate`."""
 
     readings: PointReadings | LegReadings
-    ignored: tuple[str, ...]
+    ignored: tuple[Sentence, ...]
 
 
 def read_points_to_predict(file: Path, n_joints: int, nests: Collection[int]) -> PointsToPredict:
@@ -124,5 +131,5 @@ def write_predictions(
     file.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _sentences(name: str, clauses: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(f"{name}: {clause}." for clause in clauses)
+def _sentences(name: str, clauses: tuple[Sentence, ...]) -> tuple[Sentence, ...]:
+    return tuple(in_files([name], clause) for clause in clauses)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from truepose.domain.campaign import CupReadings, CupSetups, FixtureLengths, LegReadings
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.tables.fields import LENGTH, Field, columns_of, read_fields, table_text, written_fields
 from truepose.exchange.tables.points import POSITION_FIELD, UNCERTAINTY_FIELD, ignored_columns
 from truepose.exchange.tables.stops import (
@@ -27,7 +28,7 @@ from truepose.exchange.tables.table import (
     read_table,
 )
 
-Ignored = tuple[str, ...]  # clauses that name a column each
+Ignored = tuple[Sentence, ...]  # clauses that name a column each
 _KINDS = ("tool", "base")
 _OF_FOUR = (WHOLE, between(1, 4))  # points of a fixture
 _PLACEMENT = Field("placement", Column("placement", rules=(WHOLE, at_least(1))))
@@ -68,7 +69,7 @@ def leg_text(legs: LegReadings) -> str:
     return table_text({**where, **stop_cells(legs.stops), **what})
 
 
-def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
+def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[Sentence, ...]]:
     """Tell stops apart that each placement numbers for itself: legs of one number share one stop."""
     stops = legs.stops
     pairs = np.unique(np.column_stack([stops.config, legs.placement]), axis=0)
@@ -80,7 +81,7 @@ def _numbered_apart(legs: LegReadings) -> tuple[LegReadings, tuple[str, ...]]:
     if earlier is not None:
         earlier = np.where(earlier == NO_REPEAT, NO_REPEAT, earlier + step * place)
     apart = replace(stops, config=stops.config + step * place, repeat_of=earlier)
-    clause = f"placements share numbers of configurations; {step} is added to them for each further placement"
+    clause = said("ignored.shared_numbers", step=step)
     return replace(legs, stops=apart), (clause,)
 
 

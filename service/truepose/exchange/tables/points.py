@@ -1,12 +1,13 @@
 """Tables of measured tool nests (`calibration`, `validation`) and of fixed nests (`reference`)."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.campaign import FixedNestReadings, PointReadings, Stops
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.tables.fields import (
     LENGTH,
@@ -93,7 +94,7 @@ def point_groups(n_joints: int) -> list[tuple[str, ...]]:
 
 def read_point_table(
     file: str, data: TableData, n_joints: int, nests: Collection[int], tracker_position_mm: Vector | None
-) -> tuple[PointReadings, tuple[str, ...]]:
+) -> tuple[PointReadings, tuple[Sentence, ...]]:
     """Read measured points; return them and one clause for every column ignored.
 
     Raises an InputFileError that names line and column.
@@ -117,7 +118,7 @@ def _reference_fields(rule: Rule) -> list[Field]:
 
 def read_reference_table(
     file: str, data: TableData, n_fixed_nests: int
-) -> tuple[FixedNestReadings, tuple[str, ...]]:
+) -> tuple[FixedNestReadings, tuple[Sentence, ...]]:
     """Read looks at fixed nests; `n_fixed_nests` is 0 where none is certified and any number may be named."""
     among = one_of(range(1, n_fixed_nests + 1), "the fixed nests") if n_fixed_nests else at_least(1)
     fields = _reference_fields(among)
@@ -130,18 +131,23 @@ def reference_text(readings: FixedNestReadings) -> str:
     return table_text(written_fields(readings, _reference_fields(at_least(1))))
 
 
-def ignored_columns(table: Table) -> tuple[str, ...]:
+def ignored_columns(table: Table) -> tuple[Sentence, ...]:
     """Return one clause for every column that the format does not know."""
-    return tuple(f"column {name} is not part of the format and is ignored" for name in table.unlisted)
+    return tuple(said("ignored.column", column=name) for name in table.unlisted)
 
 
-def _superseded(table: Table) -> tuple[str, ...]:
+def in_files(files: Sequence[str], clause: Sentence) -> Sentence:
+    """Return the sentence of a clause on tables of these names."""
+    return said("ignored.in_files", files=", ".join(files), clause=clause)
+
+
+def _superseded(table: Table) -> tuple[Sentence, ...]:
     if COVARIANCE[0] not in table or BEAM[0] not in table:
         return ()
-    return (f"columns {' and '.join(BEAM)} are ignored, {COVARIANCE[0]} to {COVARIANCE[-1]} say more",)
+    return (said("ignored.beam", columns=BEAM, first=COVARIANCE[0], last=COVARIANCE[-1]),)
 
 
-def _doubtful_repeats(stops: Stops) -> tuple[str, ...]:
+def _doubtful_repeats(stops: Stops) -> tuple[Sentence, ...]:
     """Return a clause when a revisit names a configuration of other joints: it would be no pure error."""
     if stops.repeat_of is None:
         return ()
@@ -153,10 +159,14 @@ def _doubtful_repeats(stops: Stops) -> tuple[str, ...]:
     if len(wrong) == 0:
         return ()
     row = int(wrong[0])
-    return (
-        f"column repeat_of: configuration {stops.config[row]} is no revisit of {stops.repeat_of[row]},"
-        f" whose joints differ by {away_deg[row]:.3g} deg ({len(wrong)} such in all): correct or empty it",
+    clause = said(
+        "ignored.revisit",
+        config=int(stops.config[row]),
+        first=int(stops.repeat_of[row]),
+        away_deg=float(away_deg[row]),
+        wrong=len(wrong),
     )
+    return (clause,)
 
 
 def _covariance(table: Table, tracker_position_mm: Vector | None) -> FloatArray | None:

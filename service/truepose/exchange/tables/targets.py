@@ -11,9 +11,16 @@ import numpy as np
 from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
+from truepose.domain.sentences import Sentence
 from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.fields import ANGLE, Field, columns_of, read_fields, table_text
-from truepose.exchange.tables.points import POSITION_FIELD, QUATERNION, ignored_columns, unit_quaternions
+from truepose.exchange.tables.points import (
+    POSITION_FIELD,
+    QUATERNION,
+    ignored_columns,
+    in_files,
+    unit_quaternions,
+)
 from truepose.exchange.tables.stops import joint_names, stop_fields, torque_names
 from truepose.exchange.tables.table import WHOLE, Column, Table, TableData, TablePart, one_of, table_parts
 from truepose.kinematics.frames import rotation_from_quaternion
@@ -33,7 +40,7 @@ class Targets:
     names: tuple[str, ...]  # (n,) as they stood
     goals: Goals  # in the frame that the table is meant in
     branch: IntArray  # (n,) asked for, ANY_BRANCH where nobody asks
-    ignored: tuple[str, ...]  # one sentence for every column not understood
+    ignored: tuple[Sentence, ...]  # one sentence for every column not understood
     share: float  # of the table that has been read with them, 0 to 1
 
 
@@ -106,7 +113,7 @@ def _targets(part: TablePart, n_joints: int, fields: Sequence[Field], first: int
         if branch is None
         else np.where(branch < 0, branch, branch % len(BRANCH_NAMES)),
         share=share,
-        ignored=tuple(f"{table.file}: {clause}." for clause in ignored_columns(table)),
+        ignored=tuple(in_files([table.file], clause) for clause in ignored_columns(table)),
     )
 
 

@@ -1,6 +1,7 @@
 """What the format leaves open in a table of legs is read as it means."""
 
 from truepose.exchange.tables.legs import read_leg_table
+from truepose.words.catalogue import english
 
 HEADER = "placement,config,q1_deg,repeat_of,base_point,tool_point,length_mm,u_mm"
 
@@ -20,7 +21,7 @@ def test_stops_that_each_placement_counts_for_itself_are_kept_apart_and_that_is_
     assert legs.stops.config.tolist() == [1, 12, 101, 103]
     assert legs.stops.repeat_of.tolist() == [-1, 1, -1, 101]  # of the stop of its own placement
     (sentence,) = said
-    assert "100 is added" in sentence
+    assert "100 is added" in english(sentence)
 
 
 def test_numbers_that_no_two_placements_share_stay_as_they_are():

@@ -5,6 +5,7 @@ import pytest
 
 from tests.helpers.domain.builders import make_campaign, make_points
 from truepose.exchange.campaigns.folder import campaign_files, campaign_from
+from truepose.words.catalogue import english
 
 HEADER = "config,q1_deg,q2_deg,q3_deg,nest,x_mm,y_mm,z_mm,u_mm"
 ROWS = ("1,0,10,20,1,100,200,300,0.02", "2,5,15,25,1,110,210,310,0.03")
@@ -79,7 +80,7 @@ def test_empty_cells_of_optional_columns_are_unknown():
 def test_unknown_columns_are_reported_once_by_name():
     campaign = read(with_columns("operator,shift", "Ann,early", "Bob,late"))
 
-    assert campaign.ignored == (
+    assert tuple(map(english, campaign.ignored)) == (
         "calibration.csv: column operator is not part of the format and is ignored.",
         "calibration.csv: column shift is not part of the format and is ignored.",
     )
@@ -92,7 +93,7 @@ def test_validation_readings_that_identify_as_well_are_reported():
 
     campaign = campaign_from(lambda name: copied[name].encode())
 
-    assert campaign.ignored == (
+    assert tuple(map(english, campaign.ignored)) == (
         "validation.csv: 2 of 3 readings stand in calibration.csv as well; these judge nothing.",
     )
 
@@ -114,7 +115,7 @@ def test_another_reading_of_the_same_configuration_may_judge():
 def test_a_revisit_of_other_joints_is_reported():
     campaign = read(with_columns("repeat_of", "", "1"))
 
-    assert campaign.ignored == (
+    assert tuple(map(english, campaign.ignored)) == (
         "calibration.csv: column repeat_of: configuration 2 is no revisit of 1, whose joints differ by 5 deg"
         " (1 such in all): correct or empty it.",
     )
@@ -131,7 +132,7 @@ def test_another_unit_beside_the_right_one_is_only_an_unknown_column():
     campaign = read(with_columns("x_m", "0.1", "0.11"))
 
     assert campaign.calibration.position_mm[0, 0] == 100.0
-    assert "column x_m" in campaign.ignored[0]
+    assert "column x_m" in english(campaign.ignored[0])
 
 
 def test_a_rounded_quaternion_is_brought_to_unit_length():
@@ -162,4 +163,4 @@ def test_a_full_covariance_supersedes_the_beam_and_says_so():
 
     expected = [[4e-4, 1e-5, 0.0], [1e-5, 4e-4, 0.0], [0.0, 0.0, 9e-4]]
     assert campaign.calibration.covariance_mm2[1].tolist() == expected
-    assert "u_along_mm and u_across_mm are ignored" in campaign.ignored[0]
+    assert "u_along_mm and u_across_mm are ignored" in english(campaign.ignored[0])

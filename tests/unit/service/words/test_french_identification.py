@@ -15,6 +15,7 @@ from tests.helpers.web.pages import Page
 from tests.helpers.words.english import english_in
 from truepose.domain.results import Outlier, PositionsJudged, PureError, Status
 from truepose.domain.sentences import said
+from truepose.exchange.tables.points import in_files
 from truepose.identification import identify
 from truepose.reports import (
     Period,
@@ -94,11 +95,14 @@ def test_what_is_beside_the_readings_is_told_in_french_too(tmp_path, of_lengths,
         (TrueParameter("a_3", 0.2, 0.1, 0.01, "mm"),), ((said("truth.aligned"), make_pair().nominal),)
     )
     conditions = ReportConditions(simulated=True, sessions=(Period("12"),), temperature_c=(20.0, 21.0))
+    ignored = in_files(["legs.csv", "validation_legs.csv"], said("ignored.column", column="operator"))
     repeated = replace(of_lengths, pure_error=PureError(5, 5, 0.01, 1.2, 0.3), outliers=(FAR,))
 
-    page = page_of(tmp_path / "report.html", repeated, lengths, conditions=conditions, truth=truth)
+    told = replace(lengths, ignored=(ignored,))
+    page = page_of(tmp_path / "report.html", repeated, told, conditions=conditions, truth=truth)
 
     assert "après alignement rigide" in Page(page).text
+    assert "la colonne operator ne fait pas partie du format" in Page(page).text
     assert "aussi bien qu\u2019elles se répètent" in Page(page).text
     assert english_in(Page(page).text) == []
 
