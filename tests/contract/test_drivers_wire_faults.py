@@ -5,16 +5,7 @@ import math
 import pytest
 
 from truepose_drivers.errors import DriverError, NotInitialisedError, RemoteProtocolError
-from truepose_simulators.faults.wire import (
-    BallbarFrozen,
-    BallbarInches,
-    BallbarKeyPressed,
-    LineDoublesDigits,
-    LineStalls,
-    TrackerRepeatsResult,
-    TrackerStaleResult,
-    TrackerUnitsChanged,
-)
+from truepose_simulators.faults import wire
 
 GAUGES = ["heidenhain_nd", "mitutoyo_usb_itn"]
 
@@ -29,7 +20,7 @@ async def reading_gauge(bench, name):
 
 async def test_a_bar_that_hangs_gives_no_length(bench):
     bar = await reading_gauge(bench, "ballbar_hid")
-    bench.cell.add_fault(BallbarFrozen())
+    bench.cell.add_fault(wire.BallbarFrozen())
     bench.bar.deviation_mm = -0.25
 
     for _ in range(2):
@@ -40,7 +31,7 @@ async def test_a_bar_that_hangs_gives_no_length(bench):
 
 async def test_a_counter_switched_to_inches_goes_on_in_millimetres(bench):
     counter = await reading_gauge(bench, "heidenhain_nd")
-    bench.cell.add_fault(BallbarInches())
+    bench.cell.add_fault(wire.BallbarInches())
 
     for deviation_mm in (0.5, -0.25):
         bench.bar.deviation_mm = deviation_mm
@@ -51,7 +42,7 @@ async def test_a_counter_switched_to_inches_goes_on_in_millimetres(bench):
 async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetres(bench):
     gauge = await reading_gauge(bench, "mitutoyo_usb_itn")
     now_s = bench.cell.clock.now_s
-    bench.cell.add_fault(BallbarInches(from_s=now_s, until_s=now_s + 10.0))
+    bench.cell.add_fault(wire.BallbarInches(from_s=now_s, until_s=now_s + 10.0))
 
     for _ in range(2):
         with pytest.raises(RemoteProtocolError, match="inches"):
@@ -65,7 +56,7 @@ async def test_a_gauge_switched_to_inches_is_no_reading_until_it_shows_millimetr
 @pytest.mark.parametrize("name", GAUGES)
 async def test_a_key_that_is_pressed_shifts_no_reading(bench, name):
     gauge = await reading_gauge(bench, name)
-    bench.cell.add_fault(BallbarKeyPressed())
+    bench.cell.add_fault(wire.BallbarKeyPressed())
 
     for deviation_mm in (0.1, 0.2, 0.3, -0.4, 0.5):
         bench.bar.deviation_mm = deviation_mm
@@ -75,7 +66,7 @@ async def test_a_key_that_is_pressed_shifts_no_reading(bench, name):
 @pytest.mark.parametrize("name", GAUGES)
 async def test_digits_that_come_twice_are_no_reading(bench, name):
     gauge = await reading_gauge(bench, name)
-    bench.cell.add_fault(LineDoublesDigits())
+    bench.cell.add_fault(wire.LineDoublesDigits())
 
     with pytest.raises(DriverError):
         await gauge.read()
@@ -84,7 +75,7 @@ async def test_digits_that_come_twice_are_no_reading(bench, name):
 
 async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench):
     counter = await reading_gauge(bench, "heidenhain_nd")
-    bench.cell.add_fault(LineStalls())
+    bench.cell.add_fault(wire.LineStalls())
     bench.bar.deviation_mm = -0.1234
 
     assert (await counter.read()).deviation_mm == -0.1234
@@ -95,7 +86,7 @@ async def test_joints_on_a_line_that_stalls_are_whole(bench):
     await robot.connect()
     await robot.move_joints(tuple(map(math.radians, (10.0, -20.55, 30.0, 5.25, 45.0, -12.34))))
     before = await robot.read_joints()
-    bench.cell.add_fault(LineStalls())
+    bench.cell.add_fault(wire.LineStalls())
 
     assert (await robot.read_joints()).joints_rad == before.joints_rad
 
@@ -112,7 +103,7 @@ async def ready_tracker(bench):
 
 async def test_units_that_another_program_changes_during_a_measurement_spoil_no_point(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(TrackerUnitsChanged(1))
+    bench.cell.add_fault(wire.TrackerUnitsChanged(1))
 
     with pytest.raises(NotInitialisedError, match="units"):
         await tracker.measure_point(duration_s=0.5)
@@ -127,7 +118,7 @@ async def test_units_that_another_program_changes_during_a_measurement_spoil_no_
 
 async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(TrackerRepeatsResult(1))
+    bench.cell.add_fault(wire.TrackerRepeatsResult(1))
 
     with pytest.raises(RemoteProtocolError, match="earlier measurement"):
         await tracker.measure_point(duration_s=0.5)
@@ -136,7 +127,7 @@ async def test_the_result_of_an_earlier_measurement_is_no_point_of_this_one(benc
 
 async def test_a_result_that_was_under_way_is_passed_over(bench):
     tracker = await ready_tracker(bench)
-    bench.cell.add_fault(TrackerStaleResult(1))
+    bench.cell.add_fault(wire.TrackerStaleResult(1))
 
     point = (await tracker.measure_point(duration_s=0.5)).point_mm
 

@@ -6,7 +6,7 @@ imports this module for the task classes, must not wait for it.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
@@ -18,9 +18,6 @@ from truepose.domain.robot import FramePlacement
 from truepose.domain.session import SessionPlan
 from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
-
-if TYPE_CHECKING:
-    pass
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 

@@ -4,28 +4,20 @@ The world frame was fitted to readings of the fixed nests at the start, and thei
 to an uncertainty. Neither moves anything that the arm reaches: no port of the chain, no cause to look for.
 """
 
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
+from truepose.effects.ports import ParameterSpec, Trait
 from truepose.effects.shapes.rigid_motion import Widths, motion_specs
+from truepose.effects.without_parameters import WithoutParameters
 
 NAME = "reference"
 _FRAME_WIDTHS = Widths(1.0, 1e-3)  # a registration off by more would be a wrong one
 _SMALLEST_WIDTH_MM = 1e-4  # of a certificate that claims to know its nest exactly
 
 
-class Reference:
-    """Parameters of the fixed nests; which there are depends on what was read, not on the arm."""
+class Reference(WithoutParameters):
+    """Parameters of the fixed nests: `reference_specs` has them, for what was read says which there are."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.NUISANCE, Trait.ON_FIXED_NESTS})
-
-    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return none: `reference_specs` has them."""
-        return ()
-
-    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Act on nothing that the arm reaches."""
-        return []
 
 
 def reference_specs(uncertainty_mm: dict[int, float]) -> tuple[ParameterSpec, ...]:

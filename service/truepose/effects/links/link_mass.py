@@ -2,15 +2,7 @@
 
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.links.loads import (
-    WrongMass,
-    mass_limits,
-    mass_specs,
-    mass_terms,
-    stated_mass,
-    unseen_masses,
-    wrong_mass,
-)
+from truepose.effects.links import loads
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 
 NAME = "link_mass"
@@ -32,16 +24,16 @@ class LinkMasses:
             term
             for k, name in enumerate(names)
             for quantity, link, *axis in (name.split("_"),)
-            for term in mass_terms(k, int(link) - 1, axis[0] if axis else quantity, rows)
+            for term in loads.mass_terms(k, int(link) - 1, axis[0] if axis else quantity, rows)
         ]
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need springs that gravity loads."""
-        return unseen_masses(scene)
+        return loads.unseen_masses(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose each link with a stated mass, and all of them together."""
-        if unseen_masses(scene) is not None:
+        if loads.unseen_masses(scene) is not None:
             return ()
         single = [
             Candidate(NAME, f"link {link}", specs)
@@ -58,7 +50,7 @@ class LinkMasses:
         """Say how much heavier the link is; of several the one that is off most, all in the details."""
         wrong = _wrong_masses(fitted, scene)
         link, worst = max(wrong.items(), key=lambda item: abs(item[1].extra_kg))
-        stated = stated_mass(scene.setting.robot, link - 1)
+        stated = loads.stated_mass(scene.setting.robot, link - 1)
         who = "causes.link_mass.several" if len(wrong) > 1 else "causes.link_mass.one"
         sentence = said(
             "causes.link_mass.more" if worst.extra_kg >= 0.0 else "causes.link_mass.less",
@@ -71,7 +63,7 @@ class LinkMasses:
             for number, item in wrong.items()
             for detail in item.details(prefix=f"link {number}: " if len(wrong) > 1 else "")
         )
-        limits = mass_limits(stated)
+        limits = loads.mass_limits(stated)
         return Shown(subject, worst.extra_kg, "kg", worst.extra_spread_kg, sentence, details, limits)
 
 
@@ -84,12 +76,12 @@ def _links(setting: Setting) -> list[int]:
 
 def _specs(setting: Setting, link: int) -> tuple[ParameterSpec, ...]:
     x, y, z = (f"moment_{link}_{axis}" for axis in "xyz")
-    return mass_specs((f"mass_{link}", x, y, z), stated_mass(setting.robot, link - 1))
+    return loads.mass_specs((f"mass_{link}", x, y, z), loads.stated_mass(setting.robot, link - 1))
 
 
-def _wrong_masses(fitted: Fitted, scene: Scene) -> dict[int, WrongMass]:
+def _wrong_masses(fitted: Fitted, scene: Scene) -> dict[int, loads.WrongMass]:
     return {
-        link: wrong_mass(fitted, specs, stated_mass(scene.setting.robot, link - 1))
+        link: loads.wrong_mass(fitted, specs, loads.stated_mass(scene.setting.robot, link - 1))
         for link in _links(scene.setting)
         for specs in (_specs(scene.setting, link),)
         if specs[0].name in fitted.names

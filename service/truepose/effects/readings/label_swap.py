@@ -9,7 +9,8 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
+from truepose.effects.ports import Trait
+from truepose.effects.without_parameters import WithoutParameters
 
 NAME = "label_swap"
 _SEVERAL = 2
@@ -20,20 +21,11 @@ def pair_subject(first: int, second: int) -> str:
     return f"nest {min(first, second)}, nest {max(first, second)}"
 
 
-class LabelSwap:
+class LabelSwap(WithoutParameters):
     """Two nests confused."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
-
-    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return none: a wrong label is no property of the robot."""
-        return ()
-
-    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Return none."""
-        return []
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need several nests."""

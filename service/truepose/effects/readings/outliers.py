@@ -9,26 +9,18 @@ import numpy as np
 from truepose.domain.diagnosis import Detail
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.ports import NOTHING, Need, ParameterSpec, Rows, Setting, Term, Trait
+from truepose.effects.ports import Trait
+from truepose.effects.without_parameters import WithoutParameters
 
 NAME = "outliers"
 _FEWEST = 10  # readings among which one can stand out
 
 
-class Outliers:
+class Outliers(WithoutParameters):
     """Readings that belong to no model."""
 
     name = NAME
-    needs: frozenset[Need] = NOTHING
     traits = frozenset({Trait.SEARCHED, Trait.OF_READINGS})
-
-    def specs(self, setting: Setting) -> tuple[ParameterSpec, ...]:
-        """Return none: a bad reading is no property of the robot."""
-        return ()
-
-    def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
-        """Return none."""
-        return []
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need readings enough for one to stand out."""

@@ -4,14 +4,7 @@ import numpy as np
 
 from truepose.domain.sentences import Text, said
 from truepose.effects.causes import Candidate, Fitted, Scene, Shown
-from truepose.effects.links.loads import (
-    mass_limits,
-    mass_specs,
-    mass_terms,
-    stated_mass,
-    unseen_masses,
-    wrong_mass,
-)
+from truepose.effects.links import loads
 from truepose.effects.ports import Need, ParameterSpec, Rows, Setting, Term
 
 NAME = "payload"
@@ -28,7 +21,7 @@ class Payload:
         """Return mass and three first moments where torques come from masses."""
         if setting.torque_source != "masses":
             return ()
-        return mass_specs(_NAMES, stated_mass(setting.robot, setting.robot.n_joints - 1))
+        return loads.mass_specs(_NAMES, loads.stated_mass(setting.robot, setting.robot.n_joints - 1))
 
     def terms(self, names: tuple[str, ...], rows: Rows) -> list[Term]:
         """Load the joints."""
@@ -36,23 +29,23 @@ class Payload:
         return [
             term
             for k, name in enumerate(names)
-            for term in mass_terms(k, last, name.removeprefix("payload_"), rows)
+            for term in loads.mass_terms(k, last, name.removeprefix("payload_"), rows)
         ]
 
     def unseen(self, scene: Scene) -> Text | None:
         """Need springs that gravity loads."""
-        return unseen_masses(scene)
+        return loads.unseen_masses(scene)
 
     def candidates(self, scene: Scene) -> tuple[Candidate, ...]:
         """Propose the tool's mass and centre of gravity."""
-        if unseen_masses(scene) is not None or not scene.present.isdisjoint(_NAMES):
+        if loads.unseen_masses(scene) is not None or not scene.present.isdisjoint(_NAMES):
             return ()
         return (Candidate(NAME, "tool", self.specs(scene.setting)),)
 
     def shown(self, subject: str, fitted: Fitted, scene: Scene) -> Shown:
         """Say how much heavier the tool is and where its centre of gravity lies."""
-        stated = stated_mass(scene.setting.robot, scene.setting.robot.n_joints - 1)
-        wrong = wrong_mass(fitted, self.specs(scene.setting), stated)
+        stated = loads.stated_mass(scene.setting.robot, scene.setting.robot.n_joints - 1)
+        wrong = loads.wrong_mass(fitted, self.specs(scene.setting), stated)
         sentence = said(
             "causes.payload.more" if wrong.extra_kg >= 0.0 else "causes.payload.less",
             extra_kg=abs(wrong.extra_kg),
@@ -66,5 +59,5 @@ class Payload:
             wrong.extra_spread_kg,
             sentence,
             wrong.details(),
-            mass_limits(stated),
+            loads.mass_limits(stated),
         )

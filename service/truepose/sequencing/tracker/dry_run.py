@@ -14,6 +14,7 @@ from truepose.planning.work_volume.work_space import WorkSpace, widened
 from truepose.sequencing.engine.motion.interlocks import joint_outside
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
+from truepose.sequencing.plan_numbers import check_numbers
 from truepose.sequencing.tracker.plans import visit
 from truepose.sequencing.tracker.situation import steps
 from truepose.sequencing.tracker.steps import (
@@ -29,6 +30,10 @@ FIND_S: Final = 3.0  # turning the head and locking on; order of magnitude, repl
 INITIALISE_S: Final = 60.0  # an instrument that was switched on; warm-up is not in it
 _SECONDS_PER_MINUTE: Final = 60.0
 _MIN_TRIANGLE_HEIGHT_MM = 50.0  # below it the fixed nests are as good as on a line
+_POSITIVE: Final = (
+    "measure_s", "search_radius_mm", "tool_speed_mm_s", "orientation_speed_rad_s", "reference_every",
+    "reference_limit_mm", "registration_readings", "failures_in_a_row",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +113,7 @@ def check_plan(
     The arm does not go again to the configurations that are `done`: limits that were tightened since do
     not end a session that keeps to them from now on.
     """
-    _check_numbers(plan)
+    check_numbers(plan, *_POSITIVE)
     _check_stops(plan, robot, nests)
     _check_fixed_nests(fixed_nests)
     for stop in plan.stops:
@@ -122,24 +127,6 @@ def _check_motions(plan: SessionPlan, stop: PlannedStop, limits: tuple[JointRang
         if isinstance(operation, Move) and outside is not None:
             what = "The approach to" if operation.approach else "The stop at"
             raise PlanRefusedError(f"{what} configuration {stop.config} lies outside the limits: {outside}.")
-
-
-def _check_numbers(plan: SessionPlan) -> None:
-    positive = {
-        "measure_s": plan.measure_s,
-        "search_radius_mm": plan.search_radius_mm,
-        "tool_speed_mm_s": plan.tool_speed_mm_s,
-        "orientation_speed_rad_s": plan.orientation_speed_rad_s,
-        "reference_every": plan.reference_every,
-        "reference_limit_mm": plan.reference_limit_mm,
-        "registration_readings": plan.registration_readings,
-        "failures_in_a_row": plan.failures_in_a_row,
-    }
-    for name, value in positive.items():
-        if not (np.isfinite(value) and value > 0):
-            raise PlanRefusedError(f"The plan's {name} is {value}; it must be above 0.")
-    if not (np.isfinite(plan.settle_s) and plan.settle_s >= 0):
-        raise PlanRefusedError(f"The plan's settle_s is {plan.settle_s}; it must not be negative.")
 
 
 def _check_stops(plan: SessionPlan, robot: Robot, nests: tuple[Nest, ...]) -> None:

@@ -11,23 +11,10 @@ from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
 from truepose.sequencing.errors import ReadingRejectedError
+from truepose.sequencing.tracker import steps
 from truepose.sequencing.tracker.cell import SessionCell
 from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.situation import TrackerSituation
-from truepose.sequencing.tracker.steps import (
-    CheckFaces,
-    CheckReferences,
-    FindReflector,
-    LocateFixedNests,
-    MeasurePoint,
-    Move,
-    OpenDevices,
-    Operation,
-    ReadFixedNest,
-    ReadJoints,
-    Register,
-    Settle,
-)
 from truepose.sequencing.tracker.tool_nests import ToolNests
 from truepose.sequencing.tracker.tracking import CheckedTracker
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
@@ -60,30 +47,30 @@ class Execution:
         self._fixed_nests.begin_step()
         self._joints = None
 
-    async def perform(self, operation: Operation) -> None:
+    async def perform(self, operation: steps.Operation) -> None:
         """Do one operation; raises what the devices and the checks raise."""
         match operation:
-            case OpenDevices():
+            case steps.OpenDevices():
                 await self._open()
-            case LocateFixedNests():
+            case steps.LocateFixedNests():
                 await self._fixed_nests.locate()
-            case ReadFixedNest():
+            case steps.ReadFixedNest():
                 await self._fixed_nests.read(operation)
-            case CheckFaces():
+            case steps.CheckFaces():
                 self._fixed_nests.check_faces()
-            case Register():
+            case steps.Register():
                 await self._fixed_nests.register()
-            case CheckReferences():
+            case steps.CheckReferences():
                 self._fixed_nests.check_references()
-            case Move(target_rad):
+            case steps.Move(target_rad):
                 await self._move(target_rad)
-            case Settle(duration_s):
+            case steps.Settle(duration_s):
                 await self._cell.clock.sleep(duration_s)
-            case ReadJoints(expected_rad):
+            case steps.ReadJoints(expected_rad):
                 await self._read_joints(expected_rad)
-            case FindReflector(stop):
+            case steps.FindReflector(stop):
                 await self._tool_nests.find(stop)
-            case MeasurePoint():
+            case steps.MeasurePoint():
                 await self._measure(operation)
             case _:
                 assert_never(operation)
@@ -124,7 +111,7 @@ class Execution:
             )
         self._joints = reading
 
-    async def _measure(self, operation: MeasurePoint) -> None:
+    async def _measure(self, operation: steps.MeasurePoint) -> None:
         if self._joints is None:
             raise ReadingRejectedError("The joints have not been read at this stop.")
         await self._tool_nests.measure(operation.stop, self._joints, self._arm.direction)

@@ -15,20 +15,13 @@ from truepose_drivers.ballbar_hid.protocol import (
     encode_reading,
 )
 from truepose_drivers.ballbar_hid.report_descriptor import BAR_ID, INPUT_ID, RATE_ID, report_descriptor
+from truepose_drivers.usb.protocol import descriptors
 from truepose_drivers.usb.protocol.control import (
     CLASS_FROM_INTERFACE,
     CLASS_TO_INTERFACE,
     HidRequest,
     ReportType,
     Setup,
-)
-from truepose_drivers.usb.protocol.descriptors import (
-    HID_CLASS,
-    INTERRUPT,
-    Configuration,
-    Device,
-    Endpoint,
-    Interface,
 )
 from truepose_simulators.instruments.ballbars.length_source import Electronics
 from truepose_simulators.instruments.ballbars.usb_gadget import StallError, StandardRequests
@@ -50,10 +43,12 @@ class HidBallbarGadget:
         self._running = asyncio.Event()
         self._due_s = 0.0
         report = report_descriptor()
-        self.device = Device(VENDOR, PRODUCT, release=0x0100)
-        endpoint = Endpoint(0x81, INTERRUPT, packet_bytes=32, interval=1)
-        interface = Interface(0, HID_CLASS, 0, 0, (endpoint,), report_descriptor_bytes=len(report))
-        self.configuration = Configuration(1, (interface,))
+        self.device = descriptors.Device(VENDOR, PRODUCT, release=0x0100)
+        endpoint = descriptors.Endpoint(0x81, descriptors.INTERRUPT, packet_bytes=32, interval=1)
+        interface = descriptors.Interface(
+            0, descriptors.HID_CLASS, 0, 0, (endpoint,), report_descriptor_bytes=len(report)
+        )
+        self.configuration = descriptors.Configuration(1, (interface,))
         self._standard = StandardRequests(self.device, self.configuration, self._strings, report)
         self.attach()
 

@@ -3,24 +3,8 @@
 import asyncio
 import math
 
-from truepose_drivers.mitutoyo_usb_itn.protocol import (
-    GET_MODE,
-    NOT_CONNECTED,
-    NOT_CONVERTIBLE,
-    PACKET_BYTES,
-    PRODUCT,
-    READ_DEVICE,
-    READ_VALUE,
-    SEND_COMMAND,
-    SERIAL_MODE,
-    SET_MODE,
-    VENDOR,
-    DeviceInfo,
-    Error,
-    Reply,
-    Value,
-    encode,
-)
+from truepose_drivers.mitutoyo_usb_itn import protocol
+from truepose_drivers.usb.protocol import descriptors
 from truepose_drivers.usb.protocol.control import (
     CLASS_FROM_INTERFACE,
     CLASS_TO_INTERFACE,
@@ -28,14 +12,6 @@ from truepose_drivers.usb.protocol.control import (
     VENDOR_TO_DEVICE,
     HidRequest,
     Setup,
-)
-from truepose_drivers.usb.protocol.descriptors import (
-    HID_CLASS,
-    INTERRUPT,
-    Configuration,
-    Device,
-    Endpoint,
-    Interface,
 )
 from truepose_simulators.faults.wire import BallbarInches, BallbarKeyPressed, LineDoublesDigits
 from truepose_simulators.instruments.ballbars.bad_lines import with_doubled_digit
@@ -48,7 +24,7 @@ _BOOT_INTERFACE, _KEYBOARD = 1, 1
 _DECIMALS, _DECIMALS_OF_INCHES = 4, 5
 _MM_PER_INCH = 25.4
 _UNKNOWN_COMMAND = 913  # no source tells what the cable answers to a command that it does not know
-_NO_KEY = bytes(PACKET_BYTES)
+_NO_KEY = bytes(protocol.PACKET_BYTES)
 _BOOT_PROTOCOL, _REPORT_PROTOCOL = 0, 1
 
 # HID 1.11, appendix B.1: the boot keyboard's own report descriptor.
@@ -68,17 +44,17 @@ class UsbItnGadget:
         self._protocol = _REPORT_PROTOCOL
         self._outbox = bytearray()
         self._something_to_send = asyncio.Event()
-        self.device = Device(VENDOR, PRODUCT, release=0x0100, packet_bytes=8)
-        endpoint = Endpoint(0x81, INTERRUPT, PACKET_BYTES, interval=10)
-        interface = Interface(
+        self.device = descriptors.Device(protocol.VENDOR, protocol.PRODUCT, release=0x0100, packet_bytes=8)
+        endpoint = descriptors.Endpoint(0x81, descriptors.INTERRUPT, protocol.PACKET_BYTES, interval=10)
+        interface = descriptors.Interface(
             0,
-            HID_CLASS,
+            descriptors.HID_CLASS,
             _BOOT_INTERFACE,
             _KEYBOARD,
             (endpoint,),
             report_descriptor_bytes=len(_KEYBOARD_REPORT),
         )
-        self.configuration = Configuration(1, (interface,))
+        self.configuration = descriptors.Configuration(1, (interface,))
         self._standard = StandardRequests(self.device, self.configuration, self._strings, _KEYBOARD_REPORT)
 
     @property
@@ -100,7 +76,7 @@ class UsbItnGadget:
             case (int(kind), int(request)) if kind == VENDOR_TO_DEVICE:
                 self._vendor(request, setup.value, data)
                 return b""
-            case (int(kind), int(request)) if kind == VENDOR_FROM_DEVICE and request == GET_MODE:
+            case (int(kind), int(request)) if kind == VENDOR_FROM_DEVICE and request == protocol.GET_MODE:
                 return bytes([self._serial_mode])[: setup.length]
             case (int(kind), int(request)) if kind in (CLASS_TO_INTERFACE, CLASS_FROM_INTERFACE):
                 return self._keyboard(request, setup)
@@ -116,20 +92,20 @@ class UsbItnGadget:
 
     def take_packet(self) -> bytes:
         """Return the next eight characters, or what is left."""
-        packet = bytes(self._outbox[:PACKET_BYTES])
-        del self._outbox[:PACKET_BYTES]
+        packet = bytes(self._outbox[: protocol.PACKET_BYTES])
+        del self._outbox[: protocol.PACKET_BYTES]
         if not self._outbox:
             self._something_to_send.clear()
         return packet
 
     def _vendor(self, request: int, value: int, data: bytes) -> None:
-        if request == SET_MODE:
-            self._serial_mode = value == SERIAL_MODE
-        elif request == SEND_COMMAND and self._serial_mode:
+        if request == protocol.SET_MODE:
+            self._serial_mode = value == protocol.SERIAL_MODE
+        elif request == protocol.SEND_COMMAND and self._serial_mode:
             self._pressed = self._bar.has(BallbarKeyPressed) and not self._pressed
             if self._pressed:  # before every second question
-                self._outbox += encode(self._reply(READ_VALUE))
-            said = encode(self._reply(data))
+                self._outbox += protocol.encode(self._reply(protocol.READ_VALUE))
+            said = protocol.encode(self._reply(data))
             self._outbox += with_doubled_digit(said) if self._bar.has(LineDoublesDigits) else said
             self._something_to_send.set()
         else:
@@ -150,16 +126,16 @@ class UsbItnGadget:
                 return b""
         raise StallError
 
-    def _reply(self, command: bytes) -> Reply:
-        if command == READ_DEVICE:
-            return DeviceInfo(_INFO)
-        if command != READ_VALUE:
-            return Error(_UNKNOWN_COMMAND)
+    def _reply(self, command: bytes) -> protocol.Reply:
+        if command == protocol.READ_DEVICE:
+            return protocol.DeviceInfo(_INFO)
+        if command != protocol.READ_VALUE:
+            return protocol.Error(_UNKNOWN_COMMAND)
         sample = self._bar.show()
         if sample.too_fast:
-            return Error(NOT_CONVERTIBLE)
+            return protocol.Error(protocol.NOT_CONVERTIBLE)
         if sample.signal == "none" or math.isnan(sample.deviation_mm):
-            return Error(NOT_CONNECTED)
+            return protocol.Error(protocol.NOT_CONNECTED)
         if self._bar.has(BallbarInches):
-            return Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
-        return Value(sample.deviation_mm, _DECIMALS)
+            return protocol.Value(sample.deviation_mm / _MM_PER_INCH, _DECIMALS_OF_INCHES)
+        return protocol.Value(sample.deviation_mm, _DECIMALS)

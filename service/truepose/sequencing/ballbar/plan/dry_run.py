@@ -16,9 +16,14 @@ from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.motion.interlocks import MAX_STATE_AGE_S, joint_outside
 from truepose.sequencing.engine.pace import StepTimes
 from truepose.sequencing.errors import PlanRefusedError
+from truepose.sequencing.plan_numbers import check_numbers
 
 TOOL_NESTS: Final = 3
 _FULL_POSE: Final = 6  # lengths that fix six degrees of freedom
+_POSITIVE: Final = (
+    "precalibrate_after", "stable_s", "stable_mm", "state_age_s", "tool_speed_mm_s",
+    "orientation_speed_rad_s",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,21 +114,9 @@ def _check_aims(who: str, pose: PlannedPose, kit: BallbarKit) -> None:
 
 
 def _check_numbers(plan: BallbarPlan, kit: BallbarKit) -> None:
-    positive = {
-        "precalibrate_after": plan.precalibrate_after,
-        "stable_s": plan.stable_s,
-        "stable_mm": plan.stable_mm,
-        "state_age_s": plan.state_age_s,
-        "tool_speed_mm_s": plan.tool_speed_mm_s,
-        "orientation_speed_rad_s": plan.orientation_speed_rad_s,
-    }
-    for name, value in positive.items():
-        if not (np.isfinite(value) and value > 0):
-            raise PlanRefusedError(f"The plan's {name} is {value}; it must be above 0.")
+    check_numbers(plan, *_POSITIVE)
     if plan.state_age_s > MAX_STATE_AGE_S:
         raise PlanRefusedError(f"The plan's state_age_s is {plan.state_age_s}; the limit is 2 s.")
-    if not (np.isfinite(plan.settle_s) and plan.settle_s >= 0):
-        raise PlanRefusedError(f"The plan's settle_s is {plan.settle_s}; it must not be negative.")
     if kit.base_points not in {3, 4}:
         raise PlanRefusedError(f"The base fixture has {kit.base_points} cups; it takes 3 or 4.")
 
