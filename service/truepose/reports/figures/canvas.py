@@ -7,7 +7,7 @@ the stand-ins are replaced by the page's variables in the finished SVG. Plain fi
 import io
 import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -79,13 +79,6 @@ def page_style() -> Iterator[None]:
 
 
 @contextmanager
-def plain_style() -> Iterator[None]:
-    """Draw in ordinary colours within this block; one thread at a time."""
-    with _style(PLAIN):
-        yield
-
-
-@contextmanager
 def _style(colours: Colours) -> Iterator[None]:
     settings = _STYLE | _coloured(colours)
     with _SETTINGS, mpl.rc_context(settings):  # type: ignore[arg-type]  # its stub wants literal keys
@@ -139,6 +132,18 @@ def to_svg(figure: Figure, prefix: str, description: str) -> Markup:
     text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r'<svg \1role="img" stroke-linejoin="round"', text, count=1)
     text = text.replace(">", f' aria-label="{Markup.escape(description)}">', 1)
     return Markup(text)
+
+
+def on_page(draw: Callable[[Colours], Drawing], prefix: str, description: str) -> Markup:
+    """Return what is drawn in the colours of the page, as `to_svg` does."""
+    with page_style():
+        return to_svg(draw(PAGE), prefix, description)
+
+
+def plain(draw: Callable[[Colours], Drawing]) -> Drawing:
+    """Return what is drawn in ordinary colours: a figure that a program may change."""
+    with _style(PLAIN):
+        return draw(PLAIN)
 
 
 def _write_svg(figure: Figure, buffer: io.StringIO) -> None:

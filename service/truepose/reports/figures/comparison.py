@@ -1,19 +1,12 @@
 """How many held-out errors of which size: two models in the same bins."""
 
+from functools import partial
+
 import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.arrays import FloatArray
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -36,19 +29,17 @@ def comparison(
     """
     end = _end(np.concatenate([before_mm, after_mm]))
     beyond = int((before_mm > end).sum() + (after_mm > end).sum())
-    with page_style():
-        figure = _drawn(before_mm, after_mm, noise_mm, PAGE, words)
-        return to_svg(figure, "comparison", words.say("comparison")), beyond
+    draw = partial(_drawn, before_mm, after_mm, noise_mm, words)
+    return on_page(draw, "comparison", words.say("comparison")), beyond
 
 
 def plain_comparison(before_mm: FloatArray, after_mm: FloatArray, noise_mm: float) -> Drawing:
     """Return the same histogram as a figure that a program may change; parameters as above."""
-    with plain_style():
-        return _drawn(before_mm, after_mm, noise_mm, PLAIN, IN_ENGLISH)
+    return plain(partial(_drawn, before_mm, after_mm, noise_mm, IN_ENGLISH))
 
 
 def _drawn(
-    before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, colours: Colours, words: Catalogue
+    before_mm: FloatArray, after_mm: FloatArray, noise_mm: float, words: Catalogue, colours: Colours
 ) -> Drawing:
     end = _end(np.concatenate([before_mm, after_mm]))
     edges = np.linspace(0.0, end, _BINS + 1).tolist()

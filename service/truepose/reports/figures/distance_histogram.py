@@ -1,32 +1,23 @@
 """Errors of the distances between all pairs of points, with their signs, before and after."""
 
+from functools import partial
+
 import numpy as np
 from markupsafe import Markup
 
 from truepose.domain.results import DistanceErrors, Histogram, SignedErrors
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 
 
 def distance_histogram(errors: DistanceErrors) -> Markup:
     """Draw both histograms, each over an axis of its own: they differ by decades."""
-    with page_style():
-        return to_svg(_drawn(errors, PAGE), "distances", "Histograms of errors of distance, before and after")
+    return on_page(partial(_drawn, errors), "distances", "Histograms of errors of distance, before and after")
 
 
 def plain_distance_histogram(errors: DistanceErrors) -> Drawing:
     """Return the same histograms as a figure that a program may change."""
-    with plain_style():
-        return _drawn(errors, PLAIN)
+    return plain(partial(_drawn, errors))
 
 
 def _drawn(errors: DistanceErrors, colours: Colours) -> Drawing:

@@ -1,6 +1,7 @@
 """How many errors of which size, before and after."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from markupsafe import Markup
@@ -8,16 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from truepose.domain.arrays import FloatArray
 from truepose.identification.verdict.judge import Judged
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 from truepose.reports.rounding import millimetres
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -41,16 +33,14 @@ def histogram(judged: Judged, noise_mm: float, words: Catalogue = IN_ENGLISH) ->
     """
     before, after = _norms(judged)
     edges = _edges(np.concatenate([before, after]))
-    with page_style():
-        figure = _drawn(before, after, noise_mm, PAGE, words)
-        picture = to_svg(figure, "histogram", words.say("histogram"))
-        return Histogram(picture, noise_drawn=bool(noise_mm > edges[0]))
+    draw = partial(_drawn, before, after, noise_mm, words)
+    picture = on_page(draw, "histogram", words.say("histogram"))
+    return Histogram(picture, noise_drawn=bool(noise_mm > edges[0]))
 
 
 def plain_histogram(judged: Judged, noise_mm: float) -> Drawing:
     """Return the same histogram as a figure that a program may change."""
-    with plain_style():
-        return _drawn(*_norms(judged), noise_mm, PLAIN, IN_ENGLISH)
+    return plain(partial(_drawn, *_norms(judged), noise_mm, IN_ENGLISH))
 
 
 def _norms(judged: Judged) -> tuple[FloatArray, FloatArray]:
@@ -58,7 +48,7 @@ def _norms(judged: Judged) -> tuple[FloatArray, FloatArray]:
 
 
 def _drawn(
-    before: FloatArray, after: FloatArray, noise_mm: float, colours: Colours, words: Catalogue
+    before: FloatArray, after: FloatArray, noise_mm: float, words: Catalogue, colours: Colours
 ) -> Drawing:
     figure = new_figure(8.0, 3.0)
     axes = figure.add_subplot()

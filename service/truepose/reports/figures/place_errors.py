@@ -1,34 +1,24 @@
 """Mean and largest errors by distance from the measured zone and from axis 1, before and after."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from truepose.domain.results import ErrorsByPlace, Shell, Statistics
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 
 
 def place_errors(places: ErrorsByPlace) -> Markup:
     """Draw the errors over both distances on logarithmic axes: before and after differ by decades."""
-    with page_style():
-        return to_svg(_drawn(places, PAGE), "places", "Errors by distance, before and after")
+    return on_page(partial(_drawn, places), "places", "Errors by distance, before and after")
 
 
 def plain_place_errors(places: ErrorsByPlace) -> Drawing:
     """Return the same as a figure that a program may change."""
-    with plain_style():
-        return _drawn(places, PLAIN)
+    return plain(partial(_drawn, places))
 
 
 def _drawn(places: ErrorsByPlace, colours: Colours) -> Drawing:

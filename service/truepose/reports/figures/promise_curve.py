@@ -1,36 +1,26 @@
 """The promised accuracy against the number of configurations."""
 
 from collections.abc import Callable
+from functools import partial
 
 from markupsafe import Markup
 
 from truepose.planning.promise.plan import PromisedPlan
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
 def promise_curve(plan: PromisedPlan, words: Catalogue = IN_ENGLISH) -> Markup:
     """Return the curve of a plan, its band and the number that is planned, for a page."""
-    with page_style():
-        return to_svg(_drawn(plan, PAGE, words.say), "promise", words.say("plans.figure"))
+    return on_page(partial(_drawn, plan, words.say), "promise", words.say("plans.figure"))
 
 
 def plain_promise_curve(plan: PromisedPlan) -> Drawing:
     """Return the same in ordinary colours, for a program."""
-    with plain_style():
-        return _drawn(plan, PLAIN, IN_ENGLISH.say)
+    return plain(partial(_drawn, plan, IN_ENGLISH.say))
 
 
-def _drawn(plan: PromisedPlan, colours: Colours, say: Callable[[str], str]) -> Drawing:
+def _drawn(plan: PromisedPlan, say: Callable[[str], str], colours: Colours) -> Drawing:
     figure = new_figure(7.0, 3.6)
     axes = figure.add_subplot()
     numbers = [point.n for point in plan.curve]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from markupsafe import Markup
@@ -12,17 +13,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.diagnosis import Curve
 from truepose.domain.sentences import Sentence, said, together
 from truepose.reports.cause_words import printed_unit
-from truepose.reports.figures.canvas import (
-    PAGE,
-    PLAIN,
-    Colours,
-    Drawing,
-    label,
-    new_figure,
-    page_style,
-    plain_style,
-    to_svg,
-)
+from truepose.reports.figures.canvas import Colours, Drawing, label, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MOST_POINTS = 400  # dots with whiskers; more make no one wiser and the file heavy
@@ -79,8 +70,7 @@ def residual_curve(
     if shown is None:
         return None
     described = words.say("curve", quantity=curve.quantity, variable=curve.variable)
-    with page_style():
-        picture = to_svg(_drawn(shown, PAGE, words, of_cause=of_cause), prefix, described)
+    picture = on_page(partial(_drawn, shown, words, of_cause=of_cause), prefix, described)
     drawn, counts = bool(shown.curve.line_x.size), _counts(shown.curve)
     caption = words.spoken(together(*_caption(shown, of_cause=of_cause)))
     return CurveFigure(picture, caption, drawn and not counts, drawn and counts)
@@ -91,8 +81,7 @@ def plain_residual_curve(curve: Curve) -> Drawing | None:
     shown = _shown(curve, whole=False)
     if shown is None:
         return None
-    with plain_style():
-        return _drawn(shown, PLAIN, IN_ENGLISH, of_cause=True)
+    return plain(partial(_drawn, shown, IN_ENGLISH, of_cause=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +114,7 @@ def _shown(curve: Curve, *, whole: bool) -> _Shown | None:
     )
 
 
-def _drawn(shown: _Shown, colours: Colours, words: Catalogue, *, of_cause: bool) -> Drawing:
+def _drawn(shown: _Shown, words: Catalogue, colours: Colours, *, of_cause: bool) -> Drawing:
     curve = shown.curve
     figure = new_figure(8.0, 3.1)
     axes = figure.add_subplot()
