@@ -6,6 +6,7 @@ carries poses, and each cup opens halfway between those of its faces.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Final
 
@@ -25,7 +26,8 @@ STAND_RADIUS_MM: Final = 20.0
 _LOWEST_FACE: Final = -0.05  # upward part of the normal of a face that still carries poses
 
 
-@dataclass(frozen=True, slots=True)
+# Without slots: searches ask thousands of times where the cups of one fixture open.
+@dataclass(frozen=True)
 class BaseFixture:
     """A base fixture at its nominal place: cup k in row k - 1."""
 
@@ -43,24 +45,25 @@ class BaseFixture:
         """The cups in the frame of the fixture, shape (K, 3)."""
         return np.asarray((self.cups_mm - placement_translation(self.frame)) @ placement_rotation(self.frame))
 
-    @property
+    @cached_property
     def hub_mm(self) -> FloatArray:
         """Where the arms to the cups meet, shape (3,)."""
         centre = np.asarray(self.cups_mm.mean(axis=0))
         return centre if len(self.cups_mm) == 4 else centre - HUB_DEPTH_MM * self.normal
 
-    @property
+    @cached_property
     def axes(self) -> FloatArray:
         """Direction in which each cup opens, shape (K, 3)."""
         axes = np.zeros_like(self.cups_mm)
-        for face in self.faces():
+        for face in self.faces:
             axes[[point - 1 for point in face]] += self._outwards(face)
         idle = ~axes.any(axis=1)
         axes[idle] = (self.cups_mm - self.hub_mm)[idle]
         return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
+    @cached_property
     def faces(self) -> tuple[tuple[int, ...], ...]:
-        """Return every three base points (1-based) that carry poses."""
+        """Every three base points (1-based) that carry poses."""
         if len(self.cups_mm) == 3:
             return ((1, 2, 3),)
         every = combinations((1, 2, 3, 4), 3)

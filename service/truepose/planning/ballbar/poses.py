@@ -55,7 +55,7 @@ def reach(cell: BallbarCell, fixture: BaseFixture, made: Sequence[Assembly] | No
         What `device` returns, where many placements are looked at.
     """
     made = device(cell, fixture) if made is None else made
-    tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces()]
+    tried = [one for one in made if tuple(sorted(one.design.base)) in fixture.faces]
     joints, index, refused = _within_ranges(cell, _poses(fixture, tried))
     bodies = bodies_at(cell, fixture, joints)
     clear = arm_room_mm(bodies) >= cell.arm_room_mm
