@@ -12,7 +12,8 @@ import sqlalchemy as sa
 from alembic import op
 
 from truepose.storage.integrity.chain import link, link_all
-from truepose.storage.migrations.append_only import delete_protected, protect, trigger_name
+from truepose.storage.migrations.append_only import delete_protected, protect
+from truepose.storage.migrations.triggers import trigger_name
 
 revision = "0010"
 down_revision = "0009"

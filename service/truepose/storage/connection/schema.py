@@ -1,5 +1,6 @@
 """Brings a database to the newest schema, and refuses one that is newer or somebody else's."""
 
+from functools import cache
 from pathlib import Path
 
 from alembic import command
@@ -19,9 +20,14 @@ def migration_config() -> Config:
     return config
 
 
+@cache
+def _script() -> ScriptDirectory:
+    return ScriptDirectory.from_config(migration_config())
+
+
 def newest_revision() -> str:
     """Return the schema that this version of the program writes."""
-    return str(ScriptDirectory.from_config(migration_config()).get_current_head())
+    return str(_script().get_current_head())
 
 
 def bring_up_to_date(connection: Connection, where: str) -> str:
@@ -34,9 +40,10 @@ def bring_up_to_date(connection: Connection, where: str) -> str:
     ForeignDatabaseError
         The database holds tables of another program.
     """
-    script = ScriptDirectory.from_config(migration_config())
-    known = {revision.revision for revision in script.walk_revisions()}
     current = MigrationContext.configure(connection).get_current_revision()
+    if current == newest_revision():
+        return current
+    known = {revision.revision for revision in _script().walk_revisions()}
     if current is None and inspect(connection).get_table_names():
         raise ForeignDatabaseError(f"{where} holds another program's tables; choose another file.")
     if current is not None and current not in known:

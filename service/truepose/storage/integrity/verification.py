@@ -14,7 +14,7 @@ from urllib.parse import quote
 
 from truepose.storage.connection.library import LIBRARY
 from truepose.storage.integrity.chain import GENESIS, OF_NO_SESSION, TABLE_NOW, linked_hash, stream_of
-from truepose.storage.migrations.append_only import trigger, trigger_name
+from truepose.storage.migrations.triggers import trigger, trigger_name
 from truepose.storage.tables import metadata
 
 Told = Callable[[float], None]  # which share is done
