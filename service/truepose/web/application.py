@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
+from functools import cache
 from typing import Any, Final, TypeAlias
 
 from fastapi import APIRouter, FastAPI
@@ -96,18 +97,24 @@ def create_application(
         redirect_slashes=False,
         strict_content_type=False,  # `RequestLimits` answers 415 with a sentence
     )
-    api = APIRouter(prefix="/api/v1")
-    for resource in _RESOURCES:
-        api.include_router(resource.router)
-    app.include_router(health.router)
-    app.include_router(api)
-    app.include_router(pages.router)
-    app.include_router(tablet.router)
+    app.router.routes += _resources().routes
     problems.install(app)
     app.add_middleware(Lanes)
     app.add_middleware(RequestLimits)
     _complete_openapi(app)
     return app
+
+
+@cache
+def _resources() -> APIRouter:
+    """Return all routes; they keep nothing of an application, so that every one of a process has the same."""
+    api = APIRouter(prefix="/api/v1")
+    for resource in _RESOURCES:
+        api.include_router(resource.router)
+    every = APIRouter()
+    for router in (health.router, api, pages.router, tablet.router):
+        every.include_router(router)
+    return every
 
 
 def _complete_openapi(app: FastAPI) -> None:

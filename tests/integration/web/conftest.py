@@ -1,6 +1,7 @@
 """The whole service over ASGI, on fake devices and a real database."""
 
 import asyncio
+import shutil
 
 import pytest
 
@@ -9,6 +10,21 @@ from tests.integration.web.bench import CELL, Bench
 from truepose.analysis.workers.process import perform_in_worker
 from truepose.app import create_app
 from truepose.settings import Settings
+from truepose.storage.database import Database
+
+
+@pytest.fixture(scope="session")
+def empty_database(tmp_path_factory):
+    """A database of the newest schema in which nothing was recorded yet."""
+    file = tmp_path_factory.mktemp("schema") / "truepose.sqlite3"
+    Database(f"sqlite:///{file}").close()
+    return file
+
+
+@pytest.fixture
+def database_url(empty_database, tmp_path):
+    """A copy of the empty database: to make its schema anew takes longer than most requests."""
+    return f"sqlite:///{shutil.copy(empty_database, tmp_path)}"
 
 
 @pytest.fixture
