@@ -11,6 +11,7 @@ from tests.helpers.machine import MEASURED_DATA, what_was_untested
 from tests.helpers.order import spread
 
 _TESTS = Path(__file__).parent
+_OBJECTS_BETWEEN_SEARCHES = 50_000
 
 # How long an example takes says how busy the machine is, not whether the code is right.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -25,8 +26,9 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_collection_finish():
-    """Leave what collection made, which stays to the end, out of every later search for garbage."""
+    """Search for garbage seldom, and never in what collection made, which stays to the end."""
     gc.freeze()
+    gc.set_threshold(_OBJECTS_BETWEEN_SEARCHES)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
