@@ -102,7 +102,9 @@ def unbroken_policy(page):
     assert broken == []
 
 
-@pytest.mark.parametrize("path", ["/", "/docs", "/diagnoses", "/operator", "/operator/1", "/diagnoses/1"])
+@pytest.mark.parametrize(
+    "path", ["/", "/docs", "/diagnoses", "/plan", "/operator", "/operator/1", "/diagnoses/1"]
+)
 def test_our_own_pages_break_none_of_their_rules(chromium, service, path):
     with chromium.one(service.url) as page, unbroken_policy(page):
         page.goto(service.url + path)
