@@ -54,7 +54,7 @@ Anybody = Annotated[RequestOfPerson | None, Body()]
             "model": JobReply,
             "description": "A worker chooses the configurations; the job's result is the session.",
         },
-        **problems(400, 409, 413, 415, 422, 503),
+        **problems(400, 404, 409, 413, 415, 422, 503),
     },
 )
 async def plan_session(
