@@ -35,6 +35,7 @@ class Corrections(Table):
     uncertainty_rad: FloatArray  # (n,) of the parameters alone
     outside_mm: FloatArray  # (n,) how far the last frame is outside the measured zone; NaN: nobody said
     outside_rad: FloatArray  # (n, J) how far each joint is outside its measured range
+    moved_rad: FloatArray  # (n,) largest change of a joint from the controller's own answer; NaN: it has none
     beyond_limit_rad: FloatArray  # (n, J) how far a joint would have to pass its limit; 0 within
     status: npt.NDArray[np.str_]  # (n,) of Status
 
@@ -63,6 +64,8 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: Attained, told
     )
     passed = beyond(robot.joint_limits, joints)
     outside_mm, outside_rad = _outside(model, joints)
+    own = _own_answers(estimate, goals)
+    away = np.where(told, _largest(goals.stops.joints_rad, joints), _nearest(own, joints))
     return Corrections(
         joints_rad=joints,
         branch=_branches(robot, joints),
@@ -72,8 +75,9 @@ def judged(model: Model, estimate: Estimate, goals: Goals, found: Attained, told
         uncertainty_rad=np.sqrt(turned_variance(model, state)),
         outside_mm=outside_mm,
         outside_rad=outside_rad,
+        moved_rad=away,
         beyond_limit_rad=passed,
-        status=_statuses(found, np.asarray(passed.any(axis=1)), ~_reaches(estimate, goals)),
+        status=_statuses(found, passed, own),
     )
 
 
@@ -89,15 +93,26 @@ def _outside(model: Model, joints_rad: FloatArray) -> tuple[FloatArray, FloatArr
     return outside(model.zone, model.robot, joints_rad)
 
 
-def _reaches(estimate: Estimate, goals: Goals) -> BoolArray:
-    """Whether the nominal arm reaches a goal in any branch, shape (n,)."""
+def _own_answers(estimate: Estimate, goals: Goals) -> FloatArray:
+    """Return what the controller itself would answer, in every branch, shape (n, 8, J); NaN where nothing."""
     arm = NominalArm(estimate)
-    exists = np.isfinite(arm.branches(arm.flange(goals), reach_out=False)[..., 0])
-    return np.asarray(exists.any(axis=1))
+    return arm.branches(arm.flange(goals), reach_out=False)
 
 
-def _statuses(found: Attained, beyond_limit: BoolArray, too_far: BoolArray) -> npt.NDArray[np.str_]:
-    """Return a Status for each row."""
-    missed = np.where(too_far, "out_of_reach", "singular")
-    arrived = np.where(beyond_limit, "joint_limit", "ok")
+def _largest(first_rad: FloatArray, second_rad: FloatArray) -> FloatArray:
+    """Return the largest difference of joint angles (..., J), shape (...)."""
+    return np.asarray(np.abs(first_rad - second_rad).max(axis=-1))
+
+
+def _nearest(own_rad: FloatArray, joints_rad: FloatArray) -> FloatArray:
+    """Return how far joints are from the nearest of several answers, whole turns aside, shape (n,)."""
+    apart = np.mod(own_rad - joints_rad[:, None] + np.pi, 2 * np.pi) - np.pi
+    nearest = np.nan_to_num(np.abs(apart).max(axis=2), nan=np.inf).min(axis=1)
+    return np.where(np.isfinite(nearest), nearest, np.nan)
+
+
+def _statuses(found: Attained, passed: FloatArray, own: FloatArray) -> npt.NDArray[np.str_]:
+    """Return a Status for each row; out of reach is what the controller has no answer to either."""
+    missed = np.where(np.isnan(own[..., 0]).all(axis=1), "out_of_reach", "singular")
+    arrived = np.where(passed.any(axis=1), "joint_limit", "ok")
     return np.where(found.arrived, arrived, missed)

@@ -9,6 +9,9 @@ import numpy as np
 from truepose.correction.corrections import Corrections
 
 MOST_NAMED: Final = 100
+FAR_RAD: Final = float(
+    np.deg2rad(5.0)
+)  # corrections turn joints by tenths of a degree, except near a singularity
 
 
 class Summary:
@@ -18,6 +21,8 @@ class Summary:
         self.statuses: Counter[str] = Counter()
         self.failed: list[tuple[str, str]] = []  # name and status, at most MOST_NAMED
         self.largest_error_mm = self.largest_uncertainty_mm = self.farthest_outside_mm = 0.0
+        self.far_moved = 0  # solved targets at which a joint turns far from the controller's own answer
+        self.largest_move_rad = 0.0
         self.outside = 0  # solved targets outside the measured zone
         self.zone_known = True
         self._uncertainty_mm = 0.0
@@ -34,6 +39,9 @@ class Summary:
         largest = float(solved.uncertainty_mm.max(initial=0.0))
         self.largest_uncertainty_mm = max(self.largest_uncertainty_mm, largest)
         self._uncertainty_mm += float(solved.uncertainty_mm.sum())
+        moved = np.nan_to_num(solved.moved_rad)
+        self.far_moved += int((moved > FAR_RAD).sum())
+        self.largest_move_rad = max(self.largest_move_rad, float(moved.max(initial=0.0)))
         self.zone_known = self.zone_known and not np.isnan(solved.outside_mm).any()
         beyond = (solved.outside_mm > 0.0) | (solved.outside_rad > 0.0).any(axis=1)
         self.outside += int(beyond.sum())

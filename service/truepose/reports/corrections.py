@@ -1,5 +1,6 @@
 """What a table of corrected targets came to, in sentences."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -21,6 +22,9 @@ def correction_sentences(summary: Summary) -> Iterator[Sentence]:
     if summary.solved:
         mean, largest = summary.mean_uncertainty_mm, summary.largest_uncertainty_mm
         yield said("corrections.how_well", mean_mm=mean, largest_mm=largest)
+    if summary.far_moved:
+        largest = math.degrees(summary.largest_move_rad)
+        yield said("corrections.far_moved", count=summary.far_moved, largest_deg=largest)
     yield from _outside(summary)
     for name, status in summary.failed[:_MOST_SAID]:
         yield said(_WHY[status], target=name)

@@ -1,5 +1,6 @@
 """What a table of corrected targets came to, as a document."""
 
+import math
 from collections.abc import Sequence
 
 from pydantic import Field
@@ -37,6 +38,8 @@ class CorrectionDocument(Document):
     largest_error_mm: Quantity
     mean_u_mm: Quantity = Field(description="Standard, per axis.")
     largest_u_mm: Quantity
+    far_moved: int = Field(description="Corrected ones at which a joint turns by more than 5 deg.")
+    largest_move_deg: Quantity = Field(description="Of a joint, from the controller's own answer.")
     outside: int | None = Field(description="Corrected ones outside the measured zone; null: it is unknown.")
     farthest_outside_mm: Quantity | None
     left_alone: list[LeftAloneDocument] = Field(
@@ -54,6 +57,8 @@ def correction_document(summary: Summary, left_alone: Sequence[LeftAlone] = ()) 
         largest_error_mm=summary.largest_error_mm,
         mean_u_mm=summary.mean_uncertainty_mm,
         largest_u_mm=summary.largest_uncertainty_mm,
+        far_moved=summary.far_moved,
+        largest_move_deg=math.degrees(summary.largest_move_rad),
         outside=summary.outside if summary.zone_known else None,
         farthest_outside_mm=summary.farthest_outside_mm if summary.zone_known else None,
         left_alone=[LeftAloneDocument.of(left) for left in left_alone],

@@ -153,6 +153,7 @@ def correction_cells(names: Sequence[str], found: Corrections) -> dict[str, list
         "u_deg": _written(np.where(ok, np.degrees(found.uncertainty_rad), np.nan), ".6g"),
         "outside_mm": _written(found.outside_mm, ".3f"),
         "outside_deg": _written(np.degrees(found.outside_rad.max(axis=1)), ".4f"),
+        "moved_deg": _written(np.where(ok, np.degrees(found.moved_rad), np.nan), ".4f"),
         "beyond_limit_deg": _written(np.degrees(found.beyond_limit_rad.max(axis=1)), ".4f"),
     }
 

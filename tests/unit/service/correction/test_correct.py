@@ -235,3 +235,17 @@ def test_a_frame_of_the_wrong_hand_is_refused_with_its_row():
 
     with pytest.raises(ConfigurationError, match=r"row 1 is left-handed"):
         of_poses(pose, 6)
+
+
+def test_how_far_joints_turn_from_the_controllers_own_answer_is_told():
+    model = model_of(IRB_120, *plain_parameters(IRB_120))
+    usual, singular = configurations(20, 11), configurations(20, 12)
+    usual[:, 4], singular[:, 4] = 0.8, 1e-4
+
+    few, many = (
+        correct(model, goals_at(model, Stops(np.arange(20), joints), np.zeros(20, dtype=np.int64))).moved_rad
+        for joints in (usual, singular)
+    )
+
+    assert np.nanmax(few) < 0.05
+    assert np.nanmax(many) > 0.2
