@@ -24,7 +24,8 @@ def plan_command(
         str, typer.Argument(help="Shipped robot, robot or cell file (TOML), scenario, or campaign folder.")
     ],
     n: Annotated[
-        int | None, typer.Option(min=1, help="Configurations to measure; by default the knee of the curve.")
+        int | None,
+        typer.Option(min=1, max=1000, help="Configurations to measure; by default the curve's knee."),
     ] = None,
     volume: Annotated[
         Path | None, typer.Option(help="Where accuracy counts: a box, joint ranges, or both (TOML or JSON).")

@@ -81,7 +81,7 @@ def _space(campaign: Campaign, points: PointReadings, model: Model) -> WorkSpace
     lowest = float(points.position_mm[:, 2].min())
     return WorkSpace(
         robot=robot,
-        base=model.base,
+        base=model.nominal_base,
         nests=_nests(campaign, model),
         ranges=robot.calibration_ranges or _ranges(points),
         tracker_position_mm=tracker,
@@ -98,26 +98,13 @@ def _ranges(points: PointReadings) -> tuple[JointRange, ...]:
 
 
 def _nests(campaign: Campaign, model: Model) -> tuple[Nest, ...]:
-    """Return the nests where they were found."""
+    """Return the nests where they were found on the nominal robot."""
     seen = campaign.tracker_position_mm is not None
-    values = {parameter.name: parameter.value for parameter in model.parameters}
+    found = {nest.nest: nest.centre_mm for nest in model.nominal_nests}
     return tuple(
-        replace(
-            nest,
-            centre_mm=_centre(centre.centre_mm, centre.nest, values),
-            facing=nest.facing if seen else None,
-        )
-        for nest, centre in zip(campaign.nests, sorted(model.nests, key=lambda c: c.nest), strict=True)
+        replace(nest, centre_mm=found[number], facing=nest.facing if seen else None)
+        for number, nest in enumerate(campaign.nests, start=1)
     )
-
-
-def _centre(
-    start_mm: tuple[float, float, float], number: int, values: dict[str, float]
-) -> tuple[float, float, float]:
-    x, y, z = (
-        start + values.get(f"nest_{number}_{axis}", 0.0) for start, axis in zip(start_mm, "xyz", strict=True)
-    )
-    return (x, y, z)
 
 
 def _knowns(campaign: Campaign, points: PointReadings, model: Model) -> Knowns:

@@ -63,6 +63,25 @@ def test_unknown_nests_stay_unknown_and_are_where_they_were_found():
     assert all(nest.centre_mm is None for nest in subject.knowns.nests)
 
 
+def test_a_base_that_nobody_knew_is_where_it_was_found():
+    known, _ = measured(nominal_campaign(60))
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    elsewhere = known.calibration.position_mm @ turn.T + (3000.0, -1000.0, 400.0)
+    readings = replace(known.calibration, position_mm=elsewhere)
+    campaign = replace(known, calibration=readings, base_nominal=None, tracker_position_mm=None)
+
+    subject = of_campaign(campaign, identify(campaign).model)
+    plan = promised_session(
+        subject.space, 5, knowns=subject.knowns, measured=subject.measured, n_candidates=300
+    )
+
+    base = subject.space.base
+    assert (base.x_mm, base.y_mm, base.z_mm) == pytest.approx((3000.0, -1000.0, 400.0), abs=3.0)
+    assert base.rz_rad == pytest.approx(np.pi / 2.0, abs=0.01)
+    assert len(plan.joints_rad) == 5
+    assert not subject.knowns.base_known
+
+
 def test_a_campaign_of_lengths_cannot_be_gone_on_with():
     model = identify(measured(nominal_campaign(40))[0]).model
 
