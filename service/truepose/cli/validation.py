@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from truepose.cli.files import Json, require_folders
+from truepose.cli.files import Json, Language, require_folders
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Readings
     from truepose.domain.results import DecisionRule, Model, Validation
     from truepose.exchange.json_text import Json as JsonValue
     from truepose.judgement.iso9283.judged import PoseTest
-    from truepose.reports import ReportConditions
 
 
 class Rule(StrEnum):
@@ -41,6 +41,7 @@ def validate_command(
     speed_mm_s: Annotated[float | None, typer.Option(help="Speed of the tool, for the report.")] = None,
     warm_up: Annotated[str, typer.Option(help="How the robot was warmed up, for the report.")] = "",
     instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
+    language: Language = ENGLISH,
     json: Json = False,
 ) -> int:
     """Judge a model on readings it was not made from; status 1 when it fails.
@@ -49,24 +50,26 @@ def validate_command(
     """
     from truepose.judgement.cautions import validation_cautions
     from truepose.judgement.validation import validate
+    from truepose.reports import ValidationInput, write_validation_report
     from truepose.reports.conditions import Instrument, ReportConditions
-    from truepose.words.catalogue import english
 
     _require_length(limit_mm)
     require_folders(report)
-    identified, readings = _read(model, points)
+    words = catalogue(language)
+    identified, readings = _read(model, points, words)
     rule: DecisionRule = "simple" if decision_rule is Rule.SIMPLE else "guard band"
     answer = validate(identified, readings, limit_mm=limit_mm, rule=rule)
     test = _pose_test(identified, readings) if iso9283 else None
-    cautions = tuple(map(english, validation_cautions(identified, readings)))
-    remark(cautions)
+    cautions = tuple(validation_cautions(identified, readings))
+    remark(map(words.spoken, cautions))
     if report is not None:
         devices = (Instrument("instrument", model=instrument),) if instrument else ()
         conditions = ReportConditions(
             load=load, warm_up=warm_up, tool_speed_mm_s=speed_mm_s, instruments=devices
         )
-        _write_report(report, (identified, readings, answer, test), cautions, conditions)
-    _show(answer, test, json)
+        judged = ValidationInput(answer, identified, readings, cautions, test, conditions, language)
+        write_validation_report(report, judged)
+    _show(answer, test, words, as_json=json)
     return 0 if answer.passed else 1
 
 
@@ -75,16 +78,15 @@ def _require_length(limit_mm: float | None) -> None:
         raise ConfigurationError(f"--limit-mm {limit_mm:g}: give the largest error that passes, above 0 mm.")
 
 
-def _read(model: Path, points: Path) -> "tuple[Model, Readings]":
+def _read(model: Path, points: Path, words: Catalogue) -> "tuple[Model, Readings]":
     from truepose.exchange.models.file import read_model
     from truepose.exchange.tables.files import read_validation_file
-    from truepose.words.catalogue import english
 
     identified = read_model(model)
     measured = read_validation_file(
         points, identified.robot.n_joints, [nest.nest for nest in identified.nests]
     )
-    remark(map(english, measured.ignored))
+    remark(map(words.spoken, measured.ignored))
     return identified, measured.readings
 
 
@@ -94,27 +96,15 @@ def _pose_test(model: "Model", readings: "Readings") -> "PoseTest":
     return pose_test(model, readings)
 
 
-def _write_report(
-    path: Path,
-    judged: "tuple[Model, Readings, Validation, PoseTest | None]",
-    cautions: tuple[str, ...],
-    conditions: "ReportConditions",
-) -> None:
-    from truepose.reports import ValidationInput, write_validation_report
-
-    model, readings, answer, test = judged
-    write_validation_report(path, ValidationInput(answer, model, readings, cautions, test, conditions))
-
-
-def _show(answer: "Validation", test: "PoseTest | None", json: bool) -> None:
-    if json:
+def _show(answer: "Validation", test: "PoseTest | None", words: Catalogue, *, as_json: bool) -> None:
+    if as_json:
         print_json(_document(answer, test))
         return
     from truepose.reports.summary import pose_test_summary, validation_summary
 
-    print_tables(validation_summary(answer))
+    print_tables(validation_summary(answer, words))
     if test is not None:
-        print_tables(pose_test_summary(test))
+        print_tables(pose_test_summary(test, words))
 
 
 def _document(answer: "Validation", test: "PoseTest | None") -> "dict[str, JsonValue]":

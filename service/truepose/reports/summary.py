@@ -1,6 +1,7 @@
 """Short text tables for a terminal: what the first screen of the report says."""
 
 from collections.abc import Iterable
+from typing import Final
 
 from rich.console import Group, RenderableType
 from rich.markup import escape
@@ -8,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from truepose.domain.results import Identification, NominalAndIdentified, Outlier, Validation
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
@@ -16,12 +18,14 @@ from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
 from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
-from truepose.words.catalogue import IN_ENGLISH, Catalogue, english
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
-_DECIDED = {
-    "conforms": "conforms",
-    "does not conform": "does not conform",
-    "cannot be decided": "cannot be decided: the readings are too uncertain for this limit",
+_DECIDED: Final = {
+    ("simple", "conforms"): "validation.simple.conforms",
+    ("simple", "does not conform"): "validation.simple.does_not_conform",
+    ("guard band", "conforms"): "validation.guard_band.conforms",
+    ("guard band", "does not conform"): "validation.guard_band.does_not_conform",
+    ("guard band", "cannot be decided"): "validation.guard_band.undecided",
 }
 
 
@@ -44,81 +48,82 @@ def _without_weight(outlier: Outlier, words: Catalogue) -> str:
     return words.say("terminal.no_weight", config=outlier.config, nest=outlier.nest, reason=outlier.reason)
 
 
-def validation_summary(validation: Validation) -> Group:
+def validation_summary(validation: Validation, words: Catalogue = IN_ENGLISH) -> Group:
     """Return the errors of positions (or lengths) and of distances, and whether they pass."""
-    table = _error_table(f"{validation.quantity.capitalize()} errors, mm")
-    _add_pair(table, validation.quantity.capitalize(), validation.position)
+    positions = validation.quantity == "position"
+    table = _error_table(_title(validation), words)
+    label = words.say("validation.positions" if positions else "validation.lengths")
+    _add_pair(table, label, validation.position, words)
     if validation.relative is not None:
-        _add_pair(table, "Relative: after alignment", validation.relative)
+        _add_pair(table, words.say("validation.relative"), validation.relative, words)
     if validation.distance is not None:
-        _add_pair(table, "Distance between points", validation.distance)
-    said = [verdict_sentence(validation), decision_sentence(validation)]
-    return Group(table, *(Text(sentence) for sentence in said if sentence))
+        _add_pair(table, words.say("validation.distances"), validation.distance, words)
+    told = verdict_sentence(validation), decision_sentence(validation)
+    return Group(table, *(Text(words.spoken(sentence)) for sentence in told if sentence))
 
 
-def pose_test_summary(test: PoseTest) -> Group:
+def pose_test_summary(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Group:
     """Return the figures of ISO 9283 without their components, what is withheld, what they do not prove."""
     table = Table(title="ISO 9283:1998")
-    for name in ("figure", "clause", "pose", "commanded by"):
-        table.add_column(name)
-    for name in ("value", "u"):
+    for key in ("terminal.figure", "terminal.clause", "terminal.pose", "terminal.commanded_by"):
+        table.add_column(words.say(key))
+    for name in (words.say("terminal.value"), "u"):
         table.add_column(name, justify="right")
-    table.add_column("unit")
-    table.add_column("noise alone", justify="right")
-    for row in (row for row in pose_test_rows(test) if row.whole):
+    table.add_column(words.say("terminal.unit"))
+    table.add_column(words.say("terminal.noise_alone"), justify="right")
+    for row in (row for row in pose_test_rows(test, words) if row.whole):
         table.add_row(
             row.name, row.clause, row.subject, row.commanded_by, row.value, row.u, row.unit, row.noise
         )
-    withheld = (Text(f"Withheld: {sentence}") for sentence in withheld_sentences(test))
-    return Group(table, *withheld, Text(english(pose_test_caution(test))))
+    withheld = (
+        Text(words.say("pose_test.withheld.line", sentence=sentence))
+        for sentence in withheld_sentences(test, words)
+    )
+    return Group(table, *withheld, Text(words.spoken(pose_test_caution(test))))
 
 
-def decision_sentence(validation: Validation) -> str:
+def decision_sentence(validation: Validation) -> Sentence | None:
     """Return whether the limit is kept with the uncertainty counted; nothing without a limit."""
     decided = validation.decision
     if decided is None:
-        return ""
-    if decided.rule == "simple":
-        return f"By simple acceptance it {_DECIDED[decided.verdict]}; the uncertainty is not counted."
-    return (
-        f"With a guard band of {millimetres(decided.guard_mm)} mm (ISO 14253-1, 95 %) it "
-        f"{_DECIDED[decided.verdict]}; the reading that decides is off by {millimetres(decided.error_mm)} mm."
+        return None
+    return said(
+        _DECIDED[decided.rule, decided.verdict],
+        guard=millimetres(decided.guard_mm),
+        error=millimetres(decided.error_mm),
     )
 
 
-def verdict_sentence(validation: Validation) -> str:
+def verdict_sentence(validation: Validation) -> Sentence:
     """Return whether the model passes, and by which measure."""
     if validation.limit_mm is None:
         return _without_limit(validation)
-    verb = "stays within" if validation.passed else "exceeds"
-    return f"The largest error {verb} the limit of {validation.limit_mm:g} mm."
+    key = "validation.within_limit" if validation.passed else "validation.beyond_limit"
+    return said(key, limit_mm=validation.limit_mm)
 
 
-def _without_limit(validation: Validation) -> str:
+def _without_limit(validation: Validation) -> Sentence:
     if validation.passed:
-        return (
-            "The identified model's mean error is below the nominal one's and in keeping with what it claims."
-        )
+        return said("validation.as_claimed")
     if validation.position.identified.mean_mm > validation.position.nominal.mean_mm:
-        return "The identified model's mean error is not below the nominal one's."
-    return (
-        f"The identified model's mean error is far above the {validation.claimed_mm:.3g} mm that it claims: "
-        "the readings are of another robot, frame or unit, or the robot has changed."
-    )
+        return said("validation.not_below")
+    return said("validation.far_above", claimed_mm=validation.claimed_mm)
 
 
 def figures_table(identification: Identification, words: Catalogue = IN_ENGLISH) -> Table:
     """Return nominal and identified errors [mm] side by side."""
-    positions = identification.quantity == "position"
-    title = words.say("terminal.position_errors" if positions else "terminal.length_errors")
-    table = _error_table(title, words)
+    table = _error_table(_title(identification), words)
     for row in figures_rows(identification, None):
         _add_pair(table, words.spoken(row.label), row.pair, words)
     return table
 
 
-def _error_table(title: str, words: Catalogue = IN_ENGLISH) -> Table:
-    table = Table(title=title)
+def _title(judged: Identification | Validation) -> str:
+    return "terminal.position_errors" if judged.quantity == "position" else "terminal.length_errors"
+
+
+def _error_table(title: str, words: Catalogue) -> Table:
+    table = Table(title=words.say(title))
     table.add_column(words.say("curve.readings"))
     table.add_column(words.say("terminal.model"))
     mean, sd, noise = map(words.say, ("terminal.mean", "terminal.sd", "terminal.noise_column"))
@@ -127,7 +132,7 @@ def _error_table(title: str, words: Catalogue = IN_ENGLISH) -> Table:
     return table
 
 
-def _add_pair(table: Table, label: str, pair: NominalAndIdentified, words: Catalogue = IN_ENGLISH) -> None:
+def _add_pair(table: Table, label: str, pair: NominalAndIdentified, words: Catalogue) -> None:
     nominal, identified = words.say("model.nominal"), words.say("model.identified")
     for first, model, figures in ((label, nominal, pair.nominal), ("", identified, pair.identified)):
         values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)

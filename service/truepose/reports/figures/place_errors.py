@@ -9,39 +9,42 @@ from matplotlib.axes import Axes
 
 from truepose.domain.results import ErrorsByPlace, Shell, Statistics
 from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
-def place_errors(places: ErrorsByPlace) -> Markup:
+def place_errors(places: ErrorsByPlace, words: Catalogue = IN_ENGLISH) -> Markup:
     """Draw the errors over both distances on logarithmic axes: before and after differ by decades."""
-    return on_page(partial(_drawn, places), "places", "Errors by distance, before and after")
+    return on_page(partial(_drawn, places, words=words), "places", words.say("places.picture"))
 
 
 def plain_place_errors(places: ErrorsByPlace) -> Drawing:
     """Return the same as a figure that a program may change."""
-    return plain(partial(_drawn, places))
+    return plain(partial(_drawn, places, words=IN_ENGLISH))
 
 
-def _drawn(places: ErrorsByPlace, colours: Colours) -> Drawing:
+def _drawn(places: ErrorsByPlace, colours: Colours, words: Catalogue) -> Drawing:
     figure = new_figure(8.0, 2.9)
     zone, axis = figure.subplots(1, 2, sharey=True)
-    _panel(zone, places.from_zone, colours)
-    zone.set_xlabel("distance from the middle of the zone [mm]")
-    zone.set_ylabel("error [mm], logarithmic")
+    _panel(zone, places.from_zone, colours, words)
+    zone.set_xlabel(words.say("places.from_zone"))
+    zone.set_ylabel(words.say("histogram.error"))
     if places.zone_stated:
-        label = "edge of the zone that the model was made in"
+        label = words.say("places.edge")
         zone.axvline(places.zone_radius_mm, color=colours.muted, linestyle=":", label=label)
-    _panel(axis, places.from_axis, colours)
-    axis.set_xlabel("distance from axis 1 [mm]")
+    _panel(axis, places.from_axis, colours, words)
+    axis.set_xlabel(words.say("places.from_axis"))
     handles, labels = zone.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper left", ncols=3)
     return figure
 
 
-def _panel(axes: Axes, shells: Sequence[Shell], colours: Colours) -> None:
+def _panel(axes: Axes, shells: Sequence[Shell], colours: Colours, words: Catalogue) -> None:
     before, after = ([getattr(s.errors, name) for s in shells] for name in ("nominal", "identified"))
-    for name, figures, colour in (("nominal", before, colours.before), ("identified", after, colours.after)):
-        _steps(axes, shells, [s.mean_mm for s in figures], f"{name}, mean", colour, "-")
-        _steps(axes, shells, [s.max_mm for s in figures], f"{name}, largest", colour, "--")
+    nominal, identified = words.say("model.nominal"), words.say("model.identified")
+    for name, figures, colour in ((nominal, before, colours.before), (identified, after, colours.after)):
+        mean, largest = words.say("places.mean", name=name), words.say("places.largest", name=name)
+        _steps(axes, shells, [s.mean_mm for s in figures], mean, colour, "-")
+        _steps(axes, shells, [s.max_mm for s in figures], largest, colour, "--")
     if any(_above_zero(figures) for figures in (before, after)):
         axes.set_yscale("log")
 

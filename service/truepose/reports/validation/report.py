@@ -5,6 +5,7 @@ from pathlib import Path
 
 from truepose.domain.campaign import Readings
 from truepose.domain.results import ErrorsByPlace, Model, Validation
+from truepose.domain.sentences import Text
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
@@ -15,7 +16,7 @@ from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.pages import write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.validation.pose_test_rows import pose_test_rows, stated_conditions, withheld_sentences
-from truepose.words.catalogue import english
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +26,10 @@ class ValidationInput:
     validation: Validation
     model: Model
     readings: Readings
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Text, ...] = ()
     pose_test: PoseTest | None = None
     conditions: ReportConditions = field(default_factory=ReportConditions)
+    language: str = ENGLISH  # one of `LANGUAGES`
 
 
 def write_validation_report(path: Path, report: ValidationInput) -> None:
@@ -46,31 +48,33 @@ def write_validation_report(path: Path, report: ValidationInput) -> None:
     ConfigurationError
         The readings are not those that the validation is of.
     """
-    found, test = report.validation, report.pose_test
+    found, test, words = report.validation, report.pose_test, catalogue(report.language)
     shown = judge(report.model, report.readings, report.model.repeatability_mm)
     conditions = _with_temperature(report.conditions, report.readings)
     write_page(
         path,
         "validation.html",
+        words=words,
+        say=words.say,
         model=report.model,
         validation=found,
         verdict=verdict_sentence(found),
         decision=decision_sentence(found),
         remarks=report.remarks,
         simulated=conditions.simulated,
-        histogram=histogram(shown, found.position.identified.noise_mm),
-        distances=None if found.distance_errors is None else distance_histogram(found.distance_errors),
-        places=_drawn(found.places),
+        histogram=histogram(shown, found.position.identified.noise_mm, words),
+        distances=None if found.distance_errors is None else distance_histogram(found.distance_errors, words),
+        places=_drawn(found.places, words),
         pose_test=test,
-        withheld=() if test is None else tuple(withheld_sentences(test)),
-        pose_rows=() if test is None else tuple(pose_test_rows(test)),
-        caution="" if test is None else english(pose_test_caution(test)),
-        condition_rows=stated_conditions(test, conditions),
+        withheld=() if test is None else tuple(withheld_sentences(test, words)),
+        pose_rows=() if test is None else tuple(pose_test_rows(test, words)),
+        caution="" if test is None else words.spoken(pose_test_caution(test)),
+        condition_rows=stated_conditions(test, conditions, words),
     )
 
 
-def _drawn(places: ErrorsByPlace | None) -> object:
-    return None if places is None else place_errors(places)
+def _drawn(places: ErrorsByPlace | None, words: Catalogue) -> object:
+    return None if places is None else place_errors(places, words)
 
 
 def _with_temperature(conditions: ReportConditions, readings: Readings) -> ReportConditions:
