@@ -149,8 +149,8 @@ class Rack:
     @property
     def motion_notice(self) -> str | None:
         """What whoever lets the arm move has to know of its controller; None in a cell without one."""
-        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "robot"]
-        return motion_notice(motion_guard(found[0])) if found else None
+        found = self._first("robot")
+        return None if found is None else motion_notice(motion_guard(found))
 
     @property
     def ballbar(self) -> Ballbar:
@@ -160,8 +160,7 @@ class Rack:
     @property
     def hands(self) -> SimulatedHands | None:
         """The person of a simulated cell; None where a real one stands there."""
-        found = [mounted.device for mounted in self._mounted.values() if mounted.kind == "hands"]
-        return cast(SimulatedHands, found[0]) if found else None
+        return cast(SimulatedHands | None, self._first("hands"))
 
     async def close(self) -> None:
         """Close every link."""
@@ -169,10 +168,13 @@ class Rack:
             await _link(mounted).close()
 
     def _of_kind(self, kind: DeviceKind) -> AnyDevice:
-        for mounted in self._mounted.values():
-            if mounted.kind == kind:
-                return mounted.device
-        raise MissingDeviceError(f"The cell file lists no {kind}; a session needs one.")
+        found = self._first(kind)
+        if found is None:
+            raise MissingDeviceError(f"The cell file lists no {kind}; a session needs one.")
+        return found
+
+    def _first(self, kind: DeviceKind) -> AnyDevice | None:
+        return next((mounted.device for mounted in self._mounted.values() if mounted.kind == kind), None)
 
     def _find(self, name: str) -> MountedDevice:
         try:

@@ -8,22 +8,20 @@ import pytest
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.ballbar.sessions import make_ballbar_plan, measured
 from tests.helpers.domain.tracker_sessions import entered
+from tests.integration.operation.scenes import Surroundings
 from tests.integration.web.bench import Bench
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.cell import DeviceEntry
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.operation.ballbar.sessions import NOBODY_RUNS, BallbarSessions
-from truepose.operation.devices import MountedDevice, Rack
+from truepose.operation.devices import Rack
 from truepose.operation.errors import DeviceInUseError
 from truepose.operation.sessions import SessionDesk
 from truepose.sequencing.ballbar.situation import situation
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
 from truepose.sequencing.errors import NotNowError, PlanRefusedError
 from truepose.storage.errors import KeyReusedError
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import RequestKey, SessionSetup
 
 
@@ -62,19 +60,11 @@ class FakeRunner:
         return ActOutcome(f"Done {self.acts} times.", number)
 
 
-class Scene:
+class Scene(Surroundings):
     """A desk on a real database, fake devices, and the runners that it made."""
 
     def __init__(self, database):
-        bench = Bench()
-        devices = [("ballbar", bench.ballbar), ("robot", bench.robot)]
-        self.rack = Rack(
-            [MountedDevice(DeviceEntry(kind, "fake", {}), kind, "fake", it) for kind, it in devices],
-            bench.clock,
-        )
-        self.sessions = SessionRepository(database)
-        self.ledger = LedgerRepository(database)
-        self.runners = []
+        super().__init__(database, "ballbar")
         self.refusal = None
         self.desk, self.ballbar = self.open()
 

@@ -7,17 +7,13 @@ import pytest
 
 from tests.helpers.ballbar.cells import domain_cell
 from tests.helpers.domain.tracker_sessions import entered
-from tests.integration.web.bench import Bench
-from truepose.domain.cell import DeviceEntry
+from tests.integration.operation.scenes import Surroundings
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.session import PlannedStop, SessionPlan, SessionState
-from truepose.operation.devices import MountedDevice, Rack
 from truepose.operation.sessions import SessionDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.sequencing.errors import NotNowError
 from truepose.storage.measurement.added_stops import AddedStopsRepository
-from truepose.storage.measurement.ledger import LedgerRepository
-from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.records import SessionSetup
 
 _PLAN = SessionPlan("calibration", tuple(PlannedStop(k, (0.1 * k, *(0.2,) * 5), 1) for k in (1, 2)))
@@ -41,19 +37,11 @@ class FakeRunner:
         self._ended.set()
 
 
-class Scene:
+class Scene(Surroundings):
     """A desk on a real database, fake devices, and the runners that it was given."""
 
     def __init__(self, database):
-        bench = Bench()
-        devices = [("tracker", bench.tracker), ("robot", bench.robot)]
-        self.rack = Rack(
-            [MountedDevice(DeviceEntry(kind, "fake", {}), kind, "fake", it) for kind, it in devices],
-            bench.clock,
-        )
-        self.sessions = SessionRepository(database)
-        self.ledger = LedgerRepository(database)
-        self.runners = []
+        super().__init__(database, "tracker")
         self.trouble = None
         self.followed = []
         self.failure = None

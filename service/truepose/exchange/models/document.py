@@ -143,16 +143,22 @@ def model_document(model: Model) -> dict[str, Json]:
     }
 
 
-def _parameter_document(parameter: Parameter) -> Json:
+def in_file_units(parameter: Parameter) -> dict[str, str | float]:
+    """Return the fields of a parameter, in the unit that files use and that it then names."""
     factor = file_factor(parameter.unit)
     return {
         "name": parameter.name,
         "effect": parameter.effect,
         "value": parameter.value * factor,
         "unit": file_unit(parameter.unit),
-        "standard_uncertainty": number_or_null(parameter.standard_uncertainty * factor),
-        "prior_width": number_or_null(parameter.prior_width * factor),
+        "standard_uncertainty": parameter.standard_uncertainty * factor,
+        "prior_width": parameter.prior_width * factor,
     }
+
+
+def _parameter_document(parameter: Parameter) -> Json:
+    fields = in_file_units(parameter)
+    return {key: it if isinstance(it, str) else number_or_null(it) for key, it in fields.items()}
 
 
 def _covariance_document(model: Model) -> Json:

@@ -17,7 +17,7 @@ from truepose.domain.results import (
     Verdict,
 )
 from truepose.exchange.json_text import Json
-from truepose.exchange.models.document import file_factor, file_unit
+from truepose.exchange.models.document import in_file_units
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document, Spoken
 
@@ -68,17 +68,7 @@ class ParameterDocument(Document):
     @model_validator(mode="before")
     @classmethod
     def _in_units_of_files(cls, parameter: object) -> object:
-        if not isinstance(parameter, Parameter):
-            return parameter
-        factor = file_factor(parameter.unit)
-        return {
-            "name": parameter.name,
-            "effect": parameter.effect,
-            "value": parameter.value * factor,
-            "unit": file_unit(parameter.unit),
-            "standard_uncertainty": parameter.standard_uncertainty * factor,
-            "prior_width": parameter.prior_width * factor,
-        }
+        return in_file_units(parameter) if isinstance(parameter, Parameter) else parameter
 
 
 class NotIdentifiableDocument(Document):

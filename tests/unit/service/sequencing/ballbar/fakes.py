@@ -7,6 +7,7 @@ from collections.abc import Callable
 from itertools import count
 
 from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
+from tests.unit.service.sequencing.controllers import Controller
 from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
@@ -19,7 +20,7 @@ from truepose.sequencing.ballbar.plan import step_ids
 from truepose.sequencing.ballbar.runner import BallbarRunner
 from truepose.sequencing.ballbar.state_so_far import READINGS
 from truepose.sequencing.engine.acts import Act, ActName, ActOutcome
-from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading, MotionLimits
+from truepose_drivers.api import BallbarReading, DeviceIdentity, JointReading
 from truepose_drivers.errors import ConnectFailedError, ConnectionLostError, DriverError
 
 HOME = joints(0)
@@ -168,21 +169,16 @@ class Bar:
         return BallbarReading(shown, signal, 0.0001, self._clock.time_s, self.temperature_c, number)
 
 
-class Robot:
+class Robot(Controller):
     """Moves when told; the judge of every motion, since it alone sees what is really attached."""
 
-    can_stop_motion = False
-
     def __init__(self, clock: Clock) -> None:
+        super().__init__()
         self.clock = clock
         self.joints = HOME
-        self.connected = False
         self.plugged = True
-        self.serial = "120-1"
         self.motion_s = 1.0
         self.state_age_s = 0.0
-        self.limits: MotionLimits | None = None
-        self.moves: list[tuple[float, ...]] = []
         self.judge: Callable[[], None] = lambda: None
         self.fault: DriverError | None = None  # of the next motion
         self.under_way = False
@@ -191,16 +187,7 @@ class Robot:
     async def connect(self) -> None:
         if not self.plugged:
             raise ConnectFailedError("no robot at this address")
-        self.connected = True
-
-    async def close(self) -> None:
-        self.connected = False
-
-    async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("ABB", "IRB 120", self.serial, "6.08")
-
-    async def set_limits(self, limits: MotionLimits) -> None:
-        self.limits = limits
+        await super().connect()
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         self.judge()

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable
 
 import numpy as np
 
+from tests.unit.service.sequencing.controllers import Controller
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.identities import IdentityTaken
@@ -29,7 +30,6 @@ from truepose_drivers.api import (
     DeviceIdentity,
     Environment,
     JointReading,
-    MotionLimits,
     TrackerReading,
     Vector,
 )
@@ -69,35 +69,18 @@ class FakeClock:
         self.time_s += duration_s
 
 
-class FakeRobot:
+class FakeRobot(Controller):
     """Moves at once; notes every motion. `before_move` runs while the arm is about to move."""
 
-    can_stop_motion = False
-
     def __init__(self, clock: FakeClock) -> None:
+        super().__init__()
         self._clock = clock
         self.joints = (0.0,) * 6
-        self.serial = "120-1"
-        self.connected = False
-        self.moves: list[tuple[float, ...]] = []
         self.faults: dict[int, DriverError] = {}  # number of the motion, from 0
         self.reading_age_s = 0.0
         self.misreport_rad = 0.0
-        self.limits: MotionLimits | None = None
         self.before_move: Callable[[], Awaitable[None]] | None = None
         self._attempts = 0
-
-    async def connect(self) -> None:
-        self.connected = True
-
-    async def close(self) -> None:
-        self.connected = False
-
-    async def identify(self) -> DeviceIdentity:
-        return DeviceIdentity("ABB", "IRB 120", self.serial, "6.08")
-
-    async def set_limits(self, limits: MotionLimits) -> None:
-        self.limits = limits
 
     async def move_joints(self, target_rad: tuple[float, ...]) -> None:
         attempt, self._attempts = self._attempts, self._attempts + 1
