@@ -150,12 +150,10 @@ class _Positions:
         frames = dict(_FRAME.findall(self._source.text[slice(*span)]))
         branch = _BRANCH.search(self._source.text, *span)
         position, rotation = Written(numbers[:3], _POSITION), Written(numbers[3:], _ROTATION)
-        x, y, z = position.read()
-        a, b, c, d = rotation.read()
         return ProgramTarget(
             name,
             line,
-            Pose((x, y, z), (a, b, c, d)),
+            Pose.written(position, rotation),
             (position, rotation),
             branch=self._source.shown(*branch.span(1)) if branch else "",
             external=external,

@@ -130,12 +130,10 @@ class _Job:
         if kept:
             return "an arm of seven axes turns its elbow by a number that is no part of the pose"
         position, rotation = Written(held[:3], _POSITION), Written(held[3:], _ROTATION)
-        x, y, z = position.read()
-        a, b, c, d = rotation.read()
         return ProgramTarget(
             name,
             line,
-            Pose((x, y, z), (a, b, c, d)),
+            Pose.written(position, rotation),
             (position, rotation),
             branch=self._heads.branch,
             tool=self._heads.tool,

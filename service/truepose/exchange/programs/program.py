@@ -27,6 +27,13 @@ class Pose:
     position_mm: Triple
     quaternion: Quaternion
 
+    @classmethod
+    def written(cls, position: "Written", rotation: "Written") -> "Pose":
+        """Return the pose that stands in the file as a position and a rotation."""
+        x, y, z = position.read()
+        a, b, c, d = rotation.read()
+        return cls((x, y, z), (a, b, c, d))
+
 
 Value: TypeAlias = Configuration | Pose
 AT_THE_ORIGIN: Final = Pose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))

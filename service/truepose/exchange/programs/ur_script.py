@@ -112,9 +112,7 @@ def _target(source: Source, name: str, words: Tokens) -> ProgramTarget | None:
         joints = Written(held, JOINT_RADIANS)
         return ProgramTarget(name, line, Configuration(joints.read()), (joints,))
     position, rotation = Written(held[:3], METRES), Written(held[3:], ROTATION_VECTOR)
-    x, y, z = position.read()
-    a, b, c, d = rotation.read()
-    return ProgramTarget(name, line, Pose((x, y, z), (a, b, c, d)), (position, rotation))
+    return ProgramTarget(name, line, Pose.written(position, rotation), (position, rotation))
 
 
 @dataclass(frozen=True, slots=True)

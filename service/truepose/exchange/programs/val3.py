@@ -114,12 +114,10 @@ class _Reader:
     def _point(self, entry: _Entry, line: int, numbers: tuple[Number, ...]) -> ProgramTarget:
         position, rotation = Written(numbers[:3], MILLIMETRES), Written(numbers[3:], XYZ_DEGREES)
         said = [f"{key} {self._text(entry, key)}" for key in _BRANCH if key in entry.attributes]
-        x, y, z = position.read()
-        a, b, c, d = rotation.read()
         return ProgramTarget(
             entry.name,
             line,
-            Pose((x, y, z), (a, b, c, d)),
+            Pose.written(position, rotation),
             (position, rotation),
             branch=", ".join(said),
             work_object=self._frame(self._text(entry, _FATHER)),

@@ -129,10 +129,8 @@ class _Block:
         numbers = [self._axes[axis] for axis in _AXES]
         position = Written(tuple(numbers[:3]), self._state.unit)
         rotation = Written(tuple(numbers[3:]), turns_in_degrees(self._order()))
-        x, y, z = position.read()
-        a, b, c, d = rotation.read()
         return ProgramTarget(
-            f"line {self._line}", self._line, Pose((x, y, z), (a, b, c, d)), (position, rotation)
+            f"line {self._line}", self._line, Pose.written(position, rotation), (position, rotation)
         )
 
     def _order(self) -> Order:

@@ -55,12 +55,10 @@ def target_of(
         source.refuse(
             f"qw to qz have the norm {norm:g}; that of an orientation is 1", rotation.numbers[0].start
         )
-    x, y, z = position.read()
-    a, b, c, d = rotation.read()
     return ProgramTarget(
         name,
         line,
-        Pose((x, y, z), (a, b, c, d)),
+        Pose.written(position, rotation),
         (position, rotation),
         near_rad=joints.read() if near else None,
         work_object=_WORLD,

@@ -119,9 +119,7 @@ def _pose_of(source: Source, words: Tokens) -> Pose | None:
 def _pose(position: Written, rotation: Written) -> Pose | None:
     if not is_orientation(rotation.values):
         return None
-    x, y, z = position.read()
-    a, b, c, d = rotation.read()
-    return Pose((x, y, z), (a, b, c, d))
+    return Pose.written(position, rotation)
 
 
 def _says(words: Tokens, wanted: str) -> bool:
