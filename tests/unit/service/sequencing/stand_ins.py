@@ -1,4 +1,6 @@
-"""A robot's controller as every fake one is: it answers, and does not move by itself."""
+"""A robot's controller and a disk as every fake one is: the one answers, the other has room or has none."""
+
+import asyncio
 
 from truepose_drivers.api import DeviceIdentity, MotionLimits
 
@@ -25,3 +27,22 @@ class Controller:
 
     async def set_limits(self, limits: MotionLimits) -> None:
         self.limits = limits
+
+
+class FiniteDisk:
+    """Full once a test says so, until it makes room."""
+
+    def __init__(self) -> None:
+        self.full = False
+        self.has_room = asyncio.Event()
+
+    def fill(self) -> None:
+        self.full = True
+        self.has_room.clear()
+
+    def make_room(self) -> None:
+        self.full = False
+        self.has_room.set()
+
+    async def writable(self) -> None:
+        await self.has_room.wait()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import count
 
 from tests.unit.service.sequencing.ballbar.sessions import KIT, found, joints, make_pose
-from tests.unit.service.sequencing.controllers import Controller
+from tests.unit.service.sequencing.stand_ins import Controller, FiniteDisk
 from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.ballbar import BallbarPlan, PreCalibration, StepKind, Suspicion
 from truepose.domain.errors import RecordRefusedError
@@ -210,25 +210,13 @@ class Robot(Controller):
         return JointReading(self.joints, math.radians(0.01), self.told_s)
 
 
-class Disk:
+class Disk(FiniteDisk):
     """A ledger that keeps; a repeated key changes nothing."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.entries: list[LedgerEntry] = []
         self.on_append: Callable[[LedgerEntry], None] = lambda entry: None
-        self.full = False
-        self.has_room = asyncio.Event()
-
-    def fill(self) -> None:
-        self.full = True
-        self.has_room.clear()
-
-    def make_room(self) -> None:
-        self.full = False
-        self.has_room.set()
-
-    async def writable(self) -> None:
-        await self.has_room.wait()
 
     async def append(self, entry: LedgerEntry) -> int:
         if self.full:

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 
 import numpy as np
 
-from tests.unit.service.sequencing.controllers import Controller
+from tests.unit.service.sequencing.stand_ins import Controller, FiniteDisk
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import RecordRefusedError
 from truepose.domain.identities import IdentityTaken
@@ -190,10 +190,11 @@ class FakeTracker:
         return Environment(23.1, 1013.0, 40.0)
 
 
-class ListLedger:
+class ListLedger(FiniteDisk):
     """Keeps lines, and what they say in lists of each kind; the methods of each kind may be replaced."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.entries: list[LedgerEntry] = []
         self.states: list[tuple[SessionState, str, str | None]] = []
         self.points: list[PointTaken] = []
@@ -204,21 +205,11 @@ class ListLedger:
         self.notes: list[str] = []
         self.identities: list[IdentityTaken] = []
         self.full_disk_at: int | None = None  # number of the reading that cannot be kept
-        self.full = False
         self.refused = asyncio.Event()
-        self.has_room = asyncio.Event()
-
-    def fill(self) -> None:
-        self.full = True
-        self.has_room.clear()
 
     def make_room(self) -> None:
-        self.full = False
         self.refused.clear()
-        self.has_room.set()
-
-    async def writable(self) -> None:
-        await self.has_room.wait()
+        super().make_room()
 
     def _require_room(self) -> None:
         if self.full:
