@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import logging
 import os
 import signal
 import socket
@@ -15,7 +16,10 @@ import httpx
 import pytest
 
 from tests.integration.web.bench import CELL
+from truepose.app import serve
 from truepose.app.server import _listening, _url
+from truepose.settings import Settings
+from truepose.storage.database import Database
 
 PATIENCE_S = 120  # with a process that starts or ends, on a busy machine
 SERVE = """
@@ -56,6 +60,21 @@ def ended(process):
     """Return exit status, what is left of standard output, and standard error."""
     out, err = process.communicate(timeout=PATIENCE_S)
     return process.returncode, out, err
+
+
+@pytest.fixture
+def refused(monkeypatch, capsys):
+    """Start a service that fails in this process; gives status, standard output and standard error."""
+    everything = logging.getLogger()
+    level = everything.level
+    monkeypatch.setattr(everything, "handlers", [])
+
+    def start_here(settings):
+        status = serve(settings)
+        return status, *capsys.readouterr()
+
+    yield start_here
+    everything.setLevel(level)
 
 
 def test_without_a_cell_file_it_says_on_every_page_that_all_is_simulated(service):
@@ -106,14 +125,11 @@ def test_an_address_that_stands_for_all_is_told_as_one_that_answers():
         assert _url(listener) == f"http://127.0.0.1:{listener.getsockname()[1]}"
 
 
-def test_a_host_that_is_none_is_one_sentence_and_status_2():
-    serving = "from truepose.app import serve; from truepose.settings import Settings; import sys;"
-    serving += "sys.exit(serve(Settings(allowed_hosts=('cell3:8000',))))"
+def test_a_host_that_is_none_is_one_sentence_and_status_2(refused):
+    status, _, err = refused(Settings(allowed_hosts=("cell3:8000",)))
 
-    refused = subprocess.run([sys.executable, "-c", serving], capture_output=True, text=True, check=False)
-
-    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
-    assert refused.stderr.startswith("'cell3:8000' cannot be an allowed host")
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("'cell3:8000' cannot be an allowed host")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -162,10 +178,10 @@ def test_an_open_stream_does_not_hold_up_the_end(service):
     assert "Cancel" not in err  # Uvicorn's word for requests that it waited for in vain
 
 
-def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(service, database_url):
+def test_a_second_service_on_the_same_database_is_one_sentence_and_status_3(service, database_url, refused):
     url_of(service)
 
-    status, out, err = ended(start(database_url))
+    status, out, err = refused(Settings(database_url, port=0))
 
     assert (status, out) == (3, "")
     assert "in use by another truepose service" in err
@@ -182,35 +198,33 @@ def test_a_port_in_use_is_one_sentence_and_status_3(database_url):
     assert err.count("\n") == 1
 
 
-def test_a_cell_file_with_a_mistake_is_one_sentence_and_status_2(database_url, tmp_path):
+def test_a_cell_file_with_a_mistake_is_one_sentence_and_status_2(database_url, tmp_path, refused):
     (tmp_path / "cell.toml").write_text(CELL.replace("centre_mm", "center_mm"))
 
-    status, out, err = ended(start(database_url, 0, tmp_path / "cell.toml"))
+    status, out, err = refused(Settings(database_url, port=0, cell_file=tmp_path / "cell.toml"))
 
     assert (status, out) == (2, "")
     assert err.startswith("cell.toml")
     assert err.count("\n") == 1
 
 
-def test_a_driver_that_is_not_installed_is_one_sentence_and_status_3(database_url, tmp_path):
+def test_a_driver_that_is_not_installed_is_one_sentence_and_status_3(database_url, tmp_path, refused):
     (tmp_path / "cell.toml").write_text(CELL)
 
-    status, out, err = ended(start(database_url, 0, tmp_path / "cell.toml"))
+    status, out, err = refused(Settings(database_url, port=0, cell_file=tmp_path / "cell.toml"))
 
     assert (status, out) == (3, "")
     assert "'fake_tracker'" in err
     assert err.count("\n") == 1
 
 
-def test_a_newer_schema_is_one_sentence_and_status_3(service, database_url, tmp_path):
-    url_of(service)
-    service.send_signal(signal.SIGTERM)
-    ended(service)
+def test_a_newer_schema_is_one_sentence_and_status_3(database_url, tmp_path, refused):
+    Database(database_url).close()
     with sqlite3.connect(tmp_path / "truepose.sqlite3") as connection:
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
     connection.close()
 
-    status, _, err = ended(start(database_url))
+    status, _, err = refused(Settings(database_url, port=0))
 
     assert status == 3
     assert "has schema 9999" in err
