@@ -30,6 +30,7 @@ _COMMANDS = {
     "predict": "campaigns",
     "validate": "validation",
     "plan": "plans",
+    "circles": "circles",
     "correct": "corrections",
     "export": "exports",
     "nightly": "cells",

@@ -76,6 +76,11 @@ class CircleTest:
     circles: tuple[JointCircle, ...]
     withheld: tuple[WithheldCircle, ...]
 
+    @property
+    def joints_without(self) -> tuple[int, ...]:
+        """Joints that no nest gives a circle of."""
+        return tuple(sorted({one.joint for one in self.withheld} - {one.joint for one in self.circles}))
+
 
 def circle_test(points: PointReadings) -> CircleTest:
     """Return what each joint errs by, turned alone.

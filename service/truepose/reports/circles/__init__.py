@@ -1,0 +1,1 @@
+"""The report of a single-axis circle test, and its sentences."""

@@ -1,0 +1,40 @@
+"""The report of a single-axis circle test: one HTML file."""
+
+from pathlib import Path
+
+from truepose.judgement.circle.judged import CircleTest
+from truepose.reports.circles.sentences import (
+    circle_heads,
+    circle_rows,
+    circle_sentences,
+    withheld_sentences,
+)
+from truepose.reports.figures.tangential import tangential_figure
+from truepose.reports.pages import write_page
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+
+def write_circle_report(path: Path, test: CircleTest, robot: str, words: Catalogue = IN_ENGLISH) -> None:
+    """Write the report of a circle test as one self-contained HTML file, a figure for each circle.
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    """
+    shown = [
+        (one, tangential_figure(one, words), [words.spoken(sentence) for sentence in circle_sentences(one)])
+        for one in test.circles
+    ]
+    write_page(
+        path,
+        "circles.html",
+        robot=robot,
+        simulated=False,
+        heads=circle_heads(words),
+        rows=tuple(circle_rows(test)),
+        circles=shown,
+        withheld=[words.spoken(sentence) for sentence in withheld_sentences(test)],
+        words=words,
+        say=words.say,
+    )
