@@ -189,3 +189,21 @@ def test_every_table_is_append_only(database):
     assert triggers == {
         f"{table}_no_{action}" for table in metadata.tables for action in ("update", "delete")
     }
+
+
+def test_a_database_of_the_newest_schema_is_opened_without_migrations(database_url, monkeypatch):
+    Database(database_url).close()
+    monkeypatch.setattr("truepose.storage.connection.schema.command.upgrade", None)
+
+    again = Database(database_url)
+    again.close()
+
+    assert again.schema == newest_revision()
+
+
+def test_who_verifies_a_database_loads_nothing_that_migrates():
+    script = "import sys, truepose.storage.integrity.verification; print('alembic' in sys.modules)"
+
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+
+    assert found.stdout.strip() == "False"
