@@ -9,7 +9,14 @@ from datetime import date
 from typing import Any, Final, Protocol
 
 from truepose.analysis.workers.process import Told, perform_in_worker
-from truepose.analysis.workers.tasks import Answer, DiagnoseTask, IdentifyTask, PlanTask, Task, ValidateTask
+from truepose.analysis.workers.tasks import (
+    Answer,
+    DiagnoseTask,
+    IdentifyTask,
+    SessionPlanTask,
+    Task,
+    ValidateTask,
+)
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Identification, Validation
@@ -120,7 +127,7 @@ class JobDesk:
         return await self._queue(JobKind.DIAGNOSIS, request, _Work(load, store), key)
 
     async def plan(
-        self, name: str, task: PlanTask, key: RequestKey | None = None, proved_id: int | None = None
+        self, name: str, task: SessionPlanTask, key: RequestKey | None = None, proved_id: int | None = None
     ) -> int:
         """Queue the choice of a session's configurations and return the job's number."""
 
@@ -133,8 +140,7 @@ class JobDesk:
         request: dict[str, Any] = {
             "name": name,
             "role": task.template.role,
-            "configurations": task.n_configurations,
-            "seed": task.seed,
+            **task.asked,
         }
         if proved_id is not None:
             request["proves_model_id"] = proved_id

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Final, Literal
 
 from truepose.domain.arrays import FloatArray
+from truepose.domain.errors import ConfigurationError
 
 Vector = tuple[float, float, float]
 
@@ -35,6 +36,20 @@ class PlannedStop:
     joints_rad: tuple[float, ...]
     nest: int  # 1-based tool nest that faces the tracker
     repeat_of: int | None = None  # an earlier configuration with the same joints: pure error
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """Through which angles one joint is turned while all others stand."""
+
+    joint: int  # 1-based
+    lower_rad: float
+    upper_rad: float
+    step_rad: float
+
+    def __post_init__(self) -> None:
+        if not (self.lower_rad < self.upper_rad and self.step_rad > 0.0):
+            raise ConfigurationError(f"Joint {self.joint} is turned from below to above, in steps above 0.")
 
 
 @dataclass(frozen=True, slots=True)

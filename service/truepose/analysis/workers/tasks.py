@@ -6,7 +6,7 @@ imports this module for the task classes, must not wait for it.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
@@ -15,9 +15,12 @@ from truepose.domain.campaign import Campaign, LegReadings, PointReadings
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Model, Validation
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import SessionPlan
+from truepose.domain.session import SessionPlan, Turn
 from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
+
+if TYPE_CHECKING:
+    from truepose.judgement.iso9283.plan import Plane
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 
@@ -80,6 +83,11 @@ class PlanTask:
     seed: int
     proved: Model | None = None  # whose corrections are to be proved; each configuration is a target then
 
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked for, in words of requests."""
+        return {"configurations": self.n_configurations, "seed": self.seed}
+
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""
         from truepose.correction.proof.pairs import plan_proof
@@ -91,6 +99,54 @@ class PlanTask:
         if self.proved is not None:
             return plan_proof(space, self.template, self.proved, self.n_configurations, self.seed)
         return plan_session(space, self.template, self.n_configurations, self.seed)
+
+
+@dataclass(frozen=True, slots=True)
+class CirclePlanTask:
+    """Plan the single-axis circle test of a cell."""
+
+    setup: SessionSetup
+    template: SessionPlan  # role, speeds and limits
+    turns: tuple[Turn, ...]  # none: the usual ones
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked for, in words of requests."""
+        return {"method": "circles", "joints": [turn.joint for turn in self.turns]}
+
+    def perform(self, report: Report) -> SessionPlan:
+        """Return the plan; raises TrueposeError."""
+        from truepose.planning.tracker.circle_sessions import plan_circles
+        from truepose.planning.work_volume.cell_space import space_to_measure
+
+        report(0.0, "turning one joint at a time")
+        return plan_circles(space_to_measure(self.setup.cell, None), self.template, self.turns)
+
+
+@dataclass(frozen=True, slots=True)
+class PosePlanTask:
+    """Plan the five poses of ISO 9283 and their cycles."""
+
+    setup: SessionSetup
+    template: SessionPlan  # role, speeds and limits
+    centre_mm: tuple[float, float, float]  # of the cube, in the base
+    edge_mm: float
+    plane: "Plane"
+    quaternion: tuple[float, float, float, float]  # w first, of the last frame in the base
+    nest: int
+    cycles: int
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What was asked for, in words of requests."""
+        return {"method": "iso9283"}
+
+    def perform(self, report: Report) -> SessionPlan:
+        """Return the plan; raises TrueposeError."""
+        from truepose.analysis.pose_plans import plan_pose_session
+
+        report(0.0, "placing five poses")
+        return plan_pose_session(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,11 +208,12 @@ class ReadCampaignTask:
         return CampaignRead(campaign.robot.name, summary_of(campaign), pack(campaign))
 
 
+SessionPlanTask: TypeAlias = PlanTask | CirclePlanTask | PosePlanTask
 Task: TypeAlias = (
     IdentifyTask
     | ValidateTask
     | DiagnoseTask
-    | PlanTask
+    | SessionPlanTask
     | BallbarPlanTask
     | PrecalibrateTask
     | ReadCampaignTask

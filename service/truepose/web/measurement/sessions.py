@@ -25,9 +25,11 @@ from truepose.web.schemas.sessions import (
     ActionReply,
     AnswerRequest,
     ChosenStops,
+    CircleStops,
     ConfirmRequest,
     GivenStops,
     PlanReply,
+    PoseStops,
     ProgressReply,
     ProvingStops,
     RegistrationReply,
@@ -35,6 +37,7 @@ from truepose.web.schemas.sessions import (
     SessionDetailReply,
     SessionReply,
     SessionRequest,
+    plan_task,
     planned,
 )
 
@@ -91,13 +94,16 @@ async def _queue_plan(
             )
         case ChosenStops(configurations=configurations, seed=seed):
             return await here.job_desk.plan(wanted.name, PlanTask(setup, plan, configurations, seed), key)
+        case CircleStops() | PoseStops() as test:
+            _require_validation(wanted)
+            return await here.job_desk.plan(wanted.name, plan_task(test, setup, plan), key)
     raise AssertionError("given stops are no job")
 
 
 def _require_validation(wanted: SessionRequest) -> None:
     if wanted.role != "validation":
         raise ConflictError(
-            'The readings of a proof judge a model and never identify one: its role is "validation".'
+            'The readings of a proof or a test judge and never identify: its role is "validation".'
         )
 
 

@@ -26,6 +26,8 @@ class JobRequestReply(Reply):
     configurations: int | None = None
     seed: int | None = None
     proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
+    method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`.")
+    joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
 
 
 class JobReply(Reply):

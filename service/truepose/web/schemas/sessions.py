@@ -4,8 +4,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from truepose.analysis.workers.tasks import CirclePlanTask, PosePlanTask
 from truepose.domain.cell import Cell
-from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState
+from truepose.domain.session import PlannedStop, Role, SessionPlan, SessionRole, SessionState, Turn
+from truepose.storage.records import SessionSetup
 from truepose.web.schemas.base import (
     NUMBER_LIMIT,
     VISIBLE,
@@ -22,6 +24,8 @@ from truepose.web.schemas.base import (
 from truepose.web.schemas.identities import IdentityReply
 
 MOST_STOPS = 5000  # two days and nights of measuring
+LengthMm = Annotated[float, Field(ge=-100_000, le=100_000)]
+Component = Annotated[float, Field(ge=-1, le=1)]
 AngleDeg = Annotated[float, Field(ge=-720, le=720)]  # more than any controller's range
 
 
@@ -62,6 +66,45 @@ class ProvingStops(Request):
     seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same ones.")
 
 
+class TurnRequest(Request):
+    """Through which angles one joint is turned, in whole steps from 0."""
+
+    joint: int = Field(ge=1, le=32, examples=[2])
+    lower_deg: AngleDeg = Field(examples=[-40])
+    upper_deg: AngleDeg = Field(examples=[40])
+    step_deg: float = Field(ge=0.1, le=90, examples=[1])
+
+
+class CircleStops(Request):
+    """One joint turned at a time, up and down, all others at 0: the single-axis circle test."""
+
+    method: Literal["circles"]
+    turns: list[TurnRequest] = Field(
+        [], max_length=32, description="None: as in the usual test, as far as limits and sight allow."
+    )
+
+
+class PoseStops(Request):
+    """The five poses of ISO 9283 in a cube, visited in cycles."""
+
+    method: Literal["iso9283"]
+    edge_mm: float = Field(gt=0, le=10_000, description="Of the cube.", examples=[200])
+    centre_mm: list[LengthMm] = Field(
+        min_length=3, max_length=3, description="Of the cube, in the robot's base.", examples=[[370, 0, 400]]
+    )
+    plane: Literal["x+", "x-", "y+", "y-"] = Field(
+        "y+", description="Diagonal plane: axis of the level edges, and whether it rises along the other."
+    )
+    quaternion: list[Component] = Field(
+        [0.0, 1.0, 0.0, 0.0],
+        min_length=4,
+        max_length=4,
+        description="Orientation of the last frame in the base, w first; by default it looks at the floor.",
+    )
+    nest: Number = Field(1, description="Tool nest that stands in the poses.")
+    cycles: int = Field(30, ge=1, le=MOST_STOPS // 5, description="The standard takes 30.")
+
+
 class SessionRequest(Request):
     """A session to plan; nothing moves by planning. What is left out is as the cell file says."""
 
@@ -73,7 +116,9 @@ class SessionRequest(Request):
 
     name: str = Field(min_length=1, max_length=200, pattern=VISIBLE, examples=["left arm"])
     role: Role = Field(description="What the readings are for; validation readings never identify.")
-    plan: Annotated[GivenStops | ChosenStops | ProvingStops, Field(discriminator="method")]
+    plan: Annotated[
+        GivenStops | ChosenStops | ProvingStops | CircleStops | PoseStops, Field(discriminator="method")
+    ]
 
     attachment: Number = Field(1, description="How often the tool has been mounted.")
     approach_offset_deg: Annotated[float, Field(ge=-45, le=45)] | None = Field(
@@ -232,3 +277,12 @@ def planned(wanted: SessionRequest, cell: Cell) -> SessionPlan:
         orientation_speed_rad_s=cell.limits.orientation_speed_rad_s,
         reference_limit_mm=cell.limits.reference_mm,
     )
+
+
+def plan_task(
+    wanted: CircleStops | PoseStops, setup: SessionSetup, template: SessionPlan
+) -> CirclePlanTask | PosePlanTask:
+    """Return what a worker is asked for a test."""
+    if isinstance(wanted, PoseStops):
+        return wanted.into(PosePlanTask, setup=setup, template=template)
+    return CirclePlanTask(setup, template, tuple(turn.into(Turn) for turn in wanted.turns))

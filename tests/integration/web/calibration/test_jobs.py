@@ -2,6 +2,7 @@
 
 import asyncio
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -10,7 +11,13 @@ from tests.helpers.domain.builders import make_campaign
 from tests.helpers.web.clients import served
 from truepose.analysis.errors import WorkerDiedError
 from truepose.analysis.workers.process import TaskRefusedError
-from truepose.analysis.workers.tasks import IdentifyTask, PlanTask, stored_campaign
+from truepose.analysis.workers.tasks import (
+    CirclePlanTask,
+    IdentifyTask,
+    PlanTask,
+    PosePlanTask,
+    stored_campaign,
+)
 from truepose.domain.campaign import Campaign
 from truepose.domain.results import (
     Counts,
@@ -23,7 +30,7 @@ from truepose.domain.results import (
     Validation,
 )
 from truepose.domain.robot import FramePlacement
-from truepose.domain.session import PlannedStop
+from truepose.domain.session import PlannedStop, Turn
 from truepose.exchange.campaigns.zip_file import write_campaign_zip
 
 STATISTICS = Statistics(50, 0.02, 0.023, 0.009, 0.047, 0.019)
@@ -72,6 +79,7 @@ class FakeWorker:
         self.gate = asyncio.Event()
         self.gate.set()
         self.error = None
+        self.asked = None
         self.cancelled = 0
 
     async def __call__(self, task, told):
@@ -88,6 +96,9 @@ class FakeWorker:
         if isinstance(task, PlanTask):
             stops = tuple(PlannedStop(k + 1, (0.0,) * 6, 1) for k in range(task.n_configurations))
             return dataclasses.replace(task.template, stops=stops)
+        if isinstance(task, CirclePlanTask | PosePlanTask):
+            self.asked = task
+            return dataclasses.replace(task.template, stops=(PlannedStop(1, (0.0,) * 6, 1),))
         return Validation("position", PAIR, None, None, passed=True)
 
 
@@ -298,6 +309,57 @@ async def test_the_job_that_plans_a_proof_names_the_model_and_nothing_is_proved_
     assert (job["state"], job["request"]["proves_model_id"]) == ("succeeded", model_id), job["message"]
     assert proof.status_code == 409
     assert "no reading of a tool nest yet" in proof.json()["detail"]
+
+
+_TURN = {"joint": 6, "lower_deg": -180, "upper_deg": 180, "step_deg": 90}
+_CUBE = {"edge_mm": 200, "centre_mm": [370, 0, 400], "cycles": 2}
+
+
+@pytest.mark.parametrize(
+    ("plan", "understood"),
+    [
+        ({"method": "circles"}, {"turns": ()}),
+        (
+            {"method": "circles", "turns": [_TURN]},
+            {"turns": (Turn(6, -math.pi, math.pi, math.pi / 2),)},
+        ),
+        (
+            {"method": "iso9283", **_CUBE},
+            {"centre_mm": (370.0, 0.0, 400.0), "edge_mm": 200.0, "plane": "y+", "nest": 1, "cycles": 2}
+            | {"quaternion": (0.0, 1.0, 0.0, 0.0)},
+        ),
+    ],
+)
+async def test_tests_of_the_trade_are_planned_by_a_job(client, until, worker, plan, understood):
+    wanted = {"name": "t", "role": "validation", "plan": plan}
+
+    asked = await client.post("/api/v1/sessions", json=wanted)
+    job = await until(asked.headers["Location"], "state", "succeeded", "failed")
+
+    assert asked.status_code == 202
+    assert (job["state"], job["request"]["method"]) == ("succeeded", plan["method"]), job["message"]
+    assert (await client.get(job["result_url"])).json()["planned"] == 1
+    assert {name: getattr(worker.asked, name) for name in understood} == understood
+
+
+@pytest.mark.parametrize("plan", [{"method": "circles"}, {"method": "iso9283", **_CUBE}])
+async def test_what_a_test_reads_never_identifies(client, plan):
+    wanted = {"name": "t", "role": "calibration", "plan": plan}
+
+    refused = await client.post("/api/v1/sessions", json=wanted)
+
+    assert refused.status_code == 409
+    assert 'its role is "validation"' in refused.json()["detail"]
+
+
+async def test_an_interval_from_above_to_below_is_refused_at_once(client):
+    turn = _TURN | {"lower_deg": 180, "upper_deg": -180}
+    plan = {"method": "circles", "turns": [turn]}
+
+    refused = await client.post("/api/v1/sessions", json={"name": "t", "role": "validation", "plan": plan})
+
+    assert refused.status_code == 422
+    assert "from below to above" in refused.json()["detail"]
 
 
 async def test_what_a_proof_reads_never_identifies(client):

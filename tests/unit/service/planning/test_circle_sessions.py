@@ -1,0 +1,97 @@
+"""Sessions of the circle test: one joint at a time, both ways, as far as one nest is seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import JointRange
+from truepose.domain.session import SessionPlan, Turn
+from truepose.exchange.cells.file import simulated_cell
+from truepose.operation.tracker.plans import judged
+from truepose.planning.tracker.circle_sessions import plan_circles
+from truepose.planning.work_volume.cell_space import space_to_measure
+
+_TEMPLATE = SessionPlan("validation", (), settle_s=7.0)
+_CELL = simulated_cell("irb120-tilted", 0)
+# Reflectors that somebody, or a motor, keeps turned to the tracker.
+_SEEN_CELL = replace(_CELL, nests=tuple(replace(nest, facing=None) for nest in _CELL.nests))
+
+
+def planned(cell=_SEEN_CELL, turns=()):
+    return plan_circles(space_to_measure(cell, None), _TEMPLATE, turns)
+
+
+def joints_deg(plan):
+    return np.degrees([stop.joints_rad for stop in plan.stops])
+
+
+def turn(joint, low, high, step):
+    return Turn(joint, *np.radians([low, high, step]).tolist())
+
+
+def test_one_joint_moves_at_a_time_and_comes_back_the_way_it_went():
+    plan = planned(turns=(turn(1, -30, 30, 10), turn(5, 0, 40, 8)))
+
+    up_1, up_5 = [-30, -20, -10, 0, 10, 20, 30], [0, 8, 16, 24, 32, 40]
+    wanted = np.zeros((24, 6))
+    wanted[:13, 0] = up_1 + up_1[-2::-1]
+    wanted[13:, 4] = up_5 + up_5[-2::-1]
+    assert joints_deg(plan) == pytest.approx(wanted, abs=1e-9)
+    assert [stop.config for stop in plan.stops] == list(range(1, 25))
+    assert (plan.role, plan.settle_s, plan.approach_offset_rad) == ("validation", 7.0, None)
+
+
+def test_the_usual_test_keeps_the_intervals_of_the_table_within_the_limits():
+    plan = planned()
+    angles = joints_deg(plan)
+
+    limits = _CELL.robot.joint_limits
+    assert limits is not None
+    for joint, reach, step in ((1, 60, 5), (2, 40, 1), (3, 40, 1), (4, 155, 5), (5, 90, 5)):
+        moved = np.unique(angles[angles[:, joint - 1].nonzero()[0], joint - 1].round(6))
+        assert (moved.min(), moved.max()) == (-reach, reach)
+        assert np.diff(moved).min() == pytest.approx(step)
+    assert angles[:, 5].max() == pytest.approx(np.floor(min(400.0, np.degrees(limits[5].upper_rad) + 1e-9)))
+    assert judged(_SEEN_CELL, plan) == ""
+
+
+def test_the_nest_on_the_axis_is_not_the_one_that_is_measured():
+    """Nest 1 of the triangular artefact is on axis 6, which axis 4 is in line with."""
+    stops = planned(turns=(turn(4, -90, 90, 10), turn(6, -90, 90, 10))).stops
+
+    assert 1 not in {stop.nest for stop in stops}
+
+
+def test_a_reflector_that_faces_away_ends_the_arc():
+    plan = planned(_CELL)
+
+    far = np.ptp(joints_deg(plan)[:, 0])
+    assert 20.0 <= far < 120.0
+    for joint in range(6):
+        assert len({stop.nest for stop in plan.stops if abs(stop.joints_rad[joint]) > 1e-9}) <= 1
+
+
+def test_a_joint_that_was_asked_for_and_shows_no_nest_is_named():
+    with pytest.raises(ConfigurationError, match="Joint 2, all others at 0, shows the tracker no nest"):
+        planned(_CELL, (turn(1, -60, 60, 5), turn(2, -40, 40, 1)))
+
+
+def test_no_joint_in_sight_is_said():
+    narrow = (JointRange(-0.01, 0.01),) * 6
+    held = replace(_SEEN_CELL, limits=replace(_SEEN_CELL.limits, joints=narrow))
+
+    with pytest.raises(ConfigurationError, match="Joint 1, 2, 3, 4, 5, 6"):
+        planned(held)
+
+
+def test_a_joint_that_the_robot_does_not_have_is_refused():
+    with pytest.raises(ConfigurationError, match="There is no joint 7"):
+        planned(turns=(turn(7, -10, 10, 1),))
+
+
+@pytest.mark.parametrize("bad", [(40, -40, 1), (-40, 40, 0), (10, 10, 1)])
+def test_an_interval_that_is_none_is_refused(bad):
+    with pytest.raises(ConfigurationError, match="from below to above"):
+        turn(1, *bad)
