@@ -17,7 +17,7 @@ from truepose.domain.campaign import Stops
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate, nest_centres
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.inverse import all_branches
+from truepose.kinematics.inverse import all_branches, has_closed_form, one_branch
 
 _SHIFTS: Final = 3  # each leaves a few per cent of the error
 _HOPELESS_MM: Final = 50.0  # several times what any arm is off: the goal is out of reach
@@ -48,6 +48,13 @@ class NominalArm:
         chain = evaluate(self._estimate.structure, self._estimate.values, targets).chain
         return self._in_base(chain.end_rotation, chain.end_origin)
 
+    def one_branch(self, flange: FloatArray, branch: IntArray) -> FloatArray:
+        """Return the joint angles of one branch each, shape (n, J)."""
+        robot = self._estimate.structure.robot
+        if has_closed_form(robot):
+            return one_branch(robot, flange, branch)
+        return np.asarray(self.branches(flange)[np.arange(len(flange)), branch])
+
     def branches(self, flange: FloatArray, *, reach_out: bool = True) -> FloatArray:
         """Return the joint angles of every branch, shape (n, 8, J)."""
         return all_branches(self._estimate.structure.robot, flange, reach_out=reach_out)
@@ -76,19 +83,15 @@ def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attaine
     """Search goals in one branch each of the nominal arm, shape (n,), numbered as in `kinematics.inverse`."""
     arm = NominalArm(estimate)
     wanted = arm.flange(goals)
-    found = _from_branch(estimate, goals, arm.branches(wanted), branch)
+    found = attain(estimate, goals, arm.one_branch(wanted, branch))
     for beside in (0,) * _SHIFTS + _BESIDE:
         left = np.flatnonzero(~found.arrived & (found.error_mm < _HOPELESS_MM))
         if not len(left):
             break
         rows = goals.taken(left)
         again = _shifted(arm, rows, wanted[left], found.joints_rad[left])
-        found = merged(found, left, _from_branch(estimate, rows, arm.branches(again), branch[left] ^ beside))
+        found = merged(found, left, attain(estimate, rows, arm.one_branch(again, branch[left] ^ beside)))
     return found
-
-
-def _from_branch(estimate: Estimate, goals: Goals, branches: FloatArray, branch: IntArray) -> Attained:
-    return attain(estimate, goals, branches[np.arange(len(goals)), branch])
 
 
 def _shifted(arm: NominalArm, goals: Goals, wanted: FloatArray, joints_rad: FloatArray) -> FloatArray:

@@ -19,9 +19,10 @@ D. L. Pieper, The kinematics of manipulators under computer control, PhD thesis,
 J. J. Craig, Introduction to Robotics, 3rd ed., 2005, sections 4.4 to 4.6.
 """
 
+import math
 from collections.abc import Callable
 from itertools import product
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -89,8 +90,27 @@ def all_branches(robot: Robot, pose: FloatArray, *, reach_out: bool = False) -> 
         raise ConfigurationError("A pose is a 4 x 4 matrix with finite entries; check what was passed.")
     flat = pose.reshape(-1, 4, 4)
     closed = has_closed_form(robot)
-    found = _closed_form(robot, flat, reach_out) if closed else searched_branches(robot, flat)
+    found = _closed_form(robot, flat, _ALL, reach_out) if closed else searched_branches(robot, flat)
     return found.reshape(*pose.shape[:-2], BRANCHES, robot.n_joints)
+
+
+def one_branch(robot: Robot, pose: FloatArray, branch: IntArray) -> FloatArray:
+    """Return the joint angles of one branch of each pose, the arm stretched towards what it does not reach.
+
+    Parameters
+    ----------
+    robot : Robot
+        With a closed form.
+    pose : ndarray, shape (n, 4, 4)
+        As for `all_branches`.
+    branch : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n, 6)
+    """
+    which = _Which(*((branch >> bit & 1)[None, None, None] for bit in (2, 1, 0)))
+    return np.asarray(_closed_form(robot, pose, which, reach_out=True)[:, 0])
 
 
 def branch_of(robot: Robot, joints_rad: FloatArray) -> IntArray:
@@ -181,10 +201,21 @@ def _whole_turns(angle_rad: float, limit: JointRange) -> list[float]:
     return [angle_rad + 2 * np.pi * turn for turn in range(first, last + 1)]
 
 
-def _closed_form(robot: Robot, pose: FloatArray, reach_out: bool) -> FloatArray:
-    """Angles of the eight branches of n poses, shape (n, 8, 6).
+class _Which(NamedTuple):
+    """Branches, 0 or 1 each; of shapes that come together to (back, down, flip, poses)."""
 
-    Below, branches come first (back, down, flip) and poses last: (2, 2, 2, n).
+    back: IntArray
+    down: IntArray
+    flip: IntArray
+
+
+_ALL: Final = _Which(*(np.arange(2).reshape(shape) for shape in ((2, 1, 1, 1), (1, 2, 1, 1), (1, 1, 2, 1))))
+
+
+def _closed_form(robot: Robot, pose: FloatArray, which: _Which, reach_out: bool) -> FloatArray:
+    """Angles of some branches of n poses, shape (n, branches, 6).
+
+    Below, branches come first (back, down, flip) and poses last: (2, 2, 2, n) where all are asked for.
     """
     before_1 = rotation_x(robot.joints[0].alpha_rad)
     x_axis, z_axis = (
@@ -195,14 +226,17 @@ def _closed_form(robot: Robot, pose: FloatArray, reach_out: bool) -> FloatArray:
     wrist[2] -= robot.joints[0].d_mm
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer where there is no branch
         ratio = _within_reach if reach_out else _rounded
-        theta_1 = _column_angle(robot, wrist, ratio)
-        theta_2, theta_3 = _arm_angles(robot, _column(wrist), theta_1, ratio)
+        theta_1 = _column_angle(robot, wrist, which, ratio)
+        theta_2, theta_3 = _arm_angles(robot, _column(wrist), theta_1, which, ratio)
         arm = (theta_1, theta_2, theta_3)
         wrist_angles = _wrist_angles(
-            robot, _before_wrist(robot, x_axis, arm), _before_wrist(robot, z_axis, arm)
+            robot, which, _before_wrist(robot, x_axis, arm), _before_wrist(robot, z_axis, arm)
         )
     angles = np.broadcast_arrays(*arm, *wrist_angles)
-    return _controller_angles(robot, np.stack([angle.reshape(BRANCHES, -1).T for angle in angles], axis=2))
+    count = math.prod(angles[0].shape[:3])  # of branches
+    return _controller_angles(
+        robot, np.stack([angle.reshape(count, len(pose)).T for angle in angles], axis=2)
+    )
 
 
 def _column(planes: FloatArray) -> _Vector:
@@ -228,8 +262,8 @@ def _before_wrist(robot: Robot, vector: _Vector, arm: tuple[FloatArray, FloatArr
     return _turned_back(vector, robot.joints[3].alpha_rad, 0.0)
 
 
-def _column_angle(robot: Robot, wrist: FloatArray, ratio: _Ratio) -> FloatArray:
-    """Return theta_1, front and back, shape (2, 1, 1, n)."""
+def _column_angle(robot: Robot, wrist: FloatArray, which: _Which, ratio: _Ratio) -> FloatArray:
+    """Return theta_1, shape (2, 1, 1, n)."""
     upper, elbow, forearm = robot.joints[1:4]
     along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
     along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
@@ -237,11 +271,11 @@ def _column_angle(robot: Robot, wrist: FloatArray, ratio: _Ratio) -> FloatArray:
     on_axis = (distance < _STRUCTURE_MM) & (abs(along_axis_2) < _STRUCTURE_MM)
     share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
     aside, direction = np.arcsin(ratio(share)), np.arctan2(wrist[1], wrist[0])
-    return np.stack([direction - aside, direction - np.pi + aside])[:, None, None]
+    return np.asarray(np.where(which.back, direction - np.pi + aside, direction - aside))
 
 
 def _arm_angles(
-    robot: Robot, wrist: _Vector, theta_1: FloatArray, ratio: _Ratio
+    robot: Robot, wrist: _Vector, theta_1: FloatArray, which: _Which, ratio: _Ratio
 ) -> tuple[FloatArray, FloatArray]:
     """Return theta_2 and theta_3, shape (2, 2, 1, n)."""
     upper, elbow = robot.joints[1:3]
@@ -249,9 +283,8 @@ def _arm_angles(
     x = x - upper.a_mm
     length, angle = _forearm(robot)
     cosine = (x**2 + y**2 - elbow.a_mm**2 - length**2) / (2 * elbow.a_mm * length)
-    as_at_zero = np.arccos(ratio(cosine)) * _zero_bend(robot)
-    # over its head an arm hangs its elbow as it does at zero
-    bend = np.stack([np.stack([turn, -turn]) for turn in (as_at_zero[0, 0], -as_at_zero[1, 0])])
+    as_at_zero = which.back == which.down  # over its head an arm hangs its elbow as it does at zero
+    bend = np.arccos(ratio(cosine)) * np.where(as_at_zero, _zero_bend(robot), -_zero_bend(robot))
     inner = np.arctan2(_same_way(robot) * length * np.sin(bend), elbow.a_mm + length * np.cos(bend))
     return np.arctan2(y, x) - inner, bend - angle
 
@@ -273,12 +306,10 @@ def _zero_bend(robot: Robot) -> float:
     return -1.0 if np.sin(robot.joints[2].theta_offset_rad + _forearm(robot)[1]) < 0.0 else 1.0
 
 
-def _wrist_angles(
-    robot: Robot, x_axis: _Vector, z_axis: _Vector
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _wrist_angles(robot: Robot, which: _Which, x_axis: _Vector, z_axis: _Vector) -> _Vector:
     """Return theta_4 .. theta_6, shape (2, 2, 2, n), from axes as the frame sees them that joint 4 turns."""
     s_5, s_6 = (float(np.sin(row.alpha_rad)) for row in robot.joints[4:])
-    side = _positive_side(robot) * np.array([1.0, -1.0])[:, None]  # sign of sin(theta_5), no flip first
+    side = _positive_side(robot) * np.where(which.flip, -1.0, 1.0)  # sign of sin(theta_5)
     sine = np.hypot(z_axis[0], z_axis[1])
     theta_5 = np.arctan2(side * sine, -z_axis[2] / (s_5 * s_6))
     theta_4 = np.arctan2(z_axis[1] * side * s_6, z_axis[0] * side * s_6)

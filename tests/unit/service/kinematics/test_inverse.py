@@ -17,6 +17,7 @@ from truepose.kinematics.inverse import (
     brought_within,
     equivalents,
     has_closed_form,
+    one_branch,
 )
 
 # Doubles carry 16 digits of some 1000 mm through a dozen products; near singularities joints lose half.
@@ -274,3 +275,14 @@ def test_an_arm_reaches_out_for_what_is_too_far_and_for_nothing_else(name):
     )
     assert np.isnan(all_branches(robot, far)).all()
     assert np.isfinite(all_branches(robot, far, reach_out=True)).all()
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_one_branch_is_that_of_all_of_them(name):
+    robot = load_robot(name)
+    pose = poses(robot, random_joints(robot, 80))
+    branch = np.arange(80) % 8
+
+    alone = one_branch(robot, pose, branch)
+
+    assert alone == pytest.approx(all_branches(robot, pose, reach_out=True)[np.arange(80), branch])
