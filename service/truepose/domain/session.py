@@ -5,7 +5,6 @@ from enum import StrEnum
 from typing import Final, Literal
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.errors import ConfigurationError
 
 Vector = tuple[float, float, float]
 
@@ -46,10 +45,6 @@ class Turn:
     lower_rad: float
     upper_rad: float
     step_rad: float
-
-    def __post_init__(self) -> None:
-        if not (self.lower_rad < self.upper_rad and self.step_rad > 0.0):
-            raise ConfigurationError(f"Joint {self.joint} is turned from below to above, in steps above 0.")
 
 
 @dataclass(frozen=True, slots=True)

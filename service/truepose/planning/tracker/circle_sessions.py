@@ -24,6 +24,7 @@ from truepose.planning.work_volume.work_space import (
     within,
 )
 
+_MOST_STOPS: Final = 5000  # two days and nights of measuring
 _FEWEST: Final = 5  # angles; four determine a circle, and one may be lost
 _SHORTEST_RAD: Final = float(np.radians(20.0))  # on shorter arcs the axis is as uncertain as joints err
 _BESIDE_AXIS_MM: Final = 20.0  # nearer, a tracker's reading tells angles to less than 0.05 deg
@@ -53,17 +54,26 @@ def plan_circles(space: WorkSpace, template: SessionPlan, turns: Sequence[Turn] 
     Raises
     ------
     ConfigurationError
-        A joint that was asked for, or every joint, shows no nest over 20 deg and five angles.
+        An interval is none, or the stops are too many. A joint that was asked for, or every joint, shows
+        no nest over 20 deg and five angles.
     WorkSpaceError
         What is said of the cell contradicts itself.
     """
     require_consistent(space)
-    sweeps = [_sweep(space, turn) for turn in turns or usual_turns(space.robot.n_joints)]
+    wanted = turns or usual_turns(space.robot.n_joints)
+    for turn in wanted:
+        _require_possible(space, turn)
+    sweeps = [_sweep(space, turn) for turn in wanted]
     kept = [sweep for sweep in sweeps if sweep.is_enough]
     lost = [sweep.joint for sweep in sweeps if not sweep.is_enough]
     if not kept or (turns and lost):
         raise ConfigurationError(_refused(lost))
-    return replace(template, stops=tuple(_stops(kept)), approach_offset_rad=None)
+    stops = tuple(_stops(kept))
+    if len(stops) > _MOST_STOPS:
+        raise ConfigurationError(
+            f"These are {len(stops)} stops, {_MOST_STOPS} are the most: take larger steps."
+        )
+    return replace(template, stops=stops, approach_offset_rad=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +89,16 @@ class _Sweep:
         return len(turned) >= _FEWEST and bool(np.ptp(turned) >= _SHORTEST_RAD - _ROUNDING)
 
 
-def _sweep(space: WorkSpace, turn: Turn) -> _Sweep:
+def _require_possible(space: WorkSpace, turn: Turn) -> None:
     if not 1 <= turn.joint <= space.robot.n_joints:
         raise ConfigurationError(
             f"There is no joint {turn.joint}: {space.robot.name} has {space.robot.n_joints}."
         )
+    if not (turn.lower_rad < turn.upper_rad and turn.step_rad > 0.0):
+        raise ConfigurationError(f"Joint {turn.joint} is turned from below to above, in steps above 0.")
+
+
+def _sweep(space: WorkSpace, turn: Turn) -> _Sweep:
     angles = _angles(turn)
     joints = np.zeros((len(angles), space.robot.n_joints))
     joints[:, turn.joint - 1] = angles

@@ -352,16 +352,6 @@ async def test_what_a_test_reads_never_identifies(client, plan):
     assert 'its role is "validation"' in refused.json()["detail"]
 
 
-async def test_an_interval_from_above_to_below_is_refused_at_once(client):
-    turn = _TURN | {"lower_deg": 180, "upper_deg": -180}
-    plan = {"method": "circles", "turns": [turn]}
-
-    refused = await client.post("/api/v1/sessions", json={"name": "t", "role": "validation", "plan": plan})
-
-    assert refused.status_code == 422
-    assert "from below to above" in refused.json()["detail"]
-
-
 async def test_what_a_proof_reads_never_identifies(client):
     wanted = {"name": "p", "role": "calibration", "plan": {"method": "prove", "model_id": 1, "targets": 4}}
 

@@ -93,5 +93,10 @@ def test_a_joint_that_the_robot_does_not_have_is_refused():
 
 @pytest.mark.parametrize("bad", [(40, -40, 1), (-40, 40, 0), (10, 10, 1)])
 def test_an_interval_that_is_none_is_refused(bad):
-    with pytest.raises(ConfigurationError, match="from below to above"):
-        turn(1, *bad)
+    with pytest.raises(ConfigurationError, match="Joint 1 is turned from below to above"):
+        planned(turns=(turn(1, *bad),))
+
+
+def test_more_stops_than_anybody_waits_for_are_refused():
+    with pytest.raises(ConfigurationError, match="5401 stops, 5000 are the most"):
+        planned(turns=(turn(5, -90, 90, 0.0666666666),))
