@@ -5,7 +5,9 @@ import asyncio
 from truepose.analysis.assembly import MeasuredSession, point_readings
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.correction.proof.verdict import Proof, proof_of
+from truepose.domain.campaign import PointReadings
 from truepose.domain.results import Model
+from truepose.judgement.circle.judged import CircleTest, circle_test
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
 
@@ -31,9 +33,24 @@ async def proof_by_session(
     Raises NotFoundError, StorageError, NothingMeasuredError, and ConfigurationError where the session was
     not planned with this model.
     """
+    points = await _points(sessions, readings, session_id)
+    return await asyncio.to_thread(proof_of, model, points, model.repeatability_mm)
+
+
+async def circles_by_session(
+    sessions: SessionRepository, readings: ReadingRepository, session_id: int
+) -> CircleTest:
+    """Say what each joint errs by, by a session that turned one at a time.
+
+    Raises NotFoundError, StorageError, NothingMeasuredError, and ConfigurationError where none was turned
+    alone.
+    """
+    return await asyncio.to_thread(circle_test, await _points(sessions, readings, session_id))
+
+
+async def _points(sessions: SessionRepository, readings: ReadingRepository, session_id: int) -> PointReadings:
     await sessions.require_intact(session_id)
     measured = await measured_session(sessions, readings, session_id)
     if not measured.points:
         raise NothingMeasuredError(f"Session {session_id} has no reading of a tool nest yet.")
-    points = point_readings(measured.points)
-    return await asyncio.to_thread(proof_of, model, points, model.repeatability_mm)
+    return point_readings(measured.points)

@@ -73,7 +73,7 @@ def _print(test: "CircleTest", robot: "Robot", language: str, *, as_json: bool) 
     if as_json:
         from truepose.exchange.results.circles import circle_document
 
-        print_json(circle_document(test, robot.name))
+        print_json(circle_document(test, robot.name).printed())
         return
     from truepose.reports.circles.sentences import circle_table, circle_test_sentences
 

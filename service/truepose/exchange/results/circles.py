@@ -5,14 +5,13 @@ from typing import Self
 import numpy as np
 from pydantic import Field
 
-from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
 from truepose.judgement.circle.joint_curve import Figure, Wave
 from truepose.judgement.circle.judged import CircleTest, JointCircle
 
 
-class FigureDocument(Document):
+class ValueDocument(Document):
     """A value with its standard uncertainty, in the unit of its name."""
 
     value: Quantity
@@ -30,21 +29,21 @@ class FigureDocument(Document):
         return cls(value=value, standard_uncertainty=uncertainty)
 
 
-class WaveDocument(Document):
+class JointWaveDocument(Document):
     """A wave of the angular error over the joint's angle: amplitude * cos(order * (angle - phase))."""
 
     order: int = Field(description="Periods a turn.")
-    amplitude_deg: FigureDocument
+    amplitude_deg: ValueDocument
     phase_deg: Quantity
 
     @classmethod
     def of_wave(cls, wave: Wave) -> Self:
         """Return a wave in degrees."""
-        amplitude = FigureDocument.of_angle(wave.amplitude_rad)
+        amplitude = ValueDocument.of_angle(wave.amplitude_rad)
         return cls(order=wave.order, amplitude_deg=amplitude, phase_deg=float(np.degrees(wave.phase_rad)))
 
 
-class StopsDocument(Document):
+class CircleStopsDocument(Document):
     """Errors at the stops, against the circle through the place at `zero_deg`."""
 
     config: list[int]
@@ -75,20 +74,20 @@ class CircleDocument(Document):
     nest: int
     interval_deg: Quantities
     increment_deg: Quantity
-    tangential_range_mm: FigureDocument
-    angular_range_deg: FigureDocument
-    backlash_deg: FigureDocument | None = Field(description="Null: no angle was visited from both sides.")
+    tangential_range_mm: ValueDocument
+    angular_range_deg: ValueDocument
+    backlash_deg: ValueDocument | None = Field(description="Null: no angle was visited from both sides.")
     radial_range_mm: Quantity
     axial_range_mm: Quantity
     radius_mm: Quantity
     zero_deg: Quantity
     noise_chance: Quantity = Field(description="That scatter alone shows errors as large.")
     noise_alone: bool
-    gain: FigureDocument | None = Field(description="k1 - 1; null where the stops are too few.")
-    waves: list[WaveDocument]
+    gain: ValueDocument | None = Field(description="k1 - 1; null where the stops are too few.")
+    waves: list[JointWaveDocument]
     left_deg: Quantity = Field(description="RMS of what neither gain, waves nor backlash follow.")
     set_aside: list[int] = Field(description="Configurations whose readings lie far off plane or circle.")
-    stops: StopsDocument
+    stops: CircleStopsDocument
 
     @classmethod
     def of_circle(cls, one: JointCircle) -> Self:
@@ -100,16 +99,16 @@ class CircleDocument(Document):
             one.curve,
             interval_deg=np.degrees(one.interval_rad),
             increment_deg=float(np.degrees(one.increment_rad)),
-            tangential_range_mm=FigureDocument.of_figure(one.tangential_range_mm),
-            angular_range_deg=FigureDocument.of_angle(one.angular_range_rad),
-            backlash_deg=None if gap is None else FigureDocument.of_angle(gap),
+            tangential_range_mm=ValueDocument.of_figure(one.tangential_range_mm),
+            angular_range_deg=ValueDocument.of_angle(one.angular_range_rad),
+            backlash_deg=None if gap is None else ValueDocument.of_angle(gap),
             zero_deg=float(np.degrees(one.errors.zero_rad)),
             noise_alone=one.is_noise,
-            gain=None if gain is None else FigureDocument.of_figure(gain),
-            waves=[WaveDocument.of_wave(wave) for wave in one.curve.waves],
+            gain=None if gain is None else ValueDocument.of_figure(gain),
+            waves=[JointWaveDocument.of_wave(wave) for wave in one.curve.waves],
             left_deg=float(np.degrees(one.curve.left_rad)),
             set_aside=list(one.set_aside),
-            stops=StopsDocument.of_circle(one),
+            stops=CircleStopsDocument.of_circle(one),
         )
 
 
@@ -122,14 +121,14 @@ class WithheldCircleDocument(Document):
 
 
 class CircleTestDocument(Document):
-    """What `truepose circles --json` prints."""
+    """What `truepose circles --json` prints, and `GET /sessions/{id}/circles` shows."""
 
     robot: str
     circles: list[CircleDocument]
     withheld: list[WithheldCircleDocument]
 
 
-def circle_document(test: CircleTest, robot: str) -> dict[str, Json]:
+def circle_document(test: CircleTest, robot: str) -> CircleTestDocument:
     """Return the circles of a test, and what is withheld."""
     circles = [CircleDocument.of_circle(one) for one in test.circles]
-    return CircleTestDocument.of(test, robot=robot, circles=circles).printed()
+    return CircleTestDocument.of(test, robot=robot, circles=circles)

@@ -6,9 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Body, Response, status
 
-from truepose.analysis.measured import proof_by_session
+from truepose.analysis.measured import circles_by_session, proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
 from truepose.domain.session import Registration, SessionPlan
+from truepose.exchange.results.circles import CircleTestDocument, circle_document
 from truepose.exchange.results.proofs import ProofDocument, proof_document
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
@@ -112,6 +113,13 @@ async def get_proof(here: Here, id: Id, model_id: ModelId) -> ProofDocument:
     """Say what the corrections of a model are worth, by a session that was planned to prove it."""
     model = (await here.results.model(model_id)).model
     return proof_document(await proof_by_session(here.sessions, here.readings, id, model))
+
+
+@router.get("/{id}/circles", responses=problems(404, 409, 422, 503))
+async def get_circles(here: Here, id: Id) -> CircleTestDocument:
+    """Say what each joint errs by, by a session that turned one joint at a time."""
+    found = await circles_by_session(here.sessions, here.readings, id)
+    return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
 
 
 @router.get("", responses=problems(422, 503))
