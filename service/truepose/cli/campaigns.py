@@ -17,7 +17,7 @@ from truepose.cli.files import (
 from truepose.cli.output import print_json, print_tables, remark
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.sentences import Sentence, said
-from truepose.words.catalogue import ENGLISH, Catalogue, catalogue, english
+from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 if TYPE_CHECKING:
     from truepose.domain.campaign import Campaign
@@ -123,6 +123,7 @@ def predict_command(
     model: Annotated[Path, typer.Argument(help="Model file written by `identify --model-out`.")],
     points: Annotated[Path, typer.Argument(help="Rows of config, q1_deg.. and what else is known.")],
     out: Annotated[Path, typer.Option(help="Where the predictions go (CSV).")],
+    language: Language = ENGLISH,
 ) -> int:
     """Predict where the nests are.
 
@@ -134,13 +135,14 @@ def predict_command(
     from truepose.judgement.cautions import prediction_cautions
 
     require_folders(out)
+    words = catalogue(language)
     identified = read_model(model)
     nests = [nest.nest for nest in identified.nests]
     rows = read_points_to_predict(points, identified.robot.n_joints, nests)
-    remark(map(english, rows.ignored))
+    remark(map(words.spoken, rows.ignored))
     stops, nest = rows.of_each_nest(nests)
     position, uncertainty = predict(identified, stops, nest)
-    remark(map(english, prediction_cautions(identified, rows.stops)))
+    remark(map(words.spoken, prediction_cautions(identified, rows.stops)))
     with writing(out):
         write_predictions(out, stops.config, nest, position, uncertainty)
     return 0

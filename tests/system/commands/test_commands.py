@@ -284,10 +284,16 @@ def test_what_cannot_be_predicted_of_a_row_is_said_beside_the_predictions(campai
     predicted = truepose(
         "predict", tmp_path / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv"
     )
+    french = truepose(
+        "predict", tmp_path / "model.json", tmp_path / "points.csv", "--out", tmp_path / "out.csv",
+        "--language", "fr",
+    )  # fmt: skip
     validated = truepose("validate", tmp_path / "model.json", tmp_path / "points.csv", "--json")
 
     sentence = "base_drift needs time_s, which 5 of 5 rows lack: it is as after the last reading there"
     assert sentence in predicted.stderr
+    assert "time_s" in french.stderr
+    assert sentence not in french.stderr
     assert len(rows_of(tmp_path / "out.csv")) == 5
     assert sentence in validated.stderr
     assert set(json.loads(validated.stdout)["position"]) == {"nominal", "identified"}
