@@ -25,8 +25,7 @@ from truepose.correction.goals import Goals
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.kinematics.chain import theta_gradient
-from truepose.kinematics.frames import vector_from_rotation
+from truepose.kinematics.frames import cross, vector_from_rotation
 
 ARRIVED_MM: Final = 1e-3  # 1 um, and 1 urad: a hundredth of what robots repeat
 ARRIVED_RAD: Final = 1e-6
@@ -133,8 +132,8 @@ class _Search:
         self.joints[better], self.error[better] = trial[better], error[better]
         self._step[~better] *= 0.5
         self._halvings = np.where(better, 0, self._halvings + 1)
-        if better.any():
-            self._step[better] = _step(self._state, error, self._sign)[better]
+        going = np.flatnonzero(better & ~_is_there(error))
+        self._step[going] = _step(self._state, going, error[going], self._sign)
 
     def _at(self, joints_rad: FloatArray) -> State:
         targets = Targets(self._goals.at(joints_rad), self._goals.nest)
@@ -142,8 +141,7 @@ class _Search:
 
     def resting(self) -> BoolArray:
         """Return which rows arrived, or cannot come nearer."""
-        done = _size(self.error) <= _SURE * ARRIVED_MM
-        return np.asarray(done | (self._halvings > _HALVINGS))
+        return np.asarray(_is_there(self.error) | (self._halvings > _HALVINGS))
 
     def narrow(self, rows: IntArray) -> None:
         """Go on with some rows only."""
@@ -156,16 +154,21 @@ def _size(error: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((error**2).sum(axis=1)))
 
 
+def _is_there(error: FloatArray) -> BoolArray:
+    return np.asarray(_size(error) <= _SURE * ARRIVED_MM)
+
+
 def _error(state: State, goals: Goals) -> FloatArray:
     """Return shift [mm] and turn [mm at the lever] from the attained poses to the goals, shape (n, 6)."""
     turn = vector_from_rotation(goals.rotation @ np.swapaxes(state.chain.end_rotation, 1, 2))
     return np.concatenate([goals.position_mm - state.unscaled_mm, _LEVER_MM * turn], axis=1)
 
 
-def _step(state: State, error: FloatArray, sign: FloatArray) -> FloatArray:
-    """Return damped Newton steps, shape (n, J)."""
-    shift = theta_gradient(state.chain, state.unscaled_mm)
-    jacobian = np.concatenate([shift, _LEVER_MM * state.chain.z], axis=2).transpose(1, 2, 0) * sign
+def _step(state: State, rows: IntArray, error: FloatArray, sign: FloatArray) -> FloatArray:
+    """Return damped Newton steps of some rows (m,), shape (m, J)."""
+    axes, origins = state.chain.z[:, rows], state.chain.origin[:, rows]
+    shift = cross(axes, state.unscaled_mm[rows] - origins)
+    jacobian = np.concatenate([shift, _LEVER_MM * axes], axis=2).transpose(1, 2, 0) * sign
     transposed = np.swapaxes(jacobian, 1, 2)
     damping = _DAMPING * np.minimum((error**2).sum(axis=1), _LEVER_MM**2)
     across = jacobian @ transposed
