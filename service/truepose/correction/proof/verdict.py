@@ -1,5 +1,6 @@
 """What a proof move says: the gain with its interval, the promise, and what speaks against the correction."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,14 +13,12 @@ from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model, Statistics
 from truepose.domain.sentences import Sentence, said
 from truepose.identification.model.estimates import identified_estimate, structure_of
-from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.prediction import placed_variance
 from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
 
-_SAME_RAD: Final = (
-    1e-5  # plans keep all digits; controllers report 1e-4 rad, and commanded angles are compared
-)
+_SAME_RAD: Final = 1e-5  # commanded angles are compared, which plans keep with all digits
 _RESAMPLED: Final = 2000
 _CORRECTS_ITSELF: Final = 0.5  # share of the foretold errors below which something else makes up for them
 # One draw of the parameters makes the mean error of a whole robot larger or smaller by about a quarter.
@@ -74,14 +73,21 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
     first, second = _paired(readings.stops.config)
     pairs = pairs_of(model, readings.stops.taken(first), readings.nest[first])
     _require_planned(pairs.corrected_rad, readings.stops.joints_rad[second])
-    foretold, before = _errors(model, readings.taken(first), pairs.target_mm)
-    _, after = _errors(model, readings.taken(second), pairs.target_mm)
-    noise, promised = _expected(model, readings.taken(second), scatter_mm)
-    share = float((foretold * before).sum() / (foretold**2).sum())
-    statistics_before, statistics_after = statistics(before, noise), statistics(after, noise)
+    uncorrected, corrected = readings.taken(first), readings.taken(second)
+    at_first, at_second = _foretold(model, uncorrected), _foretold(model, corrected)
+    before = _read_errors(at_first, uncorrected, pairs.target_mm)
+    after = _read_errors(at_second, corrected, pairs.target_mm)
+    noise, promised = _expected(model, at_second, corrected, scatter_mm)
+    share = _share(at_first.unscaled_mm - pairs.target_mm, before)
     gain, interval = _gain(before, after, seed)
     return Proof(
-        statistics_before, statistics_after, gain, interval, promised, share, tuple(_cautions(share, gain))
+        before=statistics(before, noise),
+        after=statistics(after, noise),
+        gain=gain,
+        gain_interval_95=interval,
+        promised_mm=promised,
+        foretold_share=share,
+        cautions=tuple(_cautions(share, gain)),
     )
 
 
@@ -106,19 +112,26 @@ def _require_planned(corrected_rad: FloatArray, visited_rad: FloatArray) -> None
         )
 
 
-def _errors(model: Model, readings: PointReadings, target_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return how far nests are off their targets as the model foretells it, and as it was read, (n, 3)."""
+def _foretold(model: Model, readings: PointReadings) -> State:
     estimate = identified_estimate(model)
-    state = evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
-    seen_mm = target_mm + state.position_mm - state.unscaled_mm
-    return state.unscaled_mm - target_mm, readings.position_mm - seen_mm
+    return evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
 
 
-def _expected(model: Model, readings: PointReadings, scatter_mm: float) -> tuple[float, float]:
+def _read_errors(foretold: State, readings: PointReadings, target_mm: FloatArray) -> FloatArray:
+    """Return how far nests were read off their targets, as the instrument sees these, shape (n, 3)."""
+    seen_mm = target_mm + foretold.position_mm - foretold.unscaled_mm
+    return readings.position_mm - seen_mm
+
+
+def _share(foretold_mm: FloatArray, before_mm: FloatArray) -> float:
+    """Return how much of the foretold errors was read; NaN where the model foretells none."""
+    square = float((foretold_mm**2).sum())
+    return float((foretold_mm * before_mm).sum()) / square if square else math.nan
+
+
+def _expected(model: Model, state: State, readings: PointReadings, scatter_mm: float) -> tuple[float, float]:
     """Return the mean norm of what readings and scatter alone give, and with what the model leaves."""
     block = observed(readings, scatter_mm, structure_of(model))
-    estimate = identified_estimate(model)
-    state = evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
     own = placed_variance(model, state) - model.repeatability_mm**2 + scatter_mm**2
     promised = mean_norm(block.covariance() + own[:, None, None] * np.eye(3))
     return expected_noise_mm(block), promised
@@ -134,7 +147,7 @@ def _gain(before: FloatArray, after: FloatArray, seed: int) -> tuple[float, tupl
 
 def _cautions(share: float, gain: float) -> list[Sentence]:
     """Say what explains a correction that does not help."""
-    if share >= _CORRECTS_ITSELF:
+    if math.isnan(share) or share >= _CORRECTS_ITSELF:
         return []
     if gain < 1.0:
         return [said("proof.corrects_itself", share=share)]

@@ -92,6 +92,16 @@ def test_where_there_is_nothing_to_correct_nothing_is_proved():
     assert proof.gain == pytest.approx(1.0, abs=0.3)
 
 
+def test_a_model_that_foretells_no_error_shares_none_and_accuses_nobody():
+    nominal = replace(model(), parameters=(), effects=(), covariance=np.zeros((0, 0)))
+
+    proof = proof_of(nominal, visited(nominal), SCATTER_MM)
+
+    assert np.isnan(proof.foretold_share)
+    assert proof.cautions == ()
+    assert not proof.proved
+
+
 def test_a_target_with_one_reading_is_left_out_and_without_pairs_there_is_no_proof():
     readings = visited(model())
     kept = np.delete(np.arange(len(readings)), [1, 6])
