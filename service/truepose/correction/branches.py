@@ -23,10 +23,12 @@ def attain_any_branch(estimate: Estimate, goals: Goals, measured: Ranges) -> Att
     """Search the branches one after the other, first those that come nearest to where it was measured."""
     cost = _costs(estimate, goals, measured)
     order = np.argsort(cost, axis=1)
+    exists = np.isfinite(np.take_along_axis(cost, order, axis=1))
     found = attain_branch(estimate, goals, order[:, 0])
     for place in range(1, BRANCHES):
-        exists = np.isfinite(np.take_along_axis(cost, order, axis=1)[:, place])
-        left = np.flatnonzero(exists & ~_usable(estimate, found))
+        left = np.flatnonzero(exists[:, place] & ~_usable(estimate, found))
+        if not len(left):
+            break  # what exists comes first: behind this place there is nothing to try either
         again = attain_branch(estimate, goals.taken(left), order[left, place])
         better = np.flatnonzero(_usable(estimate, again))
         found = replaced(found, left[better], again.taken(better))

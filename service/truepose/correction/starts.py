@@ -17,6 +17,7 @@ from truepose.domain.campaign import Stops
 from truepose.identification.model.estimates import Estimate
 from truepose.identification.model.evaluation import Targets, evaluate, nest_centres
 from truepose.kinematics.chain import nominal_chain
+from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, has_closed_form, one_branch
 
 _SHIFTS: Final = 3  # each leaves a few per cent of the error
@@ -62,7 +63,7 @@ class NominalArm:
     def commanded(self, joints_rad: FloatArray) -> FloatArray:
         """Return where the controller believes its last frame to be, in the robot's base, shape (n, 4, 4)."""
         chain = nominal_chain(self._estimate.structure.robot, joints_rad)
-        return _poses(chain.end_rotation, chain.end_origin)
+        return poses_of(chain.end_rotation, chain.end_origin)
 
     def in_world(self, goals: Goals) -> Goals:
         """Return goals that are meant in the robot's base."""
@@ -70,13 +71,7 @@ class NominalArm:
         return replace(goals, position_mm=position, rotation=self._rotation @ goals.rotation)
 
     def _in_base(self, rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
-        return _poses(self._rotation.T @ rotation, (origin_mm - self._origin) @ self._rotation)
-
-
-def _poses(rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
-    pose = np.zeros((len(rotation), 4, 4))
-    pose[:, :3, :3], pose[:, :3, 3], pose[:, 3, 3] = rotation, origin_mm, 1.0
-    return pose
+        return poses_of(self._rotation.T @ rotation, (origin_mm - self._origin) @ self._rotation)
 
 
 def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attained:

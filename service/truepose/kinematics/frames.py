@@ -101,6 +101,13 @@ def rotation_from_quaternion(quaternion: FloatArray) -> FloatArray:
     return rotation
 
 
+def poses_of(rotation: FloatArray, origin_mm: FloatArray) -> FloatArray:
+    """Return poses, shape (n, 4, 4), of rotations (n, 3, 3) and origins (n, 3) [mm]."""
+    pose = np.zeros((len(rotation), 4, 4))
+    pose[:, :3, :3], pose[:, :3, 3], pose[:, 3, 3] = rotation, origin_mm, 1.0
+    return pose
+
+
 def quaternion_from_rotation(rotation: FloatArray) -> FloatArray:
     """Return unit quaternions (w first) of rotations (..., 3, 3), largest part positive, shape (..., 4).
 

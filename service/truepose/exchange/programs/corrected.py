@@ -33,7 +33,7 @@ from truepose.exchange.programs.program import (
 )
 from truepose.exchange.programs.rewriting import rewritten
 from truepose.kinematics.chain import nominal_chain
-from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
+from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotation_from_quaternion
 
 _COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
 _COUPLED: Final = (
@@ -204,9 +204,7 @@ def _frames(target: ProgramTarget) -> tuple[FloatArray, FloatArray]:
 def _nominal_flange(model: Model, joints_rad: FloatArray) -> FloatArray:
     """Return where the controller believes its flange to be, in its base, shape (n, 4, 4)."""
     chain = nominal_chain(model.robot, joints_rad)
-    flange = np.tile(np.eye(4), (len(joints_rad), 1, 1))
-    flange[:, :3, :3], flange[:, :3, 3] = chain.end_rotation, chain.end_origin
-    return flange
+    return poses_of(chain.end_rotation, chain.end_origin)
 
 
 def _matrix(pose: Pose) -> FloatArray:

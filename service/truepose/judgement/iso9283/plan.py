@@ -16,6 +16,7 @@ from truepose.domain.robot import Robot
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.judgement.iso9283.pose import CYCLES, POSES
 from truepose.judgement.iso9283.visits import CommandedPose
+from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, brought_within
 
 Plane = Literal["x+", "x-", "y+", "y-"]
@@ -103,9 +104,8 @@ def plan_poses(
         There is none; the sentence names the poses that it reaches in no branch.
     """
     poses = cube.poses
-    wanted = np.tile(np.eye(4), (POSES, 1, 1))
-    wanted[:, :3, :3] = rotation
-    wanted[:, :3, 3] = np.array([pose.position_mm for pose in poses]) - rotation @ np.array(nest_mm)
+    places = np.array([pose.position_mm for pose in poses]) - rotation @ np.array(nest_mm)
+    wanted = poses_of(np.broadcast_to(rotation, (POSES, 3, 3)), places)
     joints, reached = _within_limits(robot, all_branches(robot, wanted))
     whole = np.flatnonzero(reached.all(axis=0))
     if len(whole) == 0:

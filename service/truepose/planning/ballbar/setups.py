@@ -8,6 +8,7 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.ballbar import PlannedSetup
 from truepose.domain.robot import JointRange
 from truepose.kinematics.frames import (
+    poses_of,
     rotation_x,
     rotation_y,
     rotation_z,
@@ -53,9 +54,7 @@ def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
 def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatArray | None:
     """Return the joints (J,) at which tool nest 1 is at a cup (1-based); None where the arm cannot be."""
     rotations, tilt = _orientations(cell, fixture.axes[point - 1])
-    poses = np.tile(np.eye(4), (len(rotations), 1, 1))
-    poses[:, :3, :3] = rotations
-    poses[:, :3, 3] = fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0]
+    poses = poses_of(rotations, fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0])
     joints = all_branches(cell.robot, pose_in_base(cell, poses))
     tilts = np.repeat(tilt, joints.shape[1])
     turned, within = brought_within(joints.reshape(-1, cell.robot.n_joints), cell.ranges)
