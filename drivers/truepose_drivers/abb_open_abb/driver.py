@@ -8,7 +8,6 @@ never be taken for the reply to a later request.
 import asyncio
 import contextlib
 import math
-import time
 from dataclasses import dataclass
 
 from truepose_drivers.abb_open_abb.heartbeat import BEAT, BEAT_S, SILENCE_S, STOPS_WITHIN_S, is_our_server
@@ -114,12 +113,12 @@ class OpenAbbRobot:
         """Open the link, trying again while the server may still be between two clients."""
         self._limits_sent = self._watching = False
         self._watches = None
-        give_up_s = time.monotonic() + self._time_outs.connect_s
+        give_up_s = asyncio.get_running_loop().time() + self._time_outs.connect_s
         while True:
             try:
                 return await self._link.open()
             except ConnectFailedError as error:
-                if time.monotonic() >= give_up_s:
+                if asyncio.get_running_loop().time() >= give_up_s:
                     raise ConnectFailedError(
                         f"{error}; also look whether the server program runs on the pendant"
                     ) from error
@@ -258,12 +257,12 @@ class OpenAbbRobot:
 
     async def _receive_reply(self, code: Code, words: int, timeout_s: float, *, beats: bool) -> bytes:
         """Return a reply; with `beats` the controller hears meanwhile that somebody waits for it."""
-        deadline_s = time.monotonic() + timeout_s
+        deadline_s = asyncio.get_running_loop().time() + timeout_s
         data = b""
         while (extent := reply_extent(data, code, words)) != "whole":
             if extent == "maybe whole" and words:
                 return data + await self._rest(deadline_s)
-            left_s = deadline_s - time.monotonic()
+            left_s = deadline_s - asyncio.get_running_loop().time()
             patience_s = self._time_outs.rest_of_reply_s if extent == "maybe whole" else left_s
             more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
             if more is None and extent == "maybe whole":
@@ -283,7 +282,7 @@ class OpenAbbRobot:
         await self._link.send(encode_request(Code.PING))
         data = b""
         while (rest := rest_before_ping(data)) is None:
-            more = await self._link.receive(max(0.0, deadline_s - time.monotonic()))
+            more = await self._link.receive(max(0.0, deadline_s - asyncio.get_running_loop().time()))
             if more is None or len(data) > LONGEST_MESSAGE_CHARS:
                 raise NoReplyError(
                     f"the robot at {self._link.address} does not end its reply: {_LOOK_AT_PENDANT}"

@@ -6,7 +6,6 @@ connection, nonsense, a task that was cancelled) closes the connection, so that 
 
 import asyncio
 import contextlib
-import time
 from collections.abc import AsyncIterator, Callable
 from typing import Generic, Protocol, TypeVar
 
@@ -104,13 +103,13 @@ class Listener(Turns, Generic[Message]):
 
     def expect(self, timeout_s: float, silence: str) -> None:
         """Allow `timeout_s` [s, wall time] from now for all that `next` returns, then raise `silence`."""
-        self._give_up_s = time.monotonic() + timeout_s
+        self._give_up_s = asyncio.get_running_loop().time() + timeout_s
         self._silence = silence
 
     async def next(self) -> Message:
         """Return the next message; raises NoReplyError, also where other bytes come and end none in time."""
         while (message := self._reader.next_message()) is None:
-            left_s = self._give_up_s - time.monotonic()
+            left_s = self._give_up_s - asyncio.get_running_loop().time()
             data = await self._receive(max(0.0, left_s))
             if data is None or left_s < 0.0:
                 raise NoReplyError(self._silence)

@@ -9,6 +9,8 @@ from truepose_drivers.errors import ConnectionLostError, DeviceRefusedError, NoR
 from truepose_drivers.json_lines import LineReader
 from truepose_drivers.transports.conversation import Conversation, Turns
 
+pytestmark = pytest.mark.simulated_time
+
 SILENCE = "the gauge says nothing: check its battery"
 
 
@@ -50,7 +52,7 @@ class ChattyLink(FakeLink):
         self.word = word
 
     async def receive(self, timeout_s: float) -> bytes | None:
-        await asyncio.sleep(0)
+        await asyncio.sleep(0.001)
         return self.word
 
 
@@ -124,7 +126,7 @@ async def test_silence_is_told_in_the_instruments_own_sentence():
 
 async def test_one_that_goes_on_sending_and_ends_no_message_is_silent_too():
     conversation = conversation_on(ChattyLink(b"\0"))
-    conversation.expect(0.001, SILENCE)
+    conversation.expect(0.1, SILENCE)
 
     with pytest.raises(NoReplyError, match=SILENCE):
         await conversation.next()

@@ -25,6 +25,8 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.guard import guarded
 
+pytestmark = pytest.mark.simulated_time
+
 POINT = TrackerReading((3000.0, 1.0, 2.0), (0.01, 0.01, 0.01), 0.02, 50, 1.0, 1, 10.0)
 JOINTS = JointReading((0.1, -0.2, 0.3, 0.0, 1.0, -1.0), 1e-4, 10.0)
 LENGTH = BallbarReading(0.1234, "good", 1e-4, 10.0, 21.0, 7)

@@ -14,6 +14,8 @@ from truepose_drivers.json_lines import JsonLineError
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 finite = st.floats(-1000.0, 1000.0)
 
 

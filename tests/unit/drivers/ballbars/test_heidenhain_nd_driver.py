@@ -28,8 +28,11 @@ from truepose_drivers.heidenhain_nd.protocol import (
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 STALL = object()
-PATIENCE_S = 0.1  # the fake answers within microseconds or never
+PATIENCE_S = 0.1  # the fake answers at once or never
+PRINTING_S = 0.001
 
 
 class FakeCounter:
@@ -56,6 +59,7 @@ class FakeCounter:
                 await self._answer(end, self.answers[request.code])
             while self.prints_all_the_time:
                 await end.send(b"+    9.9999  =\r\n")
+                await asyncio.sleep(PRINTING_S)
 
     async def _answer(self, end: MemoryEnd, answers) -> None:
         for reply in (answers() if callable(answers) else answers) or ():

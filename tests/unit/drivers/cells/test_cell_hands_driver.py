@@ -7,6 +7,8 @@ from truepose_drivers.cell_hands.protocol import Done, encode
 from truepose_drivers.errors import RemoteProtocolError
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 
 async def test_an_answer_too_many_is_not_the_answer_to_the_next_deed():
     async def serve(end: MemoryEnd) -> None:

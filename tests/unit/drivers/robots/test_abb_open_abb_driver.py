@@ -20,6 +20,8 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 QUICK = TimeOuts(connect_s=0.05, retry_s=0.01, reply_s=0.05, motion_s=0.05, rest_of_reply_s=0.01)
 # The longest motion of the driver's argument takes 2e4 / 1e6 s = 0.02 s at this speed.
 FAST = MotionLimits(tool_speed_mm_s=1e6, orientation_speed_rad_s=1e3)

@@ -44,9 +44,11 @@ from truepose_drivers.leica_emscon.protocol import (
 from truepose_drivers.leica_emscon.sentences import error_for
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 
+pytestmark = pytest.mark.simulated_time
+
 Script = dict[int, Callable[[Request], list[object]]]
 
-SILENT = TimeOuts(initialise_s=0.05, command_s=0.05)  # the fake answers within microseconds or never
+SILENT = TimeOuts(initialise_s=0.05, command_s=0.05)  # the fake answers at once or never
 HANG_UP = object()
 
 
