@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import NominalAndIdentified
+from truepose.domain.results import NominalAndIdentified, Statistics
 from truepose.identification.verdict.judge import Judged
 from truepose.identification.verdict.statistics import expected_noise_mm, statistics
 from truepose.kinematics.frames import rigid_alignment
@@ -20,18 +20,33 @@ _FEWEST: Final = 4  # three places on a plane are aligned to almost nothing
 def relative_errors(judged: Judged) -> NominalAndIdentified | None:
     """Return the statistics after the best rigid alignment; None of lengths, or of too few readings."""
     places = judged.block.place_mm
-    if places is None or len(places) < _FEWEST or _on_a_line(places):
+    if places is None:
         return None
     noise = expected_noise_mm(judged.block)
-    nominal, identified = judged.nominal.state.position_mm, judged.position_mm
-    return NominalAndIdentified(
-        statistics(_aligned(nominal, places), noise), statistics(_aligned(identified, places), noise)
-    )
+    nominal = relative_statistics(judged.nominal.state.position_mm, places, noise)
+    identified = relative_statistics(judged.position_mm, places, noise)
+    return None if nominal is None or identified is None else NominalAndIdentified(nominal, identified)
 
 
-def _aligned(predicted_mm: FloatArray, places_mm: FloatArray) -> FloatArray:
-    rotation, translation = rigid_alignment(predicted_mm, places_mm)
-    return np.asarray(places_mm - (predicted_mm @ rotation.T + translation))
+def relative_statistics(wanted_mm: FloatArray, places_mm: FloatArray, noise_mm: float) -> Statistics | None:
+    """Return what is left of the errors of n places after the best rigid alignment.
+
+    Parameters
+    ----------
+    wanted_mm, places_mm : ndarray, shape (n, 3)
+        Where they should be, and where they were read [mm].
+    noise_mm : float
+        Mean norm that stated noise alone gives.
+
+    Returns
+    -------
+    Statistics or None
+        None of fewer than four places, or of places on a line: any errors would be aligned away.
+    """
+    if len(places_mm) < _FEWEST or _on_a_line(places_mm):
+        return None
+    rotation, translation = rigid_alignment(wanted_mm, places_mm)
+    return statistics(places_mm - (wanted_mm @ rotation.T + translation), noise_mm)
 
 
 def _on_a_line(places_mm: FloatArray) -> bool:

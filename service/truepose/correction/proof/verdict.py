@@ -17,12 +17,24 @@ from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.prediction import placed_variance
 from truepose.identification.observations.observed import observed
 from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
+from truepose.judgement.relative import relative_statistics
 
 _SAME_RAD: Final = 1e-5  # commanded angles are compared, which plans keep with all digits
 _RESAMPLED: Final = 2000
 _CORRECTS_ITSELF: Final = 0.5  # share of the foretold errors below which something else makes up for them
 # One draw of the parameters makes the mean error of a whole robot larger or smaller by about a quarter.
 _WITHIN: Final = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class ProofErrors:
+    """From each of n targets to where its nest was read, without and with correction."""
+
+    config: IntArray  # (n,) of the uncorrected stop
+    nest: IntArray  # (n,)
+    target_mm: FloatArray  # (n, 3) where the instrument sees the target
+    before_mm: FloatArray  # (n, 3)
+    after_mm: FloatArray  # (n, 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +48,9 @@ class Proof:
     promised_mm: float  # mean error that model, arm and readings let expect with correction
     foretold_share: float  # of the foretold errors, how much was there without correction; 1 where all
     cautions: tuple[Sentence, ...]
+    before_relative: Statistics | None  # after the best rigid alignment; None: too few targets
+    after_relative: Statistics | None
+    errors: ProofErrors
 
     @property
     def keeps_promise(self) -> bool:
@@ -75,19 +90,27 @@ def proof_of(model: Model, readings: PointReadings, scatter_mm: float, seed: int
     _require_planned(pairs.corrected_rad, readings.stops.joints_rad[second])
     uncorrected, corrected = readings.taken(first), readings.taken(second)
     at_first, at_second = _foretold(model, uncorrected), _foretold(model, corrected)
-    before = _read_errors(at_first, uncorrected, pairs.target_mm)
-    after = _read_errors(at_second, corrected, pairs.target_mm)
+    errors = ProofErrors(
+        config=uncorrected.stops.config,
+        nest=uncorrected.nest,
+        target_mm=_seen(at_first, pairs.target_mm),
+        before_mm=uncorrected.position_mm - _seen(at_first, pairs.target_mm),
+        after_mm=corrected.position_mm - _seen(at_second, pairs.target_mm),
+    )
     noise, promised = _expected(model, at_second, corrected, scatter_mm)
-    share = _share(at_first.unscaled_mm - pairs.target_mm, before)
-    gain, interval = _gain(before, after, seed)
+    share = _share(at_first.unscaled_mm - pairs.target_mm, errors.before_mm)
+    gain, interval = _gain(errors.before_mm, errors.after_mm, seed)
     return Proof(
-        before=statistics(before, noise),
-        after=statistics(after, noise),
+        before=statistics(errors.before_mm, noise),
+        after=statistics(errors.after_mm, noise),
         gain=gain,
         gain_interval_95=interval,
         promised_mm=promised,
         foretold_share=share,
         cautions=tuple(_cautions(share, gain)),
+        before_relative=relative_statistics(_seen(at_first, pairs.target_mm), uncorrected.position_mm, noise),
+        after_relative=relative_statistics(_seen(at_second, pairs.target_mm), corrected.position_mm, noise),
+        errors=errors,
     )
 
 
@@ -117,10 +140,9 @@ def _foretold(model: Model, readings: PointReadings) -> State:
     return evaluate(estimate.structure, estimate.values, Targets(readings.stops, readings.nest))
 
 
-def _read_errors(foretold: State, readings: PointReadings, target_mm: FloatArray) -> FloatArray:
-    """Return how far nests were read off their targets, as the instrument sees these, shape (n, 3)."""
-    seen_mm = target_mm + foretold.position_mm - foretold.unscaled_mm
-    return readings.position_mm - seen_mm
+def _seen(foretold: State, target_mm: FloatArray) -> FloatArray:
+    """Return where the instrument sees targets, shape (n, 3)."""
+    return target_mm + foretold.position_mm - foretold.unscaled_mm
 
 
 def _share(foretold_mm: FloatArray, before_mm: FloatArray) -> float:

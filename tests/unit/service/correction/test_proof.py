@@ -13,6 +13,7 @@ from truepose.correction.proof.verdict import proof_of
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRow
+from truepose.exchange.results.proofs import proof_document
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 
@@ -50,6 +51,37 @@ def test_a_model_that_is_the_robot_is_proved_and_keeps_its_promise():
     assert proof.gain_interval_95[0] < proof.gain < proof.gain_interval_95[1]
     assert proof.gain > 10.0
     assert proof.cautions == ()
+
+
+def test_the_relative_errors_do_not_see_where_the_robot_stands():
+    readings = visited(model())
+    pushed = replace(readings, position_mm=readings.position_mm + np.array([0.3, 0.0, 0.0]))
+
+    as_read, moved = (proof_of(model(), points, SCATTER_MM) for points in (readings, pushed))
+
+    assert moved.after.mean_mm > as_read.after.mean_mm + 0.2
+    assert moved.after_relative.mean_mm == pytest.approx(as_read.after_relative.mean_mm)
+    assert as_read.before_relative.mean_mm < as_read.before.mean_mm
+
+
+def test_three_targets_have_no_relative_errors_as_alignment_would_take_nearly_all():
+    few = visited(model()).taken(np.arange(6))
+
+    proof = proof_of(model(), few, SCATTER_MM)
+
+    assert proof.before_relative is None
+    assert proof_document(proof).after_relative is None
+
+
+def test_the_document_has_the_errors_of_each_target():
+    proof = proof_of(model(), visited(model()), SCATTER_MM)
+
+    told = proof_document(proof)
+
+    assert told.targets == len(told.errors.config) == len(told.errors.after_mm)
+    norms = np.linalg.norm(told.errors.after_mm, axis=1)
+    assert norms.mean() == pytest.approx(told.after.mean_mm)
+    assert told.errors.config[:2] == [1, 3]
 
 
 def test_the_interval_holds_the_gain_of_many_more_targets():
