@@ -1,15 +1,38 @@
 """What a session measured, out of the storage."""
 
 import asyncio
+from dataclasses import dataclass, replace
 
 from truepose.analysis.assembly import MeasuredSession, point_readings
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.correction.proof.verdict import Proof, proof_of
 from truepose.domain.campaign import PointReadings
-from truepose.domain.results import Model
+from truepose.domain.results import DecisionRule, Model, NominalAndIdentified, Validation
 from truepose.judgement.circle.judged import CircleTest, circle_test
+from truepose.judgement.iso9283.judged import PoseTest, pose_test
+from truepose.judgement.validation import validate
 from truepose.storage.measurement.sessions import SessionRepository
 from truepose.storage.measurement.tracker_readings import ReadingRepository
+
+
+@dataclass(frozen=True, slots=True)
+class AskedAccuracy:
+    """By what the points of a session are judged."""
+
+    model: Model
+    limit_mm: float | None = None
+    rule: DecisionRule = "guard band"
+    of_poses: bool = False  # they are visits of a test of ISO 9283
+    elsewhere: NominalAndIdentified | None = None  # held-out errors in the work space
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """What the points of a session say of a model."""
+
+    points: PointReadings
+    validation: Validation
+    test: PoseTest | None
 
 
 async def measured_session(
@@ -46,6 +69,25 @@ async def circles_by_session(
     alone.
     """
     return await asyncio.to_thread(circle_test, await _points(sessions, readings, session_id))
+
+
+async def accuracy_by_session(
+    sessions: SessionRepository, readings: ReadingRepository, session_id: int, asked: AskedAccuracy
+) -> Accuracy:
+    """Judge a model by the points of a session.
+
+    Raises NotFoundError, StorageError, NothingMeasuredError, and ConfigurationError where the readings do not
+    fit the model, or are not the test that is asked for.
+    """
+    return await asyncio.to_thread(_judged, await _points(sessions, readings, session_id), asked)
+
+
+def _judged(points: PointReadings, asked: AskedAccuracy) -> Accuracy:
+    validation = validate(asked.model, points, limit_mm=asked.limit_mm, rule=asked.rule)
+    test = pose_test(asked.model, points) if asked.of_poses else None
+    if test is not None and test.work_space is None:
+        test = replace(test, work_space=asked.elsewhere)
+    return Accuracy(points, validation, test)
 
 
 async def _points(sessions: SessionRepository, readings: ReadingRepository, session_id: int) -> PointReadings:

@@ -7,7 +7,6 @@ must not wait for it when it starts.
 import asyncio
 import dataclasses
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final
 
@@ -19,6 +18,8 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import CampaignRecord, DiagnosisRecord, SessionRecord
 from truepose.web.context import Context, Here
 from truepose.web.languages import Kept, Words
+from truepose.web.moments import moment
+from truepose.web.parameters import number_of
 from truepose.web.rendering import spoken_page
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
@@ -93,22 +94,16 @@ def _verdict(record: DiagnosisRecord, words: Catalogue) -> "VerdictWords":
 
 def measured_words(said: str | None, words: Catalogue = IN_ENGLISH) -> str:
     """Return when readings were taken, for people; None: nobody said."""
-    return words.say("measured.unknown") if said is None else words.say("measured.on", day=_moment(said))
-
-
-def _moment(said: str) -> str:
-    """Return a day as it is, and a time to the minute: nobody reads milliseconds."""
-    if "T" not in said:
-        return said
-    return datetime.fromisoformat(said).astimezone(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    return words.say("measured.unknown") if said is None else words.say("measured.on", day=moment(said))
 
 
 async def _record(here: Context, id: str) -> DiagnosisRecord | None:
     """Return the diagnosis of that number; None where an address names none."""
-    if not (id.isascii() and id.isdecimal()) or len(id) > len(str(2**31)):
+    number = number_of(id)
+    if number is None:
         return None
     try:
-        return await here.diagnoses.get(int(id))
+        return await here.diagnoses.get(number)
     except NotFoundError:
         return None
 
@@ -141,7 +136,7 @@ async def _report(
     conditions = ReportConditions(
         simulated=record.simulated,
         robot_serial_number=record.robot_serial_number,
-        written_at=_moment(record.recorded_at),
+        written_at=moment(record.recorded_at),
         notes=campaign.summary.notes,
     )
     named = f"{campaign.name}, {measured_words(record.measured_at, words)}"

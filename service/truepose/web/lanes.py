@@ -25,7 +25,10 @@ _URGENT: Final = re.compile(
     r"/health|/api/v1/sessions/[^/]+/(pause|abort)|/api/v1/ballbar-sessions/[^/]+/acts"
 )
 _STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live")
-_DRAWN: Final = re.compile(r"/diagnoses/[^/]+|/plan|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/promise")
+_DRAWN: Final = re.compile(
+    r"/diagnoses/[^/]+|/plan|/sessions/[^/]+/result"
+    r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|accuracy)"
+)
 
 
 class _FullError(Exception):

@@ -4,20 +4,25 @@ The usual OpenAPI pages need megabytes of script, from a content network or a pa
 A reference that names every route, field, unit and error needs none.
 """
 
+from http import HTTPStatus
 from pathlib import Path
 from typing import Any, Final
 
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse
+from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, plan_page
 from truepose.web.context import Here
 from truepose.web.rendering import page
+from truepose.web.results import pages as session_pages
 
 router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)
 router.include_router(plan_page.router)
+router.include_router(session_pages.router)
 _SHOWN: Final = 20
+_MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"
 
 
@@ -41,27 +46,14 @@ async def api_page(request: Request, here: Here) -> HTMLResponse:
     return page("api.html", here=here, document=document, operations=operations, base=str(request.base_url))
 
 
-@router.get("/static/pages.css", response_class=FileResponse)
-async def pages_style() -> FileResponse:
-    """Send the style of the plain pages."""
-    return _sent("pages.css", "text/css")
-
-
-@router.get("/static/report-page.css", response_class=FileResponse)
-async def report_page_style() -> FileResponse:
-    """Send the style of what stands around a report."""
-    return _sent("report-page.css", "text/css")
-
-
-@router.get("/static/measure-next.js", response_class=FileResponse)
-async def measure_next_script() -> FileResponse:
-    """Send the script behind the buttons of a diagnosis."""
-    return _sent("measure-next.js", "text/javascript")
-
-
-def _sent(name: str, media_type: str) -> FileResponse:
+@router.get("/static/{name}", response_class=FileResponse)
+async def static_file(name: str) -> FileResponse:
+    """Send a style or a script of the plain pages and of what stands around reports."""
+    if name not in {path.name for path in _STATIC.iterdir() if path.is_file()}:  # one segment of the path
+        raise HTTPException(HTTPStatus.NOT_FOUND)
     # A browser asks again each time and is told that nothing has changed: pages never mix versions.
-    return FileResponse(_STATIC / name, media_type=media_type, headers={"Cache-Control": "no-cache"})
+    headers = {"Cache-Control": "no-cache"}
+    return FileResponse(_STATIC / name, media_type=_MEDIA[Path(name).suffix], headers=headers)
 
 
 def _operations(document: dict[str, Any]) -> Any:

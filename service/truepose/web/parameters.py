@@ -54,6 +54,14 @@ async def _needed_key(request: Request, key: NeededKey) -> RequestKey:
     return request_key(request, key, await request.body())
 
 
+def number_of(text: str) -> int | None:
+    """Return the number that a part of a page's address is; None where it is none."""
+    if not (text.isascii() and text.isdecimal()) or len(text) > len(str(NUMBER_LIMIT)):
+        return None
+    number = int(text)
+    return number if 1 <= number <= NUMBER_LIMIT else None
+
+
 def request_key(request: Request, key: str, body: bytes) -> RequestKey:
     """Return the key with the fingerprint of the request it came with."""
     said = b"\n".join((request.method.encode(), request.url.path.encode(), body))

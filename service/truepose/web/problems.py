@@ -138,6 +138,11 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     }
 
 
+def status_of(error: Exception) -> HTTPStatus:
+    """Return the status that an error leaves with."""
+    return next(status for kind, status in _STATUS.items() if isinstance(error, kind))
+
+
 def install(app: FastAPI) -> None:
     """Let every error of `app` leave as a problem document."""
     app.add_exception_handler(RequestValidationError, _on_invalid)
@@ -149,7 +154,7 @@ def install(app: FastAPI) -> None:
 
 
 async def _on_refusal(request: Request, error: Exception) -> JSONResponse:
-    status = next(status for kind, status in _STATUS.items() if isinstance(error, kind))
+    status = status_of(error)
     headers = {"Retry-After": str(error.retry_after_s)} if isinstance(error, BusyError) else None
     kind = _NAME if isinstance(error, _OF_NAMES) else None
     return problem_response(request, status, str(error), headers, kind)

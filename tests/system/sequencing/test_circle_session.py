@@ -1,8 +1,11 @@
 """A circle test as a session on a simulated cell, over REST: planned, measured, judged."""
 
+import hashlib
+
 import pytest
 
 from tests.helpers.web.clients import made, served, until
+from truepose.reports.rounding import rounded
 from truepose.settings import Settings
 
 _TURNS = [{"joint": 5, "lower_deg": 35, "upper_deg": 90, "step_deg": 5}]
@@ -28,7 +31,8 @@ async def test_what_a_session_turned_is_found_as_a_circle_with_both_directions(c
     await client.post(f"{path}/confirm", json={"person": "Ada"})
     session = await until(client, path, lambda session: session["state"] in {"finished", "faulted"})
     assert session["state"] == "finished", session["reason"]
-    test = (await client.get(f"{path}/circles")).json()
+    told = await client.get(f"{path}/circles")
+    test = told.json()
 
     (one,) = test["circles"]
     direction = one["stops"]["direction"]
@@ -37,3 +41,8 @@ async def test_what_a_session_turned_is_found_as_a_circle_with_both_directions(c
     # At the lower end it depends on where the arm came from.
     assert min(direction.count(1), direction.count(-1)) >= 11
     assert one["backlash_deg"] is not None
+
+    page = (await client.get(f"/sessions/{session['id']}/result")).text
+    u = one["tangential_range_mm"]["standard_uncertainty"]
+    assert f'<td class="n">{rounded(one["tangential_range_mm"]["value"], u)}</td>' in page
+    assert hashlib.sha256(told.content).hexdigest() in page

@@ -1,8 +1,11 @@
 """The proof move on a simulated cell, over REST: measure, identify, correct, measure again."""
 
+import hashlib
+
 import pytest
 
 from tests.helpers.web.clients import made, served, until
+from truepose.reports.rounding import millimetres
 from truepose.settings import Settings
 
 CALIBRATION = {
@@ -40,8 +43,9 @@ async def test_a_correction_is_proved_on_the_robot_that_it_was_made_for(client):
     model_id = (await client.get(identified)).json()["model_id"]
     plan = {"method": "prove", "model_id": model_id, "targets": 12, "seed": 3}
 
-    path, _ = await measured(client, PROOF | {"plan": plan})
-    proof = (await client.get(f"{path}/proof", params={"model_id": model_id})).json()
+    path, proof_id = await measured(client, PROOF | {"plan": plan})
+    told = await client.get(f"{path}/proof", params={"model_id": model_id})
+    proof = told.json()
     calibration = await client.get(f"/api/v1/sessions/{session_id}/proof", params={"model_id": model_id})
 
     assert proof["targets"] == 12
@@ -51,3 +55,17 @@ async def test_a_correction_is_proved_on_the_robot_that_it_was_made_for(client):
     assert abs(proof["foretold_share"] - 1.0) < 0.1
     assert calibration.status_code == 422
     assert "no proof of this model" in calibration.json()["detail"]
+
+    page = (await client.get(f"/sessions/{proof_id}/result")).text
+    for kind in ("before", "after", "before_relative", "after_relative"):
+        for figure in ("mean_mm", "rms_mm", "sd_mm", "max_mm"):
+            assert f'<td class="n">{millimetres(proof[kind][figure])}</td>' in page
+    assert f"{proof['gain']:.3g} times" in page
+    assert hashlib.sha256(told.content).hexdigest() in page  # what the page shows is that document
+    model = await client.get(f"/api/v1/models/{model_id}/file")
+    assert hashlib.sha256(model.content).hexdigest() in page
+    assert f'href="/sessions/{proof_id}/result"' in (await client.get("/sessions")).text
+
+    judged = await client.get(f"{path}/accuracy", params={"model_id": model_id, "limit_mm": 5})
+    assert judged.json()["decision"]["verdict"] == "conforms"
+    assert judged.json()["iso9283"] is None

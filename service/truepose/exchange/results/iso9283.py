@@ -5,11 +5,12 @@ from typing import Literal, Self
 
 from pydantic import Field
 
+from truepose.domain.results import Validation
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.results.document_base import Document, Spoken
-from truepose.exchange.results.identification_and_validation import PairDocument
+from truepose.exchange.results.identification_and_validation import PairDocument, ValidationDocument
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.characteristics import Characteristic
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
@@ -69,16 +70,32 @@ class PoseTestDocument(Document):
     claimed_mm: Quantity = Field(description="Mean error that the model itself lets expect of such.")
     sentence: Spoken
 
+    @classmethod
+    def of_test(cls, test: PoseTest) -> Self:
+        """Return the document of a test."""
+        return cls.of(
+            test,
+            figures=list(_figures(test)),
+            withheld=test.identified.withheld,
+            sentence=pose_test_caution(test),
+        )
+
+
+class AccuracyDocument(ValidationDocument):
+    """A validation, with the figures of ISO 9283 where its readings are visits of such a test."""
+
+    iso9283: PoseTestDocument | None = None
+
+
+def accuracy_document(validation: Validation, test: PoseTest | None) -> AccuracyDocument:
+    """Return both as one document."""
+    found = None if test is None else PoseTestDocument.of_test(test)
+    return AccuracyDocument.of(validation, iso9283=found)
+
 
 def pose_test_document(test: PoseTest) -> dict[str, Json]:
     """Return the figures of a test, what is withheld, and what the test does not prove."""
-    document = PoseTestDocument.of(
-        test,
-        figures=list(_figures(test)),
-        withheld=test.identified.withheld,
-        sentence=pose_test_caution(test),
-    )
-    return document.printed()
+    return PoseTestDocument.of_test(test).printed()
 
 
 def _figures(test: PoseTest) -> Iterator[FigureDocument]:

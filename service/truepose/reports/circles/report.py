@@ -1,6 +1,8 @@
-"""The report of a single-axis circle test: one HTML file."""
+"""The report of a single-axis circle test: one HTML file, or the content of a page."""
 
 from pathlib import Path
+
+from markupsafe import Markup
 
 from truepose.judgement.circle.judged import CircleTest
 from truepose.reports.circles.sentences import (
@@ -10,7 +12,8 @@ from truepose.reports.circles.sentences import (
     withheld_sentences,
 )
 from truepose.reports.figures.tangential import tangential_figure
-from truepose.reports.pages import write_page
+from truepose.reports.pages import rendered, write_page
+from truepose.reports.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
@@ -22,19 +25,25 @@ def write_circle_report(path: Path, test: CircleTest, robot: str, words: Catalog
     UnwritableReportError
         The file cannot be written.
     """
+    write_page(path, "circles.html", robot=robot, simulated=False, traced=None, **_context(test, words))
+
+
+def circle_content(test: CircleTest, traced: Traced, words: Catalogue) -> Markup:
+    """Return the report without a frame, for a page that has one of its own."""
+    stated = traced_context(traced, words)
+    return rendered("circles_content.html", traced=traced, **stated, **_context(test, words))
+
+
+def _context(test: CircleTest, words: Catalogue) -> dict[str, object]:
     shown = [
         (one, tangential_figure(one, words), [words.spoken(sentence) for sentence in circle_sentences(one)])
         for one in test.circles
     ]
-    write_page(
-        path,
-        "circles.html",
-        robot=robot,
-        simulated=False,
-        heads=circle_heads(words),
-        rows=tuple(circle_rows(test)),
-        circles=shown,
-        withheld=[words.spoken(sentence) for sentence in withheld_sentences(test)],
-        words=words,
-        say=words.say,
-    )
+    return {
+        "heads": circle_heads(words),
+        "rows": tuple(circle_rows(test)),
+        "circles": shown,
+        "withheld": [words.spoken(sentence) for sentence in withheld_sentences(test)],
+        "words": words,
+        "say": words.say,
+    }

@@ -1,7 +1,9 @@
-"""The report of a validation: one HTML file."""
+"""The report of a validation: one HTML file, or the content of a page."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
+
+from markupsafe import Markup
 
 from truepose.domain.campaign import Readings
 from truepose.domain.results import ErrorsByPlace, Model, Validation
@@ -9,12 +11,14 @@ from truepose.domain.sentences import Text
 from truepose.identification import judge
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.judged import PoseTest
-from truepose.reports.conditions import ReportConditions, temperature_range
+from truepose.reports.audit import Audit
+from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.distance_histogram import distance_histogram
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.place_errors import place_errors
-from truepose.reports.pages import write_page
+from truepose.reports.pages import rendered, write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
+from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.validation.pose_test_rows import pose_test_rows, stated_conditions, withheld_sentences
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
@@ -30,6 +34,7 @@ class ValidationInput:
     pose_test: PoseTest | None = None
     conditions: ReportConditions = field(default_factory=ReportConditions)
     language: str = ENGLISH  # one of `LANGUAGES`
+    audit: Audit | None = None  # None: the readings are no session's
 
 
 def write_validation_report(path: Path, report: ValidationInput) -> None:
@@ -48,37 +53,48 @@ def write_validation_report(path: Path, report: ValidationInput) -> None:
     ConfigurationError
         The readings are not those that the validation is of.
     """
+    write_page(path, "validation.html", **_context(report))
+
+
+def validation_content(report: ValidationInput) -> Markup:
+    """Return the report without a frame, for a page that has one of its own."""
+    return rendered("validation_content.html", **_context(report))
+
+
+def _context(report: ValidationInput) -> dict[str, object]:
     found, test, words = report.validation, report.pose_test, catalogue(report.language)
     shown = judge(report.model, report.readings, report.model.repeatability_mm)
-    conditions = _with_temperature(report.conditions, report.readings)
-    write_page(
-        path,
-        "validation.html",
-        words=words,
-        say=words.say,
-        model=report.model,
-        validation=found,
-        verdict=verdict_sentence(found),
-        decision=decision_sentence(found),
-        remarks=report.remarks,
-        simulated=conditions.simulated,
-        histogram=histogram(shown, found.position.identified.noise_mm, words),
-        distances=None if found.distance_errors is None else distance_histogram(found.distance_errors, words),
-        places=_drawn(found.places, words),
-        pose_test=test,
-        withheld=() if test is None else tuple(withheld_sentences(test, words)),
-        pose_rows=() if test is None else tuple(pose_test_rows(test, words)),
-        caution="" if test is None else words.spoken(pose_test_caution(test)),
-        condition_rows=stated_conditions(test, conditions, words),
-    )
+    conditions = with_temperature(report.conditions, report.readings.stops)
+    return {
+        "words": words,
+        "say": words.say,
+        "model": report.model,
+        "validation": found,
+        "verdict": verdict_sentence(found),
+        "decision": decision_sentence(found),
+        "remarks": report.remarks,
+        "simulated": conditions.simulated,
+        "histogram": histogram(shown, found.position.identified.noise_mm, words),
+        "distances": None
+        if found.distance_errors is None
+        else distance_histogram(found.distance_errors, words),
+        "places": _drawn(found.places, words),
+        "pose_test": test,
+        "withheld": () if test is None else tuple(withheld_sentences(test, words)),
+        "pose_rows": () if test is None else tuple(pose_test_rows(test, words)),
+        "caution": "" if test is None else words.spoken(pose_test_caution(test)),
+        **_traced(report, words),
+        "conditions": conditions,
+        "condition_rows": stated_conditions(test, conditions, words),
+    }
+
+
+def _traced(report: ValidationInput, words: Catalogue) -> dict[str, object]:
+    if report.audit is None:
+        return {"traced": None}
+    traced = Traced(report.model.robot.name, report.conditions, report.audit)
+    return {"traced": traced, **traced_context(traced, words)}
 
 
 def _drawn(places: ErrorsByPlace | None, words: Catalogue) -> object:
     return None if places is None else place_errors(places, words)
-
-
-def _with_temperature(conditions: ReportConditions, readings: Readings) -> ReportConditions:
-    """Take the range of the readings where nobody stated one."""
-    if conditions.temperature_c is not None:
-        return conditions
-    return replace(conditions, temperature_c=temperature_range((readings.stops,)))

@@ -1,5 +1,6 @@
 """Jobs: what was asked of a worker process and every state the job was in."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from sqlalchemy import Connection, Row, Select, exists, select
@@ -56,6 +57,16 @@ class JobRepository(NumberedRecords[JobRecord]):
         """Return the jobs that no final state ended, oldest first."""
         open_states = (JobState.QUEUED, JobState.RUNNING)
         return await self._listed(_records().where(job_states.c.state.in_(open_states)).order_by(jobs.c.id))
+
+    async def plans_of(self, session_ids: Iterable[int]) -> dict[int, dict[str, Any]]:
+        """Return what was asked of the jobs that planned sessions, by session; given stops had no job."""
+        query = (
+            select(job_states.c.result_id, jobs.c.request)
+            .join(jobs, jobs.c.id == job_states.c.job_id)
+            .where(jobs.c.kind == JobKind.PLAN.value, job_states.c.result_id.in_(list(session_ids)))
+        )
+        rows = await self._database.read(lambda c: c.execute(query).all())
+        return {row.result_id: row.request for row in rows}
 
     async def change_state(self, job_id: int, state: JobState, message: str) -> None:
         """Append a state; raises ConflictError where the job has ended already."""

@@ -99,6 +99,10 @@ class ResultRepository:
         """Return models, oldest first."""
         return await self._models.page(page)
 
+    async def newest_models(self, count: int) -> list[ModelRecord]:
+        """Return the latest models, newest first."""
+        return await self._models.newest(count)
+
     async def validation(self, validation_id: int) -> ValidationRecord:
         """Return a validation; raises NotFoundError."""
         return await self._validations.get(validation_id)

@@ -24,6 +24,7 @@ from truepose.storage.rows import add_row
 from truepose.storage.tables import (
     added_stops,
     events,
+    links,
     notes,
     readings,
     registrations,
@@ -98,6 +99,12 @@ class SessionRepository(NumberedRecords[SessionRecord]):
     async def require_intact(self, session_id: int) -> None:
         """Raise DamagedDatabaseError where a record of a session is not as it was written."""
         await self._database.require_intact(session_id)
+
+    async def chain_head(self, session_id: int) -> str:
+        """Return the hash of the newest link of a session's records, in hexadecimal."""
+        query = select(links.c.hash).where(links.c.stream == session_id).order_by(links.c.id.desc()).limit(1)
+        newest = await self._database.read(lambda c: c.scalar(query))
+        return "" if newest is None else bytes(newest).hex()
 
     async def answered(self, key: RequestKey) -> int | None:
         """Return the session that a request with this key made before; raises KeyReusedError."""

@@ -10,6 +10,7 @@ from truepose.analysis.measured import circles_by_session, proof_by_session
 from truepose.analysis.workers.tasks import PlanTask
 from truepose.domain.session import Registration, SessionPlan
 from truepose.exchange.results.circles import CircleTestDocument, circle_document
+from truepose.exchange.results.iso9283 import AccuracyDocument, accuracy_document
 from truepose.exchange.results.proofs import ProofDocument, proof_document
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
@@ -19,6 +20,9 @@ from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
 from truepose.web.parameters import Id, ModelId, OptionalKey, PageQuery
 from truepose.web.problems import problems
+from truepose.web.results.accuracy import accuracy_of
+from truepose.web.results.choices import Chosen
+from truepose.web.results.origins import origin_of
 from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
 from truepose.web.schemas.identities import identity_reply
 from truepose.web.schemas.jobs import JobReply
@@ -120,6 +124,13 @@ async def get_circles(here: Here, id: Id) -> CircleTestDocument:
     """Say what each joint errs by, by a session that turned one joint at a time."""
     found = await circles_by_session(here.sessions, here.readings, id)
     return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
+
+
+@router.get("/{id}/accuracy", responses=problems(404, 409, 422, 503))
+async def get_accuracy(here: Here, id: Id, choice: Chosen) -> AccuracyDocument:
+    """Judge a model by the points of a session; of a test of ISO 9283 with its figures."""
+    _, found = await accuracy_of(here, await origin_of(here, id), choice)
+    return accuracy_document(found.validation, found.test)
 
 
 @router.get("", responses=problems(422, 503))

@@ -1,6 +1,8 @@
 // The two buttons below a diagnosis of a session: measure what it proposes, and diagnose again.
 // What they ask is the API's own; whatever it answers is said in its own sentence. The page brings the words.
 
+import { answered, filled, post as asked } from "./api.js";
+
 const bar = document.querySelector("[data-session]");
 const form = bar.querySelector("form");
 const again = bar.querySelector("[data-again]");
@@ -8,28 +10,7 @@ const said = bar.querySelector("output");
 const session = `/api/v1/sessions/${bar.dataset.session}`;
 const POLL_MS = 500;
 
-async function answered(path, request) {
-  let reply;
-  try {
-    reply = await fetch(path, request);
-  } catch {
-    throw new Error(bar.dataset.unreachable);
-  }
-  const answer = await reply.json();
-  if (!reply.ok) throw new Error(answer.detail);
-  return answer;
-}
-
-function post(path, body, key) {
-  const headers = { "Content-Type": "application/json" };
-  if (key) headers["Idempotency-Key"] = key;
-  return answered(path, { method: "POST", headers, body: JSON.stringify(body) });
-}
-
-// A page's text has its blanks in angle brackets: braces are filled in before it is sent.
-function filled(text, values) {
-  return text.replace(/<(\w+)>/g, (_, name) => values[name]);
-}
+const post = (path, body, key) => asked(path, body, bar.dataset.unreachable, key);
 
 function say(sentence, bad = false) {
   said.textContent = sentence;
@@ -66,7 +47,7 @@ async function diagnose() {
   let job = await post(`${session}/diagnosis`, JSON.parse(again.dataset.again));
   while (["queued", "running"].includes(job.state)) {
     await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    job = await answered(`/api/v1/jobs/${job.id}`);
+    job = await answered(`/api/v1/jobs/${job.id}`, {}, bar.dataset.unreachable);
     say(filled(bar.dataset.diagnosing, { percent: Math.round(100 * job.fraction), message: job.message }));
   }
   if (job.state !== "succeeded") throw new Error(job.message);

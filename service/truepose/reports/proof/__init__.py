@@ -1,0 +1,1 @@
+"""What a proof move says, for people."""

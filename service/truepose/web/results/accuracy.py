@@ -1,0 +1,93 @@
+"""How accurate a robot is, by a validation session or by a test of ISO 9283."""
+
+import asyncio
+from typing import Final
+from urllib.parse import urlencode
+
+from markupsafe import Markup
+
+from truepose.analysis.measured import Accuracy, AskedAccuracy, accuracy_by_session
+from truepose.domain.results import Identification, NominalAndIdentified
+from truepose.exchange.results.iso9283 import accuracy_document
+from truepose.storage.records import ModelRecord
+from truepose.web.context import Context
+from truepose.web.results.kinds import Choice, Entry, Form, Origin, ResultKind
+from truepose.web.results.models import model_for
+from truepose.web.results.traces import Shown, traced
+from truepose.words.catalogue import Catalogue
+
+_PLANES: Final = (
+    ("y+", "plan_test.plane.y_up"),
+    ("y-", "plan_test.plane.y_down"),
+    ("x+", "plan_test.plane.x_up"),
+    ("x-", "plan_test.plane.x_down"),
+)
+
+
+async def accuracy_of(here: Context, origin: Origin, choice: Choice) -> tuple[ModelRecord, Accuracy]:
+    """Return the model that judges, and what the session says of it."""
+    model = await model_for(here, origin, choice)
+    of_poses = is_pose_test(origin)
+    elsewhere = await _held_out(here, model) if of_poses else None
+    asked = AskedAccuracy(model.model, choice.limit_mm, choice.rule, of_poses, elsewhere)
+    return model, await accuracy_by_session(here.sessions, here.readings, origin.record.id, asked)
+
+
+def is_pose_test(origin: Origin) -> bool:
+    """Whether a session visits poses of ISO 9283."""
+    return origin.method.startswith("iso9283")
+
+
+async def _held_out(here: Context, model: ModelRecord) -> NominalAndIdentified | None:
+    """Return the errors that a model showed where it was judged; None of a diagnosis, or of lengths."""
+    if model.identification_id is None:
+        return None
+    found: Identification = (await here.results.identification(model.identification_id)).identification
+    return (found.validation or found.cross_validation) if found.quantity == "position" else None
+
+
+async def _content(here: Context, origin: Origin, choice: Choice, words: Catalogue) -> Markup:
+    from truepose.judgement.cautions import validation_cautions
+    from truepose.reports.validation.report import ValidationInput, validation_content
+
+    model, found = await accuracy_of(here, origin, choice)
+    shown = Shown(_address(origin, model, choice), accuracy_document(found.validation, found.test))
+    ending = await traced(here, origin, shown, model)
+    report = ValidationInput(
+        found.validation,
+        model.model,
+        found.points,
+        tuple(validation_cautions(model.model, found.points)),
+        found.test,
+        ending.conditions,
+        words.language,
+        ending.audit,
+    )
+    return await asyncio.to_thread(validation_content, report)
+
+
+def _address(origin: Origin, model: ModelRecord, choice: Choice) -> str:
+    limit = {} if choice.limit_mm is None else {"limit_mm": f"{choice.limit_mm:g}", "rule": choice.rule}
+    return f"/api/v1/sessions/{origin.record.id}/accuracy?{urlencode({'model_id': model.id} | limit)}"
+
+
+def _form(here: Context) -> Form:
+    return Form(
+        "plan_test.iso9283.meaning",
+        (
+            Entry("plan.edge_mm", "plan_test.edge", value=200, least=1, most=10_000),
+            Entry("plan.centre_mm", "plan_test.centre_x", value=370, least=-100_000, most=100_000),
+            Entry("plan.centre_mm", "plan_test.centre_y", value=0, least=-100_000, most=100_000),
+            Entry("plan.centre_mm", "plan_test.centre_z", value=400, least=-100_000, most=100_000),
+            Entry("plan.plane", "plan_test.plane", "choice", choices=_PLANES),
+            Entry("plan.nest", "plan_test.nest", value=1, least=1, most=max(len(here.cell.nests), 1)),
+            Entry("plan.cycles", "plan_test.cycles", value=30, least=1, most=1000),
+        ),
+        {"role": "validation", "plan": {"method": "iso9283"}},
+    )
+
+
+POSE_TEST = ResultKind("iso9283", "plan_test.iso9283", is_pose_test, _content, judges=True, form=_form)
+ACCURACY = ResultKind(
+    "accuracy", "plan_test.accuracy", lambda origin: origin.record.role == "validation", _content, judges=True
+)

@@ -1,0 +1,147 @@
+"""Sessions for people: a list, each as it runs, what it came to, and forms that plan one."""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Final
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from markupsafe import Markup
+
+from truepose.domain.errors import TrueposeError
+from truepose.domain.session import SessionState
+from truepose.sequencing.engine.states import has_ended
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import ModelRecord
+from truepose.web.context import Context, Here
+from truepose.web.languages import Kept, Words
+from truepose.web.parameters import number_of
+from truepose.web.problems import status_of
+from truepose.web.rendering import spoken_page
+from truepose.web.results.choices import Chosen
+from truepose.web.results.kinds import Choice, Origin, ResultKind
+from truepose.web.results.models import models_of
+from truepose.web.results.origins import origin_of, origins_of
+from truepose.web.results.registry import KINDS, kind_of
+from truepose.words.catalogue import Catalogue
+
+router = APIRouter(prefix="/sessions", include_in_schema=False)
+_SHOWN: Final = 50
+_STATES: Final = {
+    SessionState.PLANNED: "session.planned",
+    SessionState.RUNNING: "session.running",
+    SessionState.PAUSING: "session.pausing",
+    SessionState.PAUSED: "session.paused",
+    SessionState.AWAITING_CONFIRMATION: "session.awaiting_confirmation",
+    SessionState.ABORTING: "session.aborting",
+    SessionState.ABORTED: "session.aborted",
+    SessionState.FINISHED: "session.finished",
+    SessionState.FAILED: "session.failed",
+}
+_ROLES: Final = {
+    "calibration": "session.calibration",
+    "validation": "session.validation",
+    "ballbar": "session.ballbar",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A session as pages name it."""
+
+    origin: Origin
+    kind: ResultKind | None
+    title: str  # key of the catalogue
+    state: str  # key of the catalogue
+    has_result: bool
+
+
+@router.get("", response_class=HTMLResponse)
+async def sessions_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+    """List the latest sessions, each with its result once there is one."""
+    origins = await origins_of(here, await here.sessions.newest(_SHOWN))
+    rows = [_row(origin) for origin in origins]
+    return spoken_page(words, "sessions.html", here=here, kept=kept, rows=rows, shown=_SHOWN)
+
+
+@router.get("/new", response_class=HTMLResponse)
+async def new_session_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
+    """Show a form for each kind of session that is planned from a page."""
+    models = await models_of(here, here.cell.robot.name)
+    forms = [(kind, kind.form(here)) for kind in KINDS if kind.form is not None]
+    return spoken_page(words, "new_session.html", here=here, kept=kept, forms=forms, models=models)
+
+
+@router.get("/{id}", response_class=HTMLResponse)
+async def session_page(here: Here, id: str, words: Words, kept: Kept) -> Response:
+    """Show where a session stands, what it asks, and what a person may do."""
+    origin = await _origin(here, id)
+    if origin is None:
+        return _none(here, words, kept)
+    if origin.record.role == "ballbar":
+        return RedirectResponse(f"/operator/{origin.record.id}{kept}")
+    states = {state.value: words.say(key) for state, key in _STATES.items()}
+    return spoken_page(words, "session_page.html", here=here, kept=kept, row=_row(origin), states=states)
+
+
+@router.get("/{id}/result", response_class=HTMLResponse)
+async def result_page(here: Here, id: str, words: Words, kept: Kept, choice: Chosen) -> HTMLResponse:
+    """Show what a session came to."""
+    origin = await _origin(here, id)
+    if origin is None:
+        return _none(here, words, kept)
+    row = _row(origin)
+    shown = await _shown(here, row, choice, words)
+    return spoken_page(
+        words,
+        "result.html",
+        shown.status,
+        here=here,
+        kept=kept,
+        row=row,
+        shown=shown,
+        choice=choice,
+        ended=has_ended(origin.record.state),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """The content of a result, or the sentence that says why there is none."""
+
+    content: Markup | None
+    why: str = ""
+    status: HTTPStatus = HTTPStatus.OK
+    models: tuple[ModelRecord, ...] = ()  # of which one may be chosen
+
+
+async def _shown(here: Context, row: Row, choice: Choice, words: Catalogue) -> Shown:
+    if row.kind is None:
+        return Shown(None, words.say("result.of_no_kind"), HTTPStatus.NOT_FOUND)
+    robot = (await here.sessions.setup(row.origin.record.id)).cell.robot.name
+    models = tuple(await models_of(here, robot)) if row.kind.judges else ()
+    try:
+        return Shown(await row.kind.content(here, row.origin, choice, words), models=models)
+    except TrueposeError as error:
+        return Shown(None, str(error), status_of(error), models)
+
+
+def _row(origin: Origin) -> Row:
+    kind, record = kind_of(origin), origin.record
+    title = _ROLES[record.role] if kind is None else kind.title
+    return Row(origin, kind, title, _STATES[record.state], kind is not None and record.measured > 0)
+
+
+async def _origin(here: Context, id: str) -> Origin | None:
+    """Return the session of that number; None where an address names none."""
+    number = number_of(id)
+    if number is None:
+        return None
+    try:
+        return await origin_of(here, number)
+    except NotFoundError:
+        return None
+
+
+def _none(here: Context, words: Catalogue, kept: str) -> HTMLResponse:
+    return spoken_page(words, "no_session.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)

@@ -1,0 +1,134 @@
+"""The conditions that a session recorded, and the records that a result rests on."""
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from pydantic import BaseModel
+
+from truepose.domain.identities import IdentityTaken
+from truepose.domain.session import SessionState
+from truepose.exchange.models.file import model_text
+from truepose.storage.records import ModelRecord, SessionSetup, StateChange
+from truepose.web.context import Context
+from truepose.web.moments import moment
+from truepose.web.results.kinds import Origin
+
+if TYPE_CHECKING:
+    from truepose.reports.audit import Audit
+    from truepose.reports.conditions import Instrument, ReportConditions
+    from truepose.reports.traced import Traced
+
+_ROLES: Final = {"tracker": "laser tracker", "robot": "robot controller", "ballbar": "ballbar"}
+_MOVING: Final = SessionState.RUNNING
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A result as a document, and where that is."""
+
+    address: str
+    document: BaseModel
+
+
+async def traced(here: Context, origin: Origin, shown: Shown, model: ModelRecord | None) -> "Traced":
+    """Return what a result of a session ends with."""
+    from truepose.reports.traced import Traced
+
+    setup = await here.sessions.setup(origin.record.id)
+    conditions = await _conditions(here, origin, setup)
+    return Traced(setup.cell.robot.name, conditions, await _audit(here, origin, shown, model))
+
+
+async def _audit(here: Context, origin: Origin, shown: Shown, model: ModelRecord | None) -> "Audit":
+    from truepose.reports.audit import Audit
+
+    return Audit(
+        session_id=origin.record.id,
+        session_sha256=await here.sessions.chain_head(origin.record.id),
+        document=shown.address,
+        document_sha256=_sha256(_sent(shown.document)),
+        model_id=None if model is None else model.id,
+        model_sha256="" if model is None else _sha256(model_text(model.model)),
+    )
+
+
+def _sent(document: BaseModel) -> str:
+    """Return a document as the API sends it."""
+    return document.model_dump_json(by_alias=True)
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+async def _conditions(here: Context, origin: Origin, setup: SessionSetup) -> "ReportConditions":
+    from truepose.reports.conditions import Period, ReportConditions
+
+    number, cell = origin.record.id, setup.cell
+    plan, registration = await here.sessions.plan(number), await here.sessions.registration(number)
+    states, identities = await here.sessions.states(number), await here.sessions.identities(number)
+    return ReportConditions(
+        simulated=setup.simulated,
+        instruments=tuple(_instruments(here, setup, identities)),
+        artefacts=tuple(artefact for artefact in (cell.tool, cell.world) if artefact is not None),
+        robot_serial_number=cell.robot_serial_number,
+        person=", ".join(_people(states)),
+        written_at=moment(datetime.now(UTC).isoformat()),
+        load=cell.conditions.load,
+        warm_up=cell.conditions.warm_up,
+        approach=_approach(plan.approach_offset_rad),
+        tool_speed_mm_s=plan.tool_speed_mm_s,
+        orientation_speed_rad_s=plan.orientation_speed_rad_s,
+        settle_s=plan.settle_s,
+        measure_s=plan.measure_s,
+        temperature_c=await _temperatures(here, number),
+        sessions=(Period(origin.record.name, _began(states), moment(origin.record.state_since)),),
+        two_face_mm=None if registration is None else registration.two_face_mm,
+        registration_rms_mm=None if registration is None else registration.rms_mm,
+        scale=None if registration is None else registration.scale,
+        scale_standard_uncertainty=None if registration is None else registration.scale_standard_uncertainty,
+        notes=tuple(await here.sessions.notes(number)),
+    )
+
+
+def _instruments(
+    here: Context, setup: SessionSetup, identities: Iterable[IdentityTaken]
+) -> "Iterator[Instrument]":
+    """Yield each device that answered, with the certificate that holds for its serial number."""
+    from truepose.reports.conditions import Instrument
+
+    papers = {entry.serial_number: entry.certificate for entry in setup.cell.devices if entry.serial_number}
+    present = {status.answered_serial: status.identity for status in here.rack.statuses()}
+    for device, serial in dict.fromkeys((taken.device, taken.serial) for taken in identities):
+        known = present.get(serial) if serial else None  # a device that left since says no more
+        yield Instrument(
+            role=_ROLES[device],
+            manufacturer=known.manufacturer if known else "",
+            model=known.model if known else "",
+            serial_number=serial,
+            firmware=known.firmware if known else "",
+            certificate=papers.get(serial, ""),
+        )
+
+
+def _people(states: Iterable[StateChange]) -> Iterator[str]:
+    """Yield who let the arm move, each once."""
+    yield from dict.fromkeys(one.person for one in states if one.state is _MOVING and one.person)
+
+
+def _began(states: Iterable[StateChange]) -> str:
+    return next((moment(one.recorded_at) for one in states if one.state is _MOVING), "")
+
+
+def _approach(offset_rad: float | None) -> str:
+    return "mixed directions" if offset_rad is None else f"all joints from {np.degrees(offset_rad):+.3g} deg"
+
+
+async def _temperatures(here: Context, session_id: int) -> tuple[float, float] | None:
+    taken = [point.temperature_c for point in await here.readings.points(session_id)]
+    known = [celsius for celsius in taken if np.isfinite(celsius)]
+    return (min(known), max(known)) if known else None

@@ -1,0 +1,24 @@
+// What the pages ask of the API: whatever it refuses is said in its own sentence.
+
+export async function answered(path, request, unreachable) {
+  let reply;
+  try {
+    reply = await fetch(path, request);
+  } catch {
+    throw new Error(unreachable);
+  }
+  const answer = await reply.json();
+  if (!reply.ok) throw new Error(answer.detail);
+  return answer;
+}
+
+export function post(path, body, unreachable, key) {
+  const headers = { "Content-Type": "application/json" };
+  if (key) headers["Idempotency-Key"] = key;
+  return answered(path, { method: "POST", headers, body: JSON.stringify(body) }, unreachable);
+}
+
+// A page's text has its blanks in angle brackets: braces are filled in before it is sent.
+export function filled(text, values) {
+  return text.replace(/<(\w+)>/g, (_, name) => values[name]);
+}

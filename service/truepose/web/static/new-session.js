@@ -1,0 +1,52 @@
+// Forms that plan a session: what they ask is the API's own, and the page of the session comes next.
+
+import { answered, filled, post } from "./api.js";
+
+const POLL_MS = 500;
+
+// Dots in a name lead into the body; several entries of one name are a list.
+function bodyOf(form) {
+  const body = structuredClone(JSON.parse(form.dataset.body));
+  for (const entry of form.querySelectorAll("[name]")) {
+    const path = entry.name.split(".");
+    const last = path.pop();
+    const place = path.reduce((inside, name) => (inside[name] ??= {}), body);
+    const value = "number" in entry.dataset ? Number(entry.value) : entry.value.trim();
+    const several = form.querySelectorAll(`[name="${entry.name}"]`).length > 1;
+    place[last] = several ? [...(place[last] ?? []), value] : value;
+  }
+  return body;
+}
+
+async function plan(form, say) {
+  const { path, planning, unreachable } = form.dataset;
+  let made = await post(path, bodyOf(form), unreachable);
+  while (["queued", "running"].includes(made.state)) {
+    say(filled(planning, { message: made.message }));
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    made = await answered(`/api/v1/jobs/${made.id}`, {}, unreachable);
+  }
+  if (made.state === "failed") throw new Error(made.message);
+  const number = made.result_url ? made.result_url.split("/").pop() : made.id;
+  location.assign(`/sessions/${number}${location.search}`);
+}
+
+for (const form of document.querySelectorAll("form[data-path]")) {
+  const said = form.querySelector("output");
+  const button = form.querySelector("button");
+  const say = (sentence, bad = false) => {
+    said.textContent = sentence;
+    said.classList.toggle("bad", bad);
+  };
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    button.disabled = true;
+    try {
+      await plan(form, say);
+    } catch (error) {
+      say(error.message, true);
+    } finally {
+      button.disabled = false;
+    }
+  });
+}

@@ -1,0 +1,79 @@
+// A session under way: where it stands, what it asks, and the acts of a named person.
+
+import { answered, filled, post } from "./api.js";
+
+const POLL_MS = 1000;
+const ENDED = ["finished", "aborted", "failed"];
+const at = Object.fromEntries([...document.querySelectorAll("[id]")].map((node) => [node.id, node]));
+const { path, unreachable, measured } = at.session.dataset;
+const states = JSON.parse(at.session.dataset.states);
+const form = at.acts.querySelector("form");
+const said = at.acts.querySelector("output");
+const person = form.elements.person;
+let shown = null;
+
+person.value = sessionStorage.getItem("person") ?? person.value;
+
+function write(node, text) {
+  node.textContent = text ?? "";
+  node.hidden = !text;
+}
+
+function show(session) {
+  shown = session;
+  at.session.dataset.state = session.state;
+  at.state.textContent = states[session.state];
+  at.measured.textContent = filled(measured, session);
+  at.progress.max = Math.max(session.planned, 1);
+  at.progress.value = session.measured;
+  write(at.reason, session.trouble ?? session.reason);
+  write(at.question, session.question);
+  write(at.notice, session.question ? session.motion_notice : null);
+  at.result.hidden = session.measured === 0;
+  at.acts.hidden = ENDED.includes(session.state);
+  for (const button of form.querySelectorAll("[data-act]")) {
+    button.hidden = !button.dataset.in.split(" ").includes(session.state);
+  }
+}
+
+function say(sentence, bad = false) {
+  said.textContent = sentence;
+  said.classList.toggle("bad", bad);
+}
+
+function bodyOf(act) {
+  const name = person.value.trim();
+  if (act === "start") return {};
+  if (["pause", "abort"].includes(act)) return name ? { person: name } : {};
+  return { person: name, prompt_id: shown.prompt_id };
+}
+
+async function act(name) {
+  sessionStorage.setItem("person", person.value.trim());
+  if (["confirm", "resume"].includes(name) && !person.value.trim()) return person.focus();
+  try {
+    const answer = await post(`${path}/${name}`, bodyOf(name), unreachable);
+    say(answer.sentence);
+    show(answer.session);
+  } catch (error) {
+    say(error.message, true);
+  }
+  return undefined;
+}
+
+async function look() {
+  try {
+    show(await answered(path, {}, unreachable));
+    if (said.textContent === unreachable) say("");
+  } catch (error) {
+    say(error.message, true);
+  }
+  if (!ENDED.includes(shown?.state)) setTimeout(look, POLL_MS);
+}
+
+form.addEventListener("submit", (event) => event.preventDefault());
+form.addEventListener("click", (event) => {
+  const button = event.target.closest("[data-act]");
+  if (button) act(button.dataset.act);
+});
+look();

@@ -1,0 +1,107 @@
+"""Sessions as pages: the list, one as it stands, what it came to, and forms that plan one."""
+
+import pytest
+
+from tests.helpers.web.pages import Page
+from tests.integration.web.bench import session_request
+
+
+@pytest.fixture
+def session(client, until):
+    """Measure a session and return its number."""
+
+    async def measure(**wanted):
+        for device in ("tracker", "robot"):
+            await client.post(f"/api/v1/devices/{device}/connect")
+        planned = await client.post("/api/v1/sessions", json=session_request(**wanted))
+        path = planned.headers["Location"]
+        await client.post(f"{path}/start")
+        await until(path, "state", "awaiting_confirmation")
+        await client.post(f"{path}/confirm", json={"person": "Ada Byron"})
+        await until(path, "state", "finished")
+        return int(path.rsplit("/", 1)[1])
+
+    return measure
+
+
+def links(reply):
+    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
+
+
+async def test_the_list_leads_to_each_session_and_to_the_results_that_there_are(client, session):
+    calibration, validation = await session(), await session(role="validation")
+
+    reply = await client.get("/sessions")
+
+    assert {f"/sessions/{calibration}", f"/sessions/{validation}"} <= set(links(reply))
+    assert f"/sessions/{validation}/result" in links(reply)
+    assert f"/sessions/{calibration}/result" not in links(reply)  # it identifies, and judges nothing
+    assert "/sessions/new" in links(reply)
+
+
+async def test_a_finished_session_leads_to_its_result_and_a_planned_one_waits_for_a_person(client, session):
+    finished = await session(role="validation")
+    planned = await client.post("/api/v1/sessions", json=session_request(role="validation"))
+
+    shown = await client.get(f"/sessions/{finished}")
+    waiting = await client.get(planned.headers["Location"].removeprefix("/api/v1"))
+
+    assert f"/sessions/{finished}/result" in links(shown)
+    assert "Every configuration was measured or skipped." in shown.text
+    assert 'id="result" hidden' in waiting.text
+    assert "Start: asks before anything moves" in Page(waiting.text).text
+
+
+async def test_readings_for_an_identification_have_no_result_page(client, session):
+    reply = await client.get(f"/sessions/{await session()}/result")
+
+    assert reply.status_code == 404
+    assert "the readings of this session are for an identification" in reply.text
+
+
+async def test_without_a_model_the_result_says_what_is_missing(client, session):
+    number = await session(role="validation")
+
+    reply = await client.get(f"/sessions/{number}/result")
+    document = await client.get(f"/api/v1/sessions/{number}/accuracy")
+
+    assert (reply.status_code, document.status_code) == (409, 409)
+    assert "There is no model of ABB IRB 120 yet" in reply.text
+    assert document.json()["detail"] in Page(reply.text).text
+
+
+async def test_nothing_measured_yet_is_said_in_place_of_a_result(client):
+    planned = await client.post("/api/v1/sessions", json=session_request(role="validation"))
+    page = planned.headers["Location"].removeprefix("/api/v1")
+
+    assert (await client.get(f"{page}/result")).status_code == 409
+    assert "/result" not in str(links(await client.get("/sessions")))
+
+
+@pytest.mark.parametrize("number", ["999", "0", "x", "9" * 30])
+async def test_what_is_no_session_says_so_in_french(client, number):
+    for page in (f"/sessions/{number}", f"/sessions/{number}/result"):
+        reply = await client.get(page, headers={"Accept-Language": "fr"})
+        assert reply.status_code == 404
+        assert "Cette session n\u2019existe pas" in reply.text
+
+
+async def test_the_forms_ask_for_validation_and_a_proof_for_a_model(client):
+    reply = await client.get("/sessions/new")
+
+    bodies = [a["data-body"] for tag, a in Page(reply.text).elements if tag == "form"]
+    assert all('"role": "validation"' in body for body in bodies)
+    assert [body for body in bodies if "iso9283" in body]
+    assert [body for body in bodies if "circles" in body]
+    assert not [body for body in bodies if "prove" in body]  # there is nothing to prove yet
+    assert "There is no model of ABB IRB 120 yet: calibrate it first." in Page(reply.text).text
+
+
+async def test_pages_speak_french_and_their_links_keep_it(client, session):
+    number = await session(role="validation")
+
+    reply = await client.get(f"/sessions/{number}?language=fr")
+
+    assert '<html lang="fr">' in reply.text
+    assert "terminée" in reply.text
+    assert f"/sessions/{number}/result?language=fr" in links(reply)
