@@ -1,27 +1,21 @@
 """The command that corrects targets. Heavy imports wait until it runs."""
 
-import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, TextIO
+from typing import TYPE_CHECKING, Annotated, BinaryIO
 
 import typer
 
 from truepose.cli.files import Json, Language, require_folders, writing
 from truepose.cli.output import print_json, print_lines, remark, shown_progress
-from truepose.domain.errors import ConfigurationError
-from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
+from truepose.words.catalogue import ENGLISH, catalogue
 
 if TYPE_CHECKING:
-    from truepose.correction import Summary
     from truepose.domain.results import Model
-    from truepose.exchange.programs.corrected import Understood
-    from truepose.exchange.programs.program import LeftAlone, Pose
-
-_TABLE: Final = ".csv"
-_UNIT: Final = 1e-6  # of the length of a quaternion
+    from truepose.exchange.corrections.asked import Asked
+    from truepose.exchange.corrections.files import Answer
 
 
 class Frame(StrEnum):
@@ -73,12 +67,9 @@ def correct_command(
 
     require_folders(out)
     words, identified = catalogue(language), read_model(model)
-    if targets.suffix.lower() == _TABLE:
-        summary = _corrected(identified, targets, out, frame or Frame.WORLD, words)
-        left: tuple[LeftAlone, ...] = ()
-    else:
-        understood = _understood(frame, define or [], branch)
-        summary, left = _correct_program(identified, targets, out, understood, beside or [], angles)
+    answer = _corrected(identified, targets, out, _asked(frame, define or [], branch, angles, beside or []))
+    remark(map(words.spoken, answer.cautions))
+    summary, left = answer.summary, answer.left_alone
     if json:
         from truepose.exchange.results.corrections import correction_document
 
@@ -90,81 +81,41 @@ def correct_command(
     return 0 if summary.solved == summary.targets and not left else 1
 
 
-def _understood(frame: Frame | None, define: Sequence[str], branch: str | None) -> "Understood":
-    from truepose.exchange.programs.branches import branch_of_words
-    from truepose.exchange.programs.corrected import Meant, Understood
-
-    number = None if branch is None else branch_of_words(branch)
-    if branch is not None and number is None:
-        raise ConfigurationError(f"--branch {branch}: name one such as front/up/no flip or back/down/flip.")
-    meant = Meant.WORLD if frame is Frame.WORLD else Meant.BASE
-    return Understood(meant, dict(map(_defined, define)), number)
-
-
-def _defined(text: str) -> "tuple[str, Pose]":
-    """Return the name and the pose that `NAME=x,y,z,qw,qx,qy,qz` says."""
-    from truepose.exchange.programs.program import Pose
-
-    name, _, numbers = text.partition("=")
-    try:
-        x, y, z, qw, qx, qy, qz = (float(number) for number in numbers.split(","))
-    except ValueError:
-        raise ConfigurationError(f"--define {text}: give NAME=x,y,z,qw,qx,qy,qz, in mm.") from None
-    if abs(math.hypot(qw, qx, qy, qz) - 1.0) > _UNIT:
-        raise ConfigurationError(f"--define {text}: its last four numbers are no quaternion of length 1.")
-    return name.strip(), Pose((x, y, z), (qw, qx, qy, qz))
-
-
-def _correct_program(
-    model: "Model",
-    file: Path,
-    out: Path,
-    understood: "Understood",
-    beside: Sequence[Path],
-    angles: str | None,
-) -> "tuple[Summary, tuple[LeftAlone, ...]]":
-    from truepose.correction import Summary
+def _asked(
+    frame: Frame | None, define: Sequence[str], branch: str | None, angles: str | None, beside: Sequence[Path]
+) -> "Asked":
+    from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
     from truepose.exchange.input_file import read_bytes
-    from truepose.exchange.programs.corrected import corrected_program
-    from truepose.exchange.programs.formats import read_program
+    from truepose.exchange.programs.corrected import Meant
 
-    others = {other.name: read_bytes(other) for other in beside}
-    program = read_program(read_bytes(file), file.name, beside=others, angles=angles)
-    answer = corrected_program(model, program, understood)
-    with writing(out):
-        out.write_bytes(answer.data)
-    summary = Summary()
-    summary.add(answer.names, answer.found)
-    return summary, answer.left_alone
+    return Asked(
+        meant=None if frame is None else Meant(frame.value),
+        defined=dict(frame_defined(text, "--define") for text in define),
+        branch=None if branch is None else branch_named(branch, "--branch"),
+        angles=angles,
+        beside={other.name: read_bytes(other) for other in beside},
+    )
 
 
-def _corrected(model: "Model", targets: Path, out: Path, frame: Frame, words: Catalogue) -> "Summary":
-    from truepose.correction import Summary, correct, in_world
-    from truepose.exchange.tables.targets import CorrectionWriter, read_targets
-    from truepose.judgement.cautions import prediction_cautions
+def _corrected(model: "Model", targets: Path, out: Path, asked: "Asked") -> "Answer":
+    from truepose.exchange.corrections.files import Rows, correct_file
+    from truepose.exchange.input_file import read_bytes
 
-    summary = Summary()
     with _replacing(out) as stream, shown_progress() as progress:
-        writer = CorrectionWriter(stream)
-        for part in read_targets(targets, model.robot.n_joints, [nest.nest for nest in model.nests]):
-            goals = part.goals if frame is Frame.WORLD else in_world(model, part.goals)
-            found = correct(model, goals, part.branch)
-            if not summary.targets:
-                cautions = prediction_cautions(model, goals.at(found.joints_rad))
-                remark(map(words.spoken, (*part.ignored, *cautions)))
-            writer.write(part.names, found)
-            summary.add(part.names, found)
-            progress(part.share, f"{summary.targets:,} targets")
-    return summary
+
+        def seen(rows: Rows) -> None:
+            progress(rows.share, f"{rows.lines[-1]:,} lines" if len(rows.lines) else "")
+
+        return correct_file(model, targets.name, read_bytes(targets), asked, stream, seen)
 
 
 @contextmanager
-def _replacing(file: Path) -> Iterator[TextIO]:
-    """Write beside a file and put it in its place at the end: half a table is never left there."""
+def _replacing(file: Path) -> Iterator[BinaryIO]:
+    """Write beside a file and put it in its place at the end: half of one is never left there."""
     beside = file.with_name(f"{file.name}.part")
     try:
         with writing(file):
-            with beside.open("w", encoding="utf-8", newline="\n") as stream:
+            with beside.open("wb") as stream:
                 yield stream
             beside.replace(file)
     finally:

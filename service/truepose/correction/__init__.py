@@ -2,7 +2,7 @@
 
 from truepose.correction.corrections import ANY_BRANCH, Corrections, Status, joined
 from truepose.correction.goals import FLANGE, Goals, of_poses
-from truepose.correction.joint_targets import correct, in_world
+from truepose.correction.joint_targets import correct, in_world, meant_by_joints, shifted_by, tool_nests_mm
 from truepose.correction.summary import Summary
 
 __all__ = [
@@ -15,5 +15,8 @@ __all__ = [
     "correct",
     "in_world",
     "joined",
+    "meant_by_joints",
     "of_poses",
+    "shifted_by",
+    "tool_nests_mm",
 ]

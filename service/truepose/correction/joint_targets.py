@@ -15,10 +15,12 @@ from truepose.correction.goals import FLANGE, Goals
 from truepose.correction.inverse import Attained, attain, merged, replaced
 from truepose.correction.starts import NominalArm, attain_branch
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.domain.campaign import Stops
 from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model
 from truepose.identification.model.estimates import Estimate, check_targets, identified_estimate
 from truepose.identification.model.evaluation import Targets
+from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.inverse import branch_of, has_closed_form
 
 _AT_ONCE: Final = 10_000  # goals; their derivatives take some tens of megabytes
@@ -62,6 +64,42 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
 def in_world(model: Model, goals: Goals) -> Goals:
     """Return goals that are meant in the robot's own base, where the model knows it to stand."""
     return NominalArm(identified_estimate(model)).in_world(goals)
+
+
+def meant_by_joints(model: Model, stops: Stops) -> Goals:
+    """Return goals, in the world, where the controller itself has the last frame at these stops."""
+    chain = nominal_chain(model.robot, stops.joints_rad)
+    flange = np.full(len(stops), FLANGE)
+    return in_world(model, Goals(stops, flange, chain.end_origin, chain.end_rotation))
+
+
+def tool_nests_mm(model: Model) -> FloatArray:
+    """Return where the model has its tool nests in the last frame, shape (K, 3)."""
+    return NominalArm(identified_estimate(model)).nests_mm
+
+
+def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return by how much a correction shifts the poses that the controller is handed.
+
+    Parameters
+    ----------
+    model : Model
+    goals : Goals
+        n poses in the world.
+    joints_rad : ndarray, shape (n, J)
+        What is sent for them; NaN where nothing is.
+
+    Returns
+    -------
+    place_mm : ndarray, shape (n, 3)
+        Where the goals have the origin of the last frame, in the robot's base.
+    shift_mm : ndarray, shape (n, 3)
+        From there to where the controller believes that origin to be with these joints; NaN as these.
+    """
+    arm = NominalArm(_with_flange(identified_estimate(model)))
+    numbered = replace(goals, nest=_numbered(model, goals.nest))
+    place = arm.flange(numbered)[:, :3, 3]
+    return place, nominal_chain(model.robot, joints_rad).end_origin - place
 
 
 def _with_flange(estimate: Estimate) -> Estimate:

@@ -36,11 +36,11 @@ class NominalArm:
         )
         state = evaluate(estimate.structure, estimate.values, at_zero)
         self._rotation, self._origin = state.chain.base_rotation[0], state.chain.base_origin[0]
-        self._centres = nest_centres(estimate.structure, state.moved)
+        self.nests_mm = nest_centres(estimate.structure, state.moved)  # (K, 3) in the last frame
 
     def flange(self, goals: Goals) -> FloatArray:
         """Return where goals put the last frame, in the robot's base, shape (n, 4, 4)."""
-        origin = goals.position_mm - np.einsum("nij,nj->ni", goals.rotation, self._centres[goals.nest - 1])
+        origin = goals.position_mm - np.einsum("nij,nj->ni", goals.rotation, self.nests_mm[goals.nest - 1])
         return self._in_base(goals.rotation, origin)
 
     def attained(self, goals: Goals, joints_rad: FloatArray) -> FloatArray:

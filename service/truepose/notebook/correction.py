@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from truepose.correction import Corrections as Found
-from truepose.correction import Summary, in_world, joined
-from truepose.correction import correct as correct_goals
+from truepose.correction import Summary, joined
 from truepose.domain.arrays import BoolArray, FloatArray
-from truepose.exchange.tables.targets import CorrectionWriter, targets_of
-from truepose.judgement.cautions import prediction_cautions
+from truepose.exchange.corrections.asked import Asked
+from truepose.exchange.corrections.files import corrected_rows, table_cautions
+from truepose.exchange.programs.corrected import Meant
+from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.notebook import html
 from truepose.notebook.frames import frame
@@ -120,7 +121,8 @@ def correct(
     targets : table or path
         n rows of `x_mm, y_mm, z_mm, qw, qx, qy, qz`: position and orientation of the last frame, or with a
         `nest` the position of that nest. Optional: `target` (a name), `branch` (`front/up/no flip`), joint
-        angles near which the answer shall be (`q1_deg`.. or `joints_deg`), `dir1`.., `temperature_C`.
+        angles near which the answer shall be (`q1_deg`.. or `joints_deg`), `dir1`.., `temperature_C`. Or
+        joint angles alone: what the controller itself would be sent to.
     frame : {"world", "base"}
         What targets are given in: the frame of the readings, or the robot's own base.
 
@@ -144,18 +146,14 @@ def correct(
     ['out_of_reach']
     """
     data = model_given(model).data
-    nests = [nest.nest for nest in data.nests]
     names: list[str] = []
     parts: list[Found] = []
     remarks: list[str] = []
     summary = Summary()
-    for part in targets_of(*named_data(targets, "targets"), data.robot.n_joints, nests):
-        goals = in_world(data, part.goals) if frame == "base" else part.goals
-        found = correct_goals(data, goals, part.branch)
+    for part, rows in corrected_rows(data, *named_data(targets, "targets"), Asked(Meant(frame))):
         if not parts:
-            cautions = prediction_cautions(data, goals.at(found.joints_rad))
-            remarks += map(english, (*part.ignored, *cautions))
-        names += part.names
-        parts.append(found)
-        summary.add(part.names, found)
+            remarks += map(english, table_cautions(data, part, rows))
+        names += rows.names
+        parts.append(rows.found)
+        summary.add(rows.names, rows.found)
     return Corrections(tuple(names), joined(parts), (*map(english, correction_sentences(summary)), *remarks))

@@ -36,10 +36,7 @@ def correction_sentences(summary: Summary) -> Iterator[Sentence]:
 def left_alone_sentences(left_alone: Sequence[LeftAlone]) -> Iterator[Sentence]:
     """Yield what of a program was left alone, and why."""
     for one in left_alone:
-        place = said("corrections.line", line=one.line)
-        if one.file is not None:
-            place = said("corrections.line_of_file", line=one.line, file=one.file)
-        yield said("corrections.left_alone", place=place, what=one.what, reason=one.reason)
+        yield said("corrections.left_alone", place=one.place, what=one.what, reason=one.reason)
 
 
 def _outside(summary: Summary) -> Iterator[Sentence]:

@@ -3,6 +3,7 @@
 import re
 
 from truepose.exchange.programs.formats import read_program
+from truepose.words.catalogue import english
 
 RAPID = r"""%%%
   VERSION:1
@@ -181,12 +182,6 @@ UR = b"""def row():
 end
 """
 
-CSV = b"".join([
-    b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz,q1_deg,q2_deg,nest,note\n",
-    b'p1, 100.5 ,200,300,1,0,0,0,10,20,2,"a, b"\n',
-    b'"p ""2\xc3\xa4""",100.5,"200",3e2,0.7071,0,0.7071,0,10,20,1,100.5\n',
-])
-
 JSON = b"""{"targets": [
  {"target": "p1 {[", "x_mm": 100.5, "y_mm": 2e2, "z_mm": -3, "qw": 1, "qx": 0, "qy": 0, "qz": 0,
   "note": "12, \\"x_mm\\": 5"},
@@ -273,7 +268,6 @@ PROGRAMS = {
     "row.dat": KRL_DATA,
     "row.ls": FANUC,
     "row.script": UR,
-    "row.csv": CSV,
     "row.json": JSON,
     "row.nc": GCODE,
     "row.jbi": INFORM,
@@ -294,7 +288,7 @@ def named(program, name):
 
 def reasons(program):
     """Return why something is left alone, by line."""
-    return {entry.line: entry.reason for entry in program.left_alone}
+    return {entry.line: english(entry.reason) for entry in program.left_alone}
 
 
 def line_of(data, text):

@@ -15,12 +15,13 @@ from typing import Final
 
 import numpy as np
 
-from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world
+from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world, tool_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
-from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.branches import branch_of_words
+from truepose.exchange.programs.lists.target_rows import nest_frame
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
@@ -32,14 +33,12 @@ from truepose.exchange.programs.program import (
     Value,
 )
 from truepose.exchange.programs.rewriting import rewritten
+from truepose.judgement.cautions import prediction_cautions
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotation_from_quaternion
 
 _COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
-_COUPLED: Final = (
-    "FANUC counts joint 3 from the horizontal and not from the upper arm: give the target as a pose, or as a "
-    "row of a table with the joints of the model"
-)
+_COUPLED: Final = said("left.from_the_horizontal")
 _STILL_RAD: Final = 1e-6  # a joint that moves less comes from neither side
 
 
@@ -67,9 +66,16 @@ class CorrectedProgram:
 
     program: Program
     corrected: tuple[int, ...]  # indices of the targets of the rows of `found`
+    goals: Goals  # of these, in the world
     found: Corrections
     left_alone: tuple[LeftAlone, ...]  # also targets whose frames the file does not declare
+    cautions: tuple[Sentence, ...]  # what the predictions do not contain
     data: bytes
+
+    @property
+    def lines(self) -> IntArray:
+        """Lines of the targets of `found`, shape (n,)."""
+        return np.array([self.program.targets[index].line for index in self.corrected], dtype=np.int64)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -99,12 +105,12 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
     ConfigurationError
         The program is of an arm with another number of joints, or the model needs measured torques.
     """
-    program = _with_frames(program, {name.casefold(): pose for name, pose in understood.defined.items()})
+    program = _with_frames(program, _nests(model) | dict(understood.defined))
     reasons = {
         index: _reason_against(program, target, understood) for index, target in enumerate(program.targets)
     }
     rows = tuple(index for index, reason in reasons.items() if reason is None)
-    found = _found(model, program, rows, understood)
+    goals, found = _found(model, program, rows, understood)
     left = tuple(
         LeftAlone(program.targets[index].line, program.targets[index].name, reason)
         for index, reason in reasons.items()
@@ -112,14 +118,24 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
     )
     values = _values(model, program, rows, found)
     everything = sorted((*program.left_alone, *left), key=lambda one: one.line)
-    return CorrectedProgram(program, rows, found, tuple(everything), rewritten(program, values))
+    cautions = tuple(prediction_cautions(model, goals.at(found.joints_rad))) if rows else ()
+    data = rewritten(program, values)
+    return CorrectedProgram(program, rows, goals, found, tuple(everything), cautions, data)
+
+
+def _nests(model: Model) -> dict[str, Pose]:
+    """Return the tool nests as tools, by the names that lists of targets give them."""
+    places = enumerate(tool_nests_mm(model).tolist(), start=1)
+    return {nest_frame(nest).name: Pose((x, y, z), AT_THE_ORIGIN.quaternion) for nest, (x, y, z) in places}
 
 
 def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
+    by_name = {name.casefold(): pose for name, pose in defined.items()}
+
     def known(frame: Frame | None) -> Frame | None:
         if frame is None or frame.pose is not None:
             return frame
-        return replace(frame, pose=defined.get(frame.name.casefold()))
+        return replace(frame, pose=by_name.get(frame.name.casefold()))
 
     return replace(
         program,
@@ -130,21 +146,24 @@ def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
     )
 
 
-def _reason_against(program: Program, target: ProgramTarget, understood: Understood) -> str | None:
+def _reason_against(program: Program, target: ProgramTarget, understood: Understood) -> Sentence | None:
     """Say why a target cannot be corrected; None where it can."""
     if isinstance(target.value, Configuration):
         return _COUPLED if program.format == _COUNTS_FROM_THE_HORIZONTAL else None
-    for what, frame in (("tool", target.tool), ("work object", target.work_object)):
-        if frame is None:
-            return f"the file does not say with which {what} it is used"
-        if frame.pose is None:
-            return f"its {what} {frame.name} is not declared in this file: define it"
+    if target.tool is None or target.work_object is None:
+        return said("left.tool_unsaid") if target.tool is None else said("left.object_unsaid")
+    if target.tool.pose is None:
+        return said("left.tool_undeclared", frame=target.tool.name)
+    if target.work_object.pose is None:
+        return said("left.object_undeclared", frame=target.work_object.name)
     if target.near_rad is None and _branch(target, understood) == ANY_BRANCH:
-        return "which configuration of the arm reaches it is not understood: state the branch"
+        return said("left.branch_unknown")
     return None
 
 
-def _found(model: Model, program: Program, rows: Sequence[int], understood: Understood) -> Corrections:
+def _found(
+    model: Model, program: Program, rows: Sequence[int], understood: Understood
+) -> tuple[Goals, Corrections]:
     """Correct targets, once more where the model asks from which side their joints come."""
     targets = [program.targets[index] for index in rows]
     goals = _goals(model, targets, understood.meant)
@@ -152,10 +171,10 @@ def _found(model: Model, program: Program, rows: Sequence[int], understood: Unde
     found = correct(model, goals, branch)
     directions = _directions(program, rows, found.joints_rad)
     if not directions.any():
-        return found
+        return goals, found
     near = np.where(found.solved[:, None], found.joints_rad, goals.stops.joints_rad)
-    stops = replace(goals.stops, joints_rad=near, direction=directions)
-    return correct(model, replace(goals, stops=stops), branch)
+    goals = replace(goals, stops=replace(goals.stops, joints_rad=near, direction=directions))
+    return goals, correct(model, goals, branch)
 
 
 def _goals(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> Goals:
@@ -167,15 +186,8 @@ def _goals(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> Goal
 
 
 def _near(target: ProgramTarget, joints: int) -> FloatArray:
-    known = target.value.joints_rad if isinstance(target.value, Configuration) else target.near_rad
-    if known is None:
-        return np.full(joints, np.nan)
-    if len(known) != joints:
-        raise ConfigurationError(
-            f"{target.name} in line {target.line} has {len(known)} joints, the model has {joints}: the "
-            "program is of another robot."
-        )
-    return np.array(known)
+    known = target.known_rad(joints)
+    return np.full(joints, np.nan) if known is None else np.array(known)
 
 
 def _branch(target: ProgramTarget, understood: Understood) -> int:

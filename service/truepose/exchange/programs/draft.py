@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from truepose.domain.sentences import Sentence, Text, said
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,
@@ -22,13 +23,13 @@ from truepose.exchange.programs.program import (
 )
 from truepose.exchange.programs.source import Source
 
-COMPUTED: Final = "its place is computed when the program runs"
-ELSEWHERE: Final = "it is not declared in this file"
-CHOSEN: Final = "which element it is is chosen when the program runs"
-HOLDS_WORK: Final = "the robot holds the work and the tool stands still"
-DISPLACED: Final = "it is displaced when the program runs"
-RELATIVE: Final = "it moves relative to where the robot stands"
-ARC: Final = "an arc runs through points that are no targets"
+COMPUTED: Final = said("left.computed")
+ELSEWHERE: Final = said("left.elsewhere")
+CHOSEN: Final = said("left.chosen")
+HOLDS_WORK: Final = said("left.holds_work")
+DISPLACED: Final = said("left.displaced")
+RELATIVE: Final = said("left.relative")
+ARC: Final = said("left.arc")
 _MOST_NAMES: Final = 3  # that a sentence lists
 
 
@@ -103,7 +104,7 @@ class Draft:
             self._fates[target].uses.append(use)
 
     def leave(
-        self, line: int, what: str, reason: str, serving: Sequence[int] = (), *, moves: bool = True
+        self, line: int, what: str, reason: Sentence, serving: Sequence[int] = (), *, moves: bool = True
     ) -> None:
         """Leave something alone, for which the targets `serving` are used; `moves` the robot or not."""
         self._left.append((LeftAlone(line, what, reason), tuple(serving)))
@@ -114,7 +115,7 @@ class Draft:
 
     def hand_over(self, line: int, what: str, targets: Sequence[int]) -> None:
         """Say that targets are handed to something that is not in the file, or not followed."""
-        reason = "what it does with the target is not seen here"
+        reason = said("left.not_seen")
         self._left.append((LeftAlone(line, what, reason), tuple(targets)))
         self.interrupt()
 
@@ -141,24 +142,24 @@ class Draft:
             left_alone=tuple(self._all_left_alone(own, index_of)),
         )
 
-    def _reason_against(self, target: int) -> str | None:
+    def _reason_against(self, target: int) -> Text | None:
         """Say why a target is left alone; None where it is corrected, empty where its uses say why."""
         fate = self._fates[target]
         if fate.changed_line is not None:
-            return f"the program changes it in {self.source.said(fate.changed_line)}"
+            return said("left.changed", place=self.source.place(fate.changed_line))
         if fate.serves and not fate.uses:
             return ""
         return None if isinstance(self._targets[target].value, Configuration) else self._two_frames(fate)
 
-    def _two_frames(self, fate: _Fate) -> str | None:
+    def _two_frames(self, fate: _Fate) -> Sentence | None:
         for use in fate.uses[1:]:
             first = fate.uses[0]
-            if _names(use).casefold() != _names(first).casefold():
-                both = " and ".join(
-                    f"with {_names(one)} in {self.source.said(one.line)}" for one in (first, use)
-                )
-                return f"it is used {both}, and the same numbers cannot be right for both"
+            if _names(use) != _names(first):
+                return said("left.two_frames", first=self._used(first), second=self._used(use))
         return None
+
+    def _used(self, use: Use) -> Sentence:
+        return said("left.used_with", frames=_frames(use), place=self.source.place(use.line))
 
     def _with_frames(self, target: int) -> ProgramTarget:
         found = self._targets[target]
@@ -183,27 +184,37 @@ class Draft:
         entries = [
             (LeftAlone(self._targets[target].line, self._targets[target].name, reason), ())
             for target in own
-            if (reason := self._reason_against(target))
+            if isinstance(reason := self._reason_against(target), Sentence)
         ]
         for entry, serving in sorted([*entries, *self._left], key=lambda pair: pair[0].line):
             names = list(dict.fromkeys(self._targets[t].name for t in serving if t in index_of))
             if names or self.source.is_own(entry.line):
                 file, line = self._place(entry.line)
-                yield LeftAlone(line, entry.what, entry.reason + _also_corrected(names), file)
+                yield LeftAlone(line, entry.what, _also_corrected(entry.reason, names), file)
 
     def _place(self, line: int) -> tuple[str | None, int]:
         file, number = self.source.file_and_line(line)
         return None if self.source.is_own(line) else file, number
 
 
-def _also_corrected(names: Sequence[str]) -> str:
+def _also_corrected(reason: Sentence, names: Sequence[str]) -> Sentence:
     """Say which targets that serve for something are corrected themselves."""
     if not names:
-        return ""
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return f"; corrected in the file: {', '.join(names[:_MOST_NAMES])}{more}"
+        return reason
+    listed = ", ".join(names[:_MOST_NAMES])
+    if len(names) > _MOST_NAMES:
+        return said("left.also_corrected_more", reason=reason, names=listed, more=len(names) - _MOST_NAMES)
+    return said("left.also_corrected", reason=reason, names=listed)
 
 
-def _names(use: Use) -> str:
-    names = [frame.name for frame in (use.tool, use.work_object) if frame is not None]
-    return " in ".join(names) or "frames that are not known"
+def _names(use: Use) -> tuple[str, ...]:
+    return tuple(frame.name.casefold() for frame in (use.tool, use.work_object) if frame is not None)
+
+
+def _frames(use: Use) -> Sentence:
+    match [frame.name for frame in (use.tool, use.work_object) if frame is not None]:
+        case [tool, frame]:
+            return said("left.frame_in_frame", tool=tool, frame=frame)
+        case [frame]:
+            return said("left.frame_named", frame=frame)
+    return said("left.frames_unknown")

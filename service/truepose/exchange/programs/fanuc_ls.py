@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, RELATIVE, Draft
 from truepose.exchange.programs.forms import degrees_of_joints, millimetres, turns_in_degrees
 from truepose.exchange.programs.program import (
@@ -53,8 +54,8 @@ _PATHS: Final[Mapping[str, Path]] = {"J": "joints", "L": "line"}
 _DISPLACED: Final = (
     (re.compile(r"\bINC\b"), RELATIVE),
     (re.compile(r"\b(?:V?OFFSET|TOOL_OFFSET)\b", re.IGNORECASE), DISPLACED),
-    (re.compile(r"\bCOORD\b"), "it is coordinated with a group that moves the work"),
-    (re.compile(r"\bSEARCH\b", re.IGNORECASE), "a search stops where its signal comes"),
+    (re.compile(r"\bCOORD\b"), said("left.work_moves")),
+    (re.compile(r"\bSEARCH\b", re.IGNORECASE), said("left.search")),
 )
 
 
@@ -109,29 +110,29 @@ class _Positions:
         spans = {int(group[1]): (group.end(), stop) for group, stop in _with_ends(groups, end)}
         line = self._source.line(found.start())
         if 1 not in spans:
-            self._draft.leave(line, name, "it has no numbers of the first group", moves=False)
+            self._draft.leave(line, name, said("left.no_first_group"), moves=False)
             return
         others = [number for group, span in spans.items() if group > 1 for number in self._numbers(*span)]
         target = self._target(name, line, spans[1], others)
-        if isinstance(target, str):
+        if isinstance(target, Sentence):
             self._draft.leave(line, name, target, moves=False)
         else:
             self._targets[int(found["number"])] = self._draft.add(target)
 
     def _target(
         self, name: str, line: int, span: tuple[int, int], others: list[tuple[str, Number, str]]
-    ) -> ProgramTarget | str:
+    ) -> ProgramTarget | Sentence:
         if any(key == "X" for key, _, _ in others):
-            return "its second group is another arm, which moves with this one"
+            return said("left.second_arm")
         if "*" in self._source.text[slice(*span)]:
-            return "it was never taught"
+            return said("left.never_taught")
         read = {key: (number, unit) for key, number, unit in self._numbers(*span)}
         external = [number for key, (number, _) in read.items() if key.startswith("E")]
         kept = tuple(number.value for number in (*external, *(number for _, number, _ in others)))
         if "J1" in read:
             joints = [entry for key, entry in read.items() if key.startswith("J")]
             if any(unit != "deg" for _, unit in joints):
-                return "a joint of it is a length"
+                return said("left.length")
             written = Written(tuple(number for number, _ in joints), _JOINTS)
             return ProgramTarget(name, line, Configuration(written.read()), (written,), external=kept)
         absent = [key for key in _POSE if key not in read]
@@ -201,17 +202,17 @@ class _Statement:
         if motion["kind"] not in _PATHS:
             reason = ARC
         elif motion["register"] == "PR":
-            reason = "a position register is not in the file"
+            reason = said("left.register")
         elif which is None:
             reason = CHOSEN
         elif int(which[1]) not in self._targets:
             reason = reason or ELSEWHERE
         if reason is not None or which is None:
-            self._leave(str(reason), moves=True)
+            self._leave(reason or CHOSEN, moves=True)
         else:
             self._draft.visit(self._line, self._known(int(which[1])), _PATHS[motion["kind"]])
 
-    def _leave(self, reason: str, *, moves: bool) -> None:
+    def _leave(self, reason: Sentence, *, moves: bool) -> None:
         self._draft.leave(self._line, self._shown, reason, self._points(), moves=moves)
 
     def _points(self) -> tuple[int, ...]:

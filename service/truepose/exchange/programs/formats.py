@@ -9,7 +9,7 @@ from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs import fanuc_ls, inform, ur_script, val3
 from truepose.exchange.programs.draft import Draft
 from truepose.exchange.programs.krl import motions as krl
-from truepose.exchange.programs.lists import csv_list, gcode, json_list
+from truepose.exchange.programs.lists import gcode, json_list
 from truepose.exchange.programs.program import Program
 from truepose.exchange.programs.rapid import motions as rapid
 from truepose.exchange.programs.source import Source
@@ -26,19 +26,19 @@ class Format:
     suffixes: tuple[str, ...]
     read: Callable[[Draft], None]
     rounding: str
+    maker: str = ""  # of the controllers that read it, as names of robots have it
     has_files_beside: bool = False  # whether a program may be several files
 
 
 FORMATS: Final = (
-    Format("ABB RAPID", (".mod", ".sys", ".prg"), rapid.read, _SINGLE, True),
-    Format("KUKA KRL", (".src", ".dat"), krl.read, _SINGLE, True),
-    Format("FANUC LS", (".ls",), fanuc_ls.read, "0.0005 mm, 0.0005 deg"),
-    Format("URScript", (".script",), ur_script.read, "5e-7 mm, 5e-12 rad"),
-    Format("table of targets", (".csv",), csv_list.read, _FULL),
+    Format("ABB RAPID", (".mod", ".sys", ".prg"), rapid.read, _SINGLE, "ABB", True),
+    Format("KUKA KRL", (".src", ".dat"), krl.read, _SINGLE, "KUKA", True),
+    Format("FANUC LS", (".ls",), fanuc_ls.read, "0.0005 mm, 0.0005 deg", "FANUC"),
+    Format("URScript", (".script",), ur_script.read, "5e-7 mm, 5e-12 rad", "Universal Robots"),
     Format("targets in JSON", (".json",), json_list.read, _FULL),
     Format("G-code", (".nc", ".gcode", ".cnc", ".tap"), gcode.read, _FULL),
-    Format("Yaskawa INFORM", (".jbi",), inform.read, "0.0005 mm, 0.005 deg, or as the job has it"),
-    Format("Staubli VAL3", (".dtx",), val3.read, _FULL),
+    Format("Yaskawa INFORM", (".jbi",), inform.read, "0.0005 mm, 0.005 deg, or as the job has it", "Yaskawa"),
+    Format("Staubli VAL3", (".dtx",), val3.read, _FULL, "Staubli"),
 )
 
 

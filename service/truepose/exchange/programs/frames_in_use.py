@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from truepose.domain.sentences import Sentence
 from truepose.exchange.programs.program import Frame
 
-InUse: TypeAlias = Frame | str | None  # a reason where nothing in it can be corrected, None if not known
+InUse: TypeAlias = Frame | Sentence | None  # a reason where nothing in it can be corrected, None if not known
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, ELSEWHERE, RELATIVE, Draft
 from truepose.exchange.programs.forms import degrees_of_joints, millimetres, turns_in_degrees
 from truepose.exchange.programs.program import (
@@ -36,7 +37,7 @@ _NEXT_ELSEWHERE: Final = re.compile(
     r"(?:\*|JUMP|CALL|IF|ELSE|ENDIF|WHILE|ENDWHILE|FOR|NEXT|SWITCH|CASE|RET|PSTART|TSYNC)"
 )
 _PATHS: Final[Mapping[str, Path]] = {"MOVJ": "joints", "MOVL": "line"}
-_PULSES: Final = "it is in pulses, and the job does not say how many make a degree"
+_PULSES: Final = said("left.pulses")
 _N_NUMBERS: Final = 6
 
 
@@ -111,12 +112,12 @@ class _Job:
         name = entry["name"] + entry["number"]
         self._declared.add(key)
         found = _PULSES if self._heads.kind == "PULSE" else self._target(line, name, entry)
-        if isinstance(found, str):
+        if isinstance(found, Sentence):
             self._draft.leave(line, name, found, moves=False)
         else:
             self._targets[key] = self._draft.add(found)
 
-    def _target(self, line: int, name: str, entry: re.Match[str]) -> ProgramTarget | str:
+    def _target(self, line: int, name: str, entry: re.Match[str]) -> ProgramTarget | Sentence:
         start, stop = entry.span("values")
         spans = [found.span() for found in _NUMBER.finditer(self._source.text, start, stop)]
         if len(spans) < _N_NUMBERS:
@@ -128,7 +129,7 @@ class _Job:
             joints = Written(held, _JOINTS)
             return ProgramTarget(name, line, Configuration(joints.read()), (joints,), external=kept)
         if kept:
-            return "an arm of seven axes turns its elbow by a number that is no part of the pose"
+            return said("left.seven_axes")
         position, rotation = Written(held[:3], _POSITION), Written(held[3:], _ROTATION)
         return ProgramTarget(
             name,
@@ -166,14 +167,14 @@ class _Job:
         else:
             self._draft.leave(line, self._shown(text), reason, self._points(motion["rest"]))
 
-    def _reason(self, motion: re.Match[str], key: str) -> str | None:
+    def _reason(self, motion: re.Match[str], key: str) -> Sentence | None:
         """Say why a motion is left alone."""
         if motion["kind"] == "IMOV":
             return RELATIVE
         if motion["kind"] not in _PATHS:
-            return "it is coordinated with another robot" if motion["kind"].startswith("S") else ARC
+            return said("left.another_robot") if motion["kind"].startswith("S") else ARC
         if motion["plus"]:
-            return "it is coordinated with a group that moves the work"
+            return said("left.work_moves")
         if self._shifted:
             return DISPLACED
         if _CHOSEN.search(motion["rest"]):

@@ -8,6 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence, said
+
 Triple: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 Path: TypeAlias = Literal["joints", "line"]  # how a motion gets to its target
@@ -104,8 +107,6 @@ class ProgramTarget:
         External axes in the units of the file. They never change.
     tool, work_object : Frame, optional
         None where the file does not say with which one the target is used.
-    nest : int, optional
-        Number of the tool nest that shall be at the position; None for the tool itself.
     written : tuple of Written
         Where the numbers stand: of a configuration the joint angles, of a pose position and rotation.
     """
@@ -119,7 +120,16 @@ class ProgramTarget:
     external: tuple[float, ...] = ()
     tool: Frame | None = None
     work_object: Frame | None = None
-    nest: int | None = None
+
+    def known_rad(self, joints: int) -> tuple[float, ...] | None:
+        """Return the configuration that the file gives; raises ConfigurationError for another arm's."""
+        known = self.value.joints_rad if isinstance(self.value, Configuration) else self.near_rad
+        if known is not None and len(known) != joints:
+            raise ConfigurationError(
+                f"{self.name} in line {self.line} has {len(known)} joints, the model has {joints}: the "
+                "program is of another robot."
+            )
+        return known
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +156,13 @@ class LeftAlone:
 
     line: int
     what: str
-    reason: str
+    reason: Sentence
     file: str | None = None
+
+    @property
+    def place(self) -> Sentence:
+        """Where it stands."""
+        return place(self.line, self.file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,3 +175,10 @@ class Program:
     targets: tuple[ProgramTarget, ...]
     motions: tuple[Motion, ...]
     left_alone: tuple[LeftAlone, ...]
+
+
+def place(line: int, file: str | None = None) -> Sentence:
+    """Return how a sentence names a line of the program, or of another file."""
+    if file is None:
+        return said("left.line", line=line)
+    return said("left.line_of_file", line=line, file=file)

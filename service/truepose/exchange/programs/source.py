@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from itertools import accumulate
 from typing import Final, NoReturn
 
+from truepose.domain.sentences import Sentence
 from truepose.exchange.errors import BadValueError, InputFileError, UnreadableFileError
 from truepose.exchange.plausible import limits_of
-from truepose.exchange.programs.program import Number
+from truepose.exchange.programs.program import Number, place
 
 _LIMITS: Final = limits_of("number")
 _LINE_END: Final = re.compile(r"\r\n|\n|\r")
@@ -75,9 +76,14 @@ class Source:
         return len(self._begins) == 1 or line < self._begins[1][0]
 
     def said(self, line: int) -> str:
-        """Return how a sentence names a line."""
+        """Return how the name of a frame tells its line."""
         file, number = self.file_and_line(line)
         return f"line {number}" if self.is_own(line) else f"line {number} of {file}"
+
+    def place(self, line: int) -> Sentence:
+        """Return how a sentence names a line."""
+        file, number = self.file_and_line(line)
+        return place(number, None if self.is_own(line) else file)
 
     def line_span(self, line: int) -> tuple[int, int]:
         """Return where a 1-based line begins and where it ends, before its line end."""

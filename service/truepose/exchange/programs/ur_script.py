@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Draft
 from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR
 from truepose.exchange.programs.frames_in_use import FramesInUse, Step, set_within
@@ -41,7 +42,7 @@ _LANGUAGE: Final = Language(
     sign=r"==|<=|>=|!=|.",
 )
 _PATHS: Final[Mapping[str, Path]] = {"movej": "joints", "movel": "line", "movep": "line"}
-_STEERED: Final = "it is steered while the program runs"
+_STEERED: Final = said("left.steered")
 _LEFT: Final = {
     "movec": ARC,
     **dict.fromkeys(("servoj", "servol", "servoc", "speedj", "speedl", "freedrive_mode"), _STEERED),
@@ -134,10 +135,10 @@ class _Names:
         for line in lines:
             self._take(line)
 
-    def chosen(self, words: Tokens) -> _Chosen | str:
+    def chosen(self, words: Tokens) -> _Chosen | Sentence:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if not words:
-            return "it does not say its target"
+            return said("left.no_target")
         if words[0].text == _INVERSE:
             return self._inverse(words)
         if words[0].text in ("p", "[") and inside(words[words[0].text == "p" :], "[") is not None:
@@ -162,13 +163,13 @@ class _Names:
         value = literal.value if literal else self._draft.value(targets[0]) if len(targets) == 1 else None
         return value if isinstance(value, Pose) else None
 
-    def _inverse(self, words: Tokens) -> _Chosen | str:
+    def _inverse(self, words: Tokens) -> _Chosen | Sentence:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if not arguments or not arguments[0] or arguments[0][0].text == _INVERSE:
             return COMPUTED
         chosen = self.chosen(arguments[0])
         near = self.chosen(arguments[1]) if len(arguments) > 1 and len(arguments[1]) == 1 else COMPUTED
-        if isinstance(chosen, str) or isinstance(near, str):
+        if isinstance(chosen, Sentence) or isinstance(near, Sentence):
             return chosen
         value = self._draft.value(near.targets[0])
         return replace(chosen, near_rad=value.joints_rad) if isinstance(value, Configuration) else chosen
@@ -274,7 +275,7 @@ class _Reader:
     def _move(self, path: Path, words: Tokens) -> None:
         arguments = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         chosen = self._names.chosen(arguments[0] if arguments else ())
-        if isinstance(chosen, str):
+        if isinstance(chosen, Sentence):
             self._leave(words, chosen)
             return
         tool = self._frames.of(_TOOL)
@@ -283,7 +284,7 @@ class _Reader:
         if not chosen.told:
             self._leave(words, CHOSEN)
 
-    def _leave(self, words: Tokens, reason: str) -> None:
+    def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._names.targets_in(words)
         self._draft.leave(self._line(words), self._shown(words), reason, serving)
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from truepose.domain.sentences import said
 from truepose.exchange.programs.draft import Draft
 from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, XYZ_DEGREES
 from truepose.exchange.programs.program import (
@@ -97,11 +98,11 @@ class _Reader:
         names = _JOINTS if entry.kind.startswith("joint") else _POSE
         line = self._source.line(entry.at)
         if entry.kind.endswith("Rs"):
-            self._draft.leave(line, entry.name, "it is a target of an arm of four axes", moves=False)
+            self._draft.leave(line, entry.name, said("left.four_axes"), moves=False)
             return
         absent = [name for name in names if name not in entry.attributes]
         if absent:
-            reason = f"it does not say {', '.join(absent)}"
+            reason = said("left.absent", names=", ".join(absent))
             self._draft.leave(line, entry.name, reason, moves=False)
             return
         numbers = tuple(self._number(entry.attributes[name]) for name in names)

@@ -9,7 +9,7 @@ from truepose.correction import Summary
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
 from truepose.exchange.programs.program import LeftAlone
-from truepose.exchange.results.document_base import Document
+from truepose.exchange.results.document_base import Document, Spoken
 
 
 class FailedTarget(Document):
@@ -24,7 +24,7 @@ class LeftAloneDocument(Document):
 
     line: int
     what: str = Field(examples=["MoveL Offs(p10,0,0,50)"])
-    reason: str
+    reason: Spoken
     file: str | None = Field(description="Null: of the program itself.")
 
 

@@ -1,10 +1,9 @@
 """Tables of targets to correct, and of what became of them; of any length, some thousand rows at a time."""
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final, TextIO
+from typing import Any, Final, TextIO
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
 from truepose.domain.sentences import Sentence
-from truepose.exchange.input_file import read_bytes
 from truepose.exchange.tables.fields import ANGLE, Field, columns_of, read_fields, table_text
 from truepose.exchange.tables.points import (
+    POSITION,
     POSITION_FIELD,
     QUATERNION,
     ignored_columns,
@@ -22,7 +21,18 @@ from truepose.exchange.tables.points import (
     unit_quaternions,
 )
 from truepose.exchange.tables.stops import joint_names, stop_fields, torque_names
-from truepose.exchange.tables.table import WHOLE, Column, Table, TableData, TablePart, one_of, table_parts
+from truepose.exchange.tables.table import (
+    WHOLE,
+    Cells,
+    Column,
+    Table,
+    TableData,
+    TablePart,
+    column_names,
+    one_of,
+    table_parts,
+)
+from truepose.exchange.unit_suffix import in_other_unit
 from truepose.kinematics.frames import rotation_from_quaternion
 from truepose.kinematics.inverse import BRANCH_NAMES
 
@@ -30,6 +40,7 @@ _MOST_ROWS: Final = 10_000_000
 _NAME: Final = "target"
 _BRANCH: Final = "branch"
 _NUMBERS: Final = tuple(str(number) for number in range(len(BRANCH_NAMES)))
+_NO_CELLS: Final[Mapping[str, Cells]] = {}
 _OF_A_STOP: Final = ("direction", "torque_n_mm", "time_s", "temperature_c", "attachment")
 
 
@@ -38,18 +49,18 @@ class Targets:
     """Some rows of a table of targets."""
 
     names: tuple[str, ...]  # (n,) as they stood
-    goals: Goals  # in the frame that the table is meant in
+    lines: IntArray  # (n,) where they stood, from 1; of arrays the rows, from 0
+    stops: Stops  # with the joints that are given, NaN where none are
+    poses: Goals | None  # in the frame that the table is meant in; None: its rows are joints only
     branch: IntArray  # (n,) asked for, ANY_BRANCH where nobody asks
+    own: Mapping[str, Cells]  # every column as it stood
     ignored: tuple[Sentence, ...]  # one sentence for every column not understood
     share: float  # of the table that has been read with them, 0 to 1
 
 
-def read_targets(file: Path, n_joints: int, nests: Collection[int]) -> Iterator[Targets]:
-    """Read the file of a table as `targets_of` does; raises InputFileError."""
-    return targets_of(file.name, read_bytes(file), n_joints, nests)
-
-
-def targets_of(name: str, data: TableData, n_joints: int, nests: Collection[int]) -> Iterator[Targets]:
+def targets_of(
+    name: str, data: TableData, n_joints: int, nests: Collection[int], most_rows: int = _MOST_ROWS
+) -> Iterator[Targets]:
     """Yield targets some thousand at a time, numbered on from row to row.
 
     Parameters
@@ -57,64 +68,85 @@ def targets_of(name: str, data: TableData, n_joints: int, nests: Collection[int]
     name : str
         Of the table, for error messages.
     data : bytes or mapping of str to ndarray
-        `target`, the position, the quaternion, and what else is known: joints, branch, nest, stop.
+        `target`, the position, the quaternion, and what else is known: joints, branch, nest, stop. Without
+        any column of a pose the joints are what the controller itself would be sent to.
     n_joints : int
     nests : collection of int
         Numbers of the tool nests that the model knows.
+    most_rows : int
+        More are refused.
 
     Raises
     ------
     InputFileError
         With name, line or row, and column.
     """
-    fields = _fields(n_joints, nests)
+    fields = _fields(n_joints, nests, posed=_has_poses(column_names(name, data), n_joints))
     together = [joint_names(n_joints), torque_names(n_joints)]
     columns = columns_of(fields)
     lines = data.count(b"\n") if isinstance(data, bytes) else 0
     first = 0
-    for part in table_parts(
-        name, data, columns, together=together, passed_over={_NAME}, most_rows=_MOST_ROWS
-    ):
+    for part in table_parts(name, data, columns, together=together, passed_over={_NAME}, most_rows=most_rows):
         first += len(part.table.lines)
         share = min(1.0, int(part.table.lines[-1]) / lines) if lines else 1.0
         yield _targets(part, n_joints, fields, first - len(part.table.lines), share)
 
 
-def _fields(n_joints: int, nests: Collection[int]) -> list[Field]:
-    known = (WHOLE, one_of({FLANGE, *nests}, "the tool nests (0 is the flange)"))
-    joints = tuple(Column(name, required=False, blank=math.nan) for name in joint_names(n_joints))
+def _has_poses(columns: Collection[str], n_joints: int) -> bool:
+    """Whether a table has poses, or should: one without them has all joints, and nothing of a pose."""
+    of_a_pose = any(name in columns or in_other_unit(name, columns) for name in (*POSITION, *QUATERNION))
+    return of_a_pose or not set(joint_names(n_joints)).issubset(columns)
+
+
+def _fields(n_joints: int, nests: Collection[int], *, posed: bool) -> list[Field]:
     branch = Column(_BRANCH, required=False, words=(*BRANCH_NAMES, *_NUMBERS), blank=ANY_BRANCH)
+    blank = math.nan if posed else None
+    joints = tuple(Column(name, required=False, blank=blank) for name in joint_names(n_joints))
     return [
-        POSITION_FIELD,
-        Field("quaternion", tuple(Column(name) for name in QUATERNION), ".9f"),
-        Field("nest", Column("nest", required=False, rules=known, blank=FLANGE)),
+        *(_pose_fields(nests) if posed else ()),
         Field("branch", branch),
         Field("joints_rad", joints, ANGLE, np.radians, np.degrees),
         *(field for field in stop_fields(n_joints) if field.name in _OF_A_STOP),
     ]
 
 
+def _pose_fields(nests: Collection[int]) -> list[Field]:
+    known = (WHOLE, one_of({FLANGE, *nests}, "the tool nests (0 is the flange)"))
+    return [
+        POSITION_FIELD,
+        Field("quaternion", tuple(Column(name) for name in QUATERNION), ".9f"),
+        Field("nest", Column("nest", required=False, rules=known, blank=FLANGE)),
+    ]
+
+
 def _targets(part: TablePart, n_joints: int, fields: Sequence[Field], first: int, share: float) -> Targets:
     table = part.table
     said, n = read_fields(table, fields), len(part.table.lines)
-    rotation = rotation_from_quaternion(unit_quaternions(table))
     _require_whole_rows(table, said["joints_rad"])
-    nest, branch, joints = (said.pop(name) for name in ("nest", "branch", "joints_rad"))
+    branch, joints = said["branch"], said["joints_rad"]
     stops = Stops(
         np.arange(first, first + n),
         np.full((n, n_joints), np.nan) if joints is None else joints,
         **{name: said[name] for name in _OF_A_STOP},
     )
-    goals = Goals(stops, np.full(n, FLANGE) if nest is None else nest, said["position_mm"], rotation)
     return Targets(
         names=_names(part, first),
-        goals=goals,
+        lines=table.lines,
+        stops=stops,
+        poses=_poses(table, stops, said) if "position_mm" in said else None,
+        own=part.cells,
         branch=np.full(n, ANY_BRANCH)
         if branch is None
         else np.where(branch < 0, branch, branch % len(BRANCH_NAMES)),
         share=share,
         ignored=tuple(in_files([table.file], clause) for clause in ignored_columns(table)),
     )
+
+
+def _poses(table: Table, stops: Stops, said: Mapping[str, Any]) -> Goals:
+    rotation = rotation_from_quaternion(unit_quaternions(table))
+    nest = np.full(len(stops), FLANGE) if said["nest"] is None else said["nest"]
+    return Goals(stops, nest, said["position_mm"], rotation)
 
 
 def _require_whole_rows(table: Table, joints_rad: FloatArray | None) -> None:
@@ -168,14 +200,20 @@ def _quoted(name: str) -> str:
 
 
 class CorrectionWriter:
-    """A table of corrected targets that grows part by part."""
+    """A table of corrected targets that grows part by part; a file's other columns stand behind."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._begun = False
 
-    def write(self, names: Sequence[str], found: Corrections) -> None:
-        """Append rows in their order."""
-        text = table_text(correction_cells(names, found))
+    def write(self, names: Sequence[str], found: Corrections, own: Mapping[str, Cells] = _NO_CELLS) -> None:
+        """Append rows in their order; of `own` columns those that the answer does not have."""
+        cells = correction_cells(names, found)
+        kept = {
+            _quoted(name): [_quoted(str(cell)) for cell in column]
+            for name, column in own.items()
+            if name and name not in cells
+        }
+        text = table_text(cells | kept)
         self._stream.write(text.partition("\n")[2] if self._begun else text)
         self._begun = True

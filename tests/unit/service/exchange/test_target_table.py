@@ -40,11 +40,11 @@ def test_without_names_targets_are_numbered_from_one():
 def test_only_the_pose_must_be_there():
     part = one(f"{HEADER}\na,1,2,3,0.5,0.5,0.5,0.5\n")
 
-    assert part.goals.position_mm.tolist() == [[1.0, 2.0, 3.0]]
-    assert part.goals.rotation[0] == pytest.approx(np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]), abs=1e-15)
-    assert part.goals.nest.tolist() == [FLANGE]
+    assert part.poses.position_mm.tolist() == [[1.0, 2.0, 3.0]]
+    assert part.poses.rotation[0] == pytest.approx(np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]), abs=1e-15)
+    assert part.poses.nest.tolist() == [FLANGE]
     assert part.branch.tolist() == [ANY_BRANCH]
-    assert np.isnan(part.goals.stops.joints_rad).all()
+    assert np.isnan(part.stops.joints_rad).all()
 
 
 def test_branch_nest_joints_and_stop_are_taken_where_they_stand():
@@ -55,11 +55,11 @@ def test_branch_nest_joints_and_stop_are_taken_where_they_stand():
     )
 
     assert part.branch.tolist() == [5, ANY_BRANCH, 3]
-    assert part.goals.nest.tolist() == [2, FLANGE, FLANGE]
-    assert np.degrees(part.goals.stops.joints_rad[0]) == pytest.approx([10, 20, 30, 40, 50, 60])
-    assert np.isnan(part.goals.stops.joints_rad[1:]).all()
-    assert part.goals.stops.direction[0].tolist() == [1, 1, 1, 1, 1, -1]
-    assert part.goals.stops.temperature_c[0] == 23.5
+    assert part.poses.nest.tolist() == [2, FLANGE, FLANGE]
+    assert np.degrees(part.stops.joints_rad[0]) == pytest.approx([10, 20, 30, 40, 50, 60])
+    assert np.isnan(part.stops.joints_rad[1:]).all()
+    assert part.stops.direction[0].tolist() == [1, 1, 1, 1, 1, -1]
+    assert part.stops.temperature_c[0] == 23.5
 
 
 def test_a_long_table_comes_in_parts_that_are_numbered_on():
@@ -67,7 +67,7 @@ def test_a_long_table_comes_in_parts_that_are_numbered_on():
 
     assert len(parts) > 1
     assert [name for part in parts for name in part.names] == [f"p{k}" for k in range(9000)]
-    assert np.concatenate([part.goals.stops.config for part in parts]).tolist() == list(range(9000))
+    assert np.concatenate([part.stops.config for part in parts]).tolist() == list(range(9000))
     assert parts[-1].share == 1.0
 
 
@@ -93,9 +93,42 @@ def test_what_cannot_be_meant_is_refused_with_its_place(text, error, sentence):
         read(text)
 
 
+def test_a_table_of_joints_alone_is_what_the_controller_would_be_sent_to():
+    header = ",".join(f"q{j}_deg" for j in range(1, 7))
+    part = one(f"{header}\n10,20,30,40,50,60\n")
+
+    assert part.poses is None
+    assert np.degrees(part.stops.joints_rad) == pytest.approx(np.array([[10, 20, 30, 40, 50, 60]]))
+
+
+def test_a_table_of_joints_alone_has_all_of_them():
+    header = ",".join(f"q{j}_deg" for j in range(1, 7))
+
+    with pytest.raises(BadValueError, match=r"line 2, column q3_deg: the cell is empty"):
+        read(f"{header}\n10,20,,40,50,60\n")
+
+
+def test_a_table_of_more_targets_than_are_wanted_is_refused():
+    with pytest.raises(UnreadableFileError, match="more than 2 rows"):
+        list(targets_of("t.csv", (f"{HEADER}\n" + f"a,{POSE}\n" * 3).encode(), 6, [1, 2], 2))
+
+
+def test_columns_of_the_file_that_the_answer_does_not_have_stand_behind_it():
+    part = one(f'{HEADER},note,status\na,{POSE},"fast, then ""slow""",old\n')
+    found = correct(model_of(IRB_120, base=model_of().nominal_base), part.poses, part.branch)
+    stream = io.StringIO()
+
+    CorrectionWriter(stream).write(part.names, found, part.own)
+
+    (row,) = csv.DictReader(io.StringIO(stream.getvalue()))
+    assert (row["target"], row["x_mm"], row["note"]) == ("a", "300", 'fast, then "slow"')
+    assert row["status"] == "ok"
+    assert list(row)[-8:] == ["x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "note"]
+
+
 def test_what_is_written_keeps_the_order_and_leaves_out_joints_that_do_not_lead_there():
     part = one(f'{HEADER}\n"a, b",{POSE}\nfar,9000,0,500,1,0,0,0\n')
-    found = correct(model_of(IRB_120, base=model_of().nominal_base), part.goals, part.branch)
+    found = correct(model_of(IRB_120, base=model_of().nominal_base), part.poses, part.branch)
     stream = io.StringIO()
     writer = CorrectionWriter(stream)
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
+from truepose.domain.sentences import Sentence
 from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
 from truepose.exchange.programs.krl.frames import NAMES, Frames, PointData
 from truepose.exchange.programs.krl.values import entries, target
@@ -58,7 +59,7 @@ class Data:
         """Return what FDAT says under a name in capitals."""
         return self._points.get(name)
 
-    def chosen(self, words: Tokens) -> Chosen | str:
+    def chosen(self, words: Tokens) -> Chosen | Sentence:
         """Return the targets that a name, with or without index, can be; or why that is not known."""
         name, index = words[0].upper, self._index(words[1:])
         held = self._targets.get(name)
@@ -102,7 +103,7 @@ class Data:
         if_used = given.name.upper not in self._certain
         data = self._points.get(f"F{name.upper()[1:]}") or PointData(None, None)
         found = data.reason or target(self._source, name, given.value)
-        if not isinstance(found, str):
+        if not isinstance(found, Sentence):
             framed = replace(found, tool=data.tool, work_object=data.base)
             held.setdefault(index, []).append(self._draft.add(framed, if_used=if_used))
         elif not if_used:

@@ -7,6 +7,7 @@ numbers of tool and base in FP1.
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import HOLDS_WORK
 from truepose.exchange.programs.frames_in_use import InUse
 from truepose.exchange.programs.krl.values import entries, pose, whole
@@ -26,7 +27,7 @@ class PointData:
 
     tool: Frame | None
     base: Frame | None
-    reason: str | None = None
+    reason: Sentence | None = None
 
 
 class Frames:
@@ -56,7 +57,7 @@ class Frames:
         if not words:
             return None
         if words[0].upper in _MOVED:
-            return "the base is moved by another mechanical unit"
+            return said("left.base_moved")
         written = pose(self._source, words)
         if written is not None:
             return Frame(f"{name} of {self._source.said(self._source.line(words[0].start))}", written)

@@ -7,6 +7,7 @@ Source: KUKA System Software, Operating and Programming Instructions for System 
 from collections.abc import Sequence
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import (
     ARC,
     CHOSEN,
@@ -42,7 +43,7 @@ _LANGUAGE: Final = Language(
 _PATHS: Final[dict[str, Path]] = {"PTP": "joints", "SPTP": "joints", "LIN": "line", "SLIN": "line"}
 _LEFT: Final = {
     **dict.fromkeys(("CIRC", "SCIRC", "CIRC_REL", "SCIRC_REL"), ARC),
-    **dict.fromkeys(("SPL", "SPL_REL"), "a spline runs through points that are no targets"),
+    **dict.fromkeys(("SPL", "SPL_REL"), said("left.spline")),
     **dict.fromkeys(("PTP_REL", "SPTP_REL", "LIN_REL", "SLIN_REL"), RELATIVE),
 }
 _CLOSED_BY: Final = {"DEF": "END", "DEFFCT": "ENDFCT", "DEFDAT": "ENDDAT"}
@@ -176,12 +177,12 @@ class _Reader:
     def _move(self, path: Path, words: Tokens) -> None:
         given = self._with(words)
         tool, base = (given.get(which, self._frames.of(which)) for which in NAMES.values())
-        reason = HOLDS_WORK if self._on_tool else tool if isinstance(tool, str) else base
-        if isinstance(reason, str):
+        reason = HOLDS_WORK if self._on_tool else tool if isinstance(tool, Sentence) else base
+        if isinstance(reason, Sentence):
             self._leave(words, reason)
             return
         chosen = self._chosen(words, _aim(words[1:]))
-        if isinstance(chosen, str):
+        if isinstance(chosen, Sentence):
             self._leave(words, chosen)
             return
         line = self._draft.source.line(words[0].start)
@@ -198,23 +199,23 @@ class _Reader:
             if part and part[0].upper in NAMES
         }
 
-    def _chosen(self, words: Tokens, aim: Tokens) -> Chosen | str:
+    def _chosen(self, words: Tokens, aim: Tokens) -> Chosen | Sentence:
         if not aim:
             self._draft.source.refuse(f"{words[0].text} has no target", words[0].start)
         if inside(aim, "{") is not None:
             name = f"line {self._draft.source.line(words[0].start)}"
             found = target(self._draft.source, name, aim)
-            return found if isinstance(found, str) else Chosen((self._draft.add(found),))
+            return found if isinstance(found, Sentence) else Chosen((self._draft.add(found),))
         is_name = aim[0].kind == "word" and len(bracket(aim[1:])) == len(aim) - 1
         return self._data.chosen(aim) if is_name else COMPUTED
 
-    def _leave(self, words: Tokens, reason: str) -> None:
+    def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._data.targets_in(words)
         line = self._draft.source.line(words[0].start)
         self._draft.leave(line, shown(self._draft.source, words), reason, serving)
 
 
-def _framed(frame: Frame | str | None) -> Frame | None:
+def _framed(frame: InUse) -> Frame | None:
     return frame if isinstance(frame, Frame) else None
 
 

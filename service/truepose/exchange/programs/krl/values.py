@@ -7,6 +7,7 @@ the structures E6AXIS, E6POS, FRAME; A, B and C turn about Z, the new Y and the 
 from collections.abc import Mapping
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, ZYX_DEGREES
 from truepose.exchange.programs.program import Configuration, Number, Pose, ProgramTarget, Written
 from truepose.exchange.programs.source import Source
@@ -28,17 +29,17 @@ def entries(words: Tokens) -> Mapping[str, Tokens] | None:
     return {part[0].upper: part[1:] for part in found if part}
 
 
-def target(source: Source, name: str, words: Tokens) -> ProgramTarget | str:
+def target(source: Source, name: str, words: Tokens) -> ProgramTarget | Sentence:
     """Return the target that an aggregate is, or why it is none that can be corrected."""
     held = entries(words) or {}
     names = _JOINTS if _JOINTS[0] in held or any(key in held for key in _JOINTS) else _POSE
     absent = [key for key in names if key not in held]
     if absent:
-        return f"it does not say {', '.join(absent)}; what it does not say stays as it was"
+        return said("left.absent_kept", names=", ".join(absent))
     read = [number(source, held[key]) for key in names]
     numbers = tuple(entry for entry in read if entry is not None)
     if len(numbers) < len(read):
-        return "some of its numbers are computed or have a name"
+        return said("left.named_numbers")
     line = source.line(words[0].start)
     return _target(source, name, line, numbers, held)
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, get_args
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.errors import MissingEntryError
 from truepose.exchange.programs.draft import ARC, COMPUTED, RELATIVE, Draft
 from truepose.exchange.programs.forms import INCHES, MILLIMETRES, Order, turns_in_degrees
@@ -23,7 +24,7 @@ _ORDERS: Final[Mapping[str, Order]] = {order: order for order in get_args(Order)
 _PATHS: Final[Mapping[float, Path]] = {0.0: "joints", 1.0: "line"}
 _ARCS: Final = (2.0, 3.0)
 _UNITS: Final = {20.0: INCHES, 21.0: MILLIMETRES}
-_AWAY: Final = {28.0: "it goes to a place of the machine", 30.0: "it goes to a place of the machine"}
+_AWAY: Final = {28.0: said("left.place_of_machine"), 30.0: said("left.place_of_machine")}
 _SHIFTED: Final = frozenset({10.0, 52.0, 68.0, 92.0, 92.1})
 _NO_MOTIONS: Final = frozenset({4.0, *_SHIFTED})  # a dwell may be given by X
 _OFFSETS: Final = frozenset({53.0, 54.0, 55.0, 56.0, 57.0, 58.0, 59.0})
@@ -110,7 +111,7 @@ class _Block:
         state = self._state
         self._draft.visit(self._line, (index,), _PATHS[state.motion], state.tool, state.work_object)
 
-    def _reason(self) -> str | None:
+    def _reason(self) -> Sentence | None:
         """Say why the block is left alone."""
         if self._computed:
             return COMPUTED
@@ -119,11 +120,9 @@ class _Block:
         if self._state.relative:
             return RELATIVE
         if self._state.shifted:
-            return "its zero was shifted in a block before"
+            return said("left.zero_shifted")
         absent = [axis for axis in _AXES if axis not in self._axes]
-        return (
-            f"it does not say {', '.join(absent)}; what it does not say stays as it was" if absent else None
-        )
+        return said("left.absent_kept", names=", ".join(absent)) if absent else None
 
     def _target(self) -> ProgramTarget:
         numbers = [self._axes[axis] for axis in _AXES]

@@ -1,4 +1,4 @@
-"""Rows of a list of targets: the columns of a table, or the keys of an object.
+"""Rows of a list of targets: the keys of an object.
 
 A row is a pose of the tool in the world (`x_mm, y_mm, z_mm, qw, qx, qy, qz`), or of one of its nests where
 `nest` says which, with `q1_deg ..` as the nominal answer; or only a configuration (`q1_deg ..`).
@@ -27,6 +27,7 @@ NEST: Final = "nest"
 POSITION: Final = ("x_mm", "y_mm", "z_mm")
 ROTATION: Final = ("qw", "qx", "qy", "qz")
 _WORLD: Final = Frame("world", AT_THE_ORIGIN)
+_FLANGE: Final = Frame("flange", AT_THE_ORIGIN)
 
 
 def joint_names(names: Collection[str]) -> tuple[str, ...]:
@@ -38,6 +39,11 @@ def required(names: Collection[str]) -> tuple[str, ...]:
     """Return what a row must have, by what there is: a pose, or a configuration."""
     is_pose = not joint_names(names) or any(name in names for name in (*POSITION, *ROTATION))
     return (*POSITION, *ROTATION) if is_pose else joint_names(names)
+
+
+def nest_frame(nest: int) -> Frame:
+    """Return a tool nest as a program names a tool; where it is, the model knows."""
+    return Frame(f"nest {nest}")
 
 
 def target_of(
@@ -61,6 +67,6 @@ def target_of(
         Pose.written(position, rotation),
         (position, rotation),
         near_rad=joints.read() if near else None,
+        tool=nest_frame(nest) if nest else _FLANGE,
         work_object=_WORLD,
-        nest=nest,
     )

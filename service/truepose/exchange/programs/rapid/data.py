@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import COMPUTED, ELSEWHERE, Draft
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Frame
 from truepose.exchange.programs.rapid.module import Routine, Statement, assignment_at
@@ -32,7 +33,7 @@ class Datum:
 
     kind: str
     targets: dict[tuple[int, ...], list[int]] = field(default_factory=dict)
-    frame: Frame | str | None = None
+    frame: Frame | Sentence | None = None
 
     def all_targets(self) -> tuple[int, ...]:
         """Return every target that the name ever is."""
@@ -76,18 +77,18 @@ class Data:
                 found += self._among(datum, _bracket(words[at + 1 :]))
         return tuple(found)
 
-    def chosen(self, routine: Routine, words: Tokens) -> Chosen | str:
+    def chosen(self, routine: Routine, words: Tokens) -> Chosen | Sentence:
         """Return the targets that a name, with or without index, can be; or why that is not known."""
         name = words[0].upper
         if name in routine.arguments:
-            return "it is an argument of the routine"
+            return said("left.argument")
         datum = self.find(routine, name)
         if datum is None or datum.kind not in _TARGETS:
             return ELSEWHERE
         targets = self._among(datum, words[1:])
         return Chosen(targets, self._index(words[1:]) is not None) if targets else COMPUTED
 
-    def frame(self, routine: Routine, words: Tokens) -> Frame | str:
+    def frame(self, routine: Routine, words: Tokens) -> Frame | Sentence:
         """Return the tool or work object of that name, or why targets with it are left alone."""
         name = words[0].upper if words else ""
         datum = self.find(routine, name) if len(words) == 1 else None
@@ -118,7 +119,7 @@ class Data:
 
     def _add(self, datum: Datum, index: tuple[int, ...], name: str, words: Tokens) -> None:
         found = target(self._source, datum.kind, name, words)
-        if isinstance(found, str):
+        if isinstance(found, Sentence):
             self._draft.leave(self._source.line(words[0].start), name, found)
         else:
             datum.targets.setdefault(index, []).append(self._draft.add(found))
@@ -135,7 +136,7 @@ class Data:
             return
         line = self._source.line(name.start)
         if datum.kind in _FRAMES:
-            datum.frame = f"{name.text} is changed by the program in {self._source.said(line)}"
+            datum.frame = said("left.frame_changed", frame=name.text, place=self._source.place(line))
             return
         index = self._index(index_words)
         if index is not None and not component and inside(words[at + 1 :], "[") is not None:

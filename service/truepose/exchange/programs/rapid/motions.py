@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, DISPLACED, Draft
 from truepose.exchange.programs.program import Frame, Path
 from truepose.exchange.programs.rapid.data import Chosen, Data
@@ -40,13 +41,13 @@ _ARCS: Final = (
 )  # fmt: skip
 _LEFT: Final = {
     **dict.fromkeys(_ARCS, ARC),
-    **dict.fromkeys(("SEARCHL", "SEARCHC"), "a search stops where its signal comes"),
-    "SEARCHEXTJ": "a search stops where its signal comes",
-    "MOVEEXTJ": "it moves external axes only",
-    **dict.fromkeys(("PDISPON", "PDISPSET"), "it displaces the targets behind it"),
-    **dict.fromkeys(("EOFFSON", "EOFFSSET"), "it displaces the external axes"),
-    **dict.fromkeys(("CORRCON", "CORRWRITE"), "a sensor displaces the path behind it"),
-    **dict.fromkeys(("STARTMOVE", "STOREPATH", "RESTOPATH"), "the path is taken up again from elsewhere"),
+    **dict.fromkeys(("SEARCHL", "SEARCHC"), said("left.search")),
+    "SEARCHEXTJ": said("left.search"),
+    "MOVEEXTJ": said("left.external_only"),
+    **dict.fromkeys(("PDISPON", "PDISPSET"), said("left.displaces")),
+    **dict.fromkeys(("EOFFSON", "EOFFSSET"), said("left.displaces_external")),
+    **dict.fromkeys(("CORRCON", "CORRWRITE"), said("left.sensor")),
+    **dict.fromkeys(("STARTMOVE", "STOREPATH", "RESTOPATH"), said("left.path_again")),
 }
 _DISPLACES: Final = {"PDISPON": True, "PDISPSET": True, "PDISPOFF": False}
 _STANDS_STILL: Final = frozenset({
@@ -127,44 +128,44 @@ class _Follower:
         if not arguments:
             self._draft.source.refuse(f"{words[0].text} has no target", words[0].start)
         frames = self._frames(move, words, arguments)
-        if isinstance(frames, str):
+        if isinstance(frames, Sentence):
             self._leave(words, frames)
             return
         chosen = self._chosen(move, arguments[0])
-        if isinstance(chosen, str):
+        if isinstance(chosen, Sentence):
             self._leave(words, chosen)
             return
         self._draft.visit(self._line(words), chosen.targets, move.path, *frames)
         if not chosen.told:
             self._leave(words, CHOSEN)
 
-    def _chosen(self, move: _Move, words: Tokens) -> Chosen | str:
+    def _chosen(self, move: _Move, words: Tokens) -> Chosen | Sentence:
         """Return the targets that an argument can be, or why the motion is left alone."""
         if words[0].text == "*":
-            return "its target is hidden behind *"
+            return said("left.hidden")
         if words[0].text == "[":
             found = target(self._draft.source, move.kind, f"line {self._line(words)}", words)
-            return found if isinstance(found, str) else Chosen((self._draft.add(found),))
+            return found if isinstance(found, Sentence) else Chosen((self._draft.add(found),))
         is_name = len(words) == 1 or (words[1].text == "{" and closing(words, 1) == len(words) - 1)
         return self._data.chosen(self._routine, words) if is_name else COMPUTED
 
     def _frames(
         self, move: _Move, words: Tokens, arguments: Sequence[Tokens]
-    ) -> tuple[Frame | None, Frame | None] | str:
+    ) -> tuple[Frame | None, Frame | None] | Sentence:
         """Return tool and work object, or why the motion is left alone; joint angles need neither."""
         if move.kind == JOINTTARGET:
             return None, None
         if self._displaced:
             return DISPLACED
         if not -len(arguments) <= move.tool < len(arguments):
-            return "it does not say its tool"
+            return said("left.no_tool")
         tool = self._data.frame(self._routine, arguments[move.tool])
         work_object = self._data.frame(self._routine, _work_object(words))
-        if isinstance(tool, str) or isinstance(work_object, str):
-            return tool if isinstance(tool, str) else str(work_object)
-        return tool, work_object
+        if isinstance(tool, Sentence):
+            return tool
+        return work_object if isinstance(work_object, Sentence) else (tool, work_object)
 
-    def _leave(self, words: Tokens, reason: str) -> None:
+    def _leave(self, words: Tokens, reason: Sentence) -> None:
         serving = self._data.targets_in(self._routine, words)
         self._draft.leave(self._line(words), self._shown(words), reason, serving)
 

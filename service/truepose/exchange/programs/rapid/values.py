@@ -6,6 +6,7 @@ Source: ABB, Technical reference manual, RAPID Instructions, Functions and Data 
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, QUATERNION
 from truepose.exchange.programs.program import Configuration, Frame, Number, Pose, ProgramTarget, Written
 from truepose.exchange.programs.rotations import is_orientation, placed
@@ -32,7 +33,7 @@ def elements(
         yield from elements(source, entry, dimensions - 1, (*index, count))
 
 
-def target(source: Source, kind: str, name: str, words: Tokens) -> ProgramTarget | str:
+def target(source: Source, kind: str, name: str, words: Tokens) -> ProgramTarget | Sentence:
     """Return the target that a literal is, or why it is none that can be corrected.
 
     Raises
@@ -42,7 +43,7 @@ def target(source: Source, kind: str, name: str, words: Tokens) -> ProgramTarget
     """
     groups = _groups(source, kind, words)
     if groups is None:
-        return "some of its numbers are computed or have a name"
+        return said("left.named_numbers")
     line = source.line(words[0].start)
     external = tuple(number.value for number in groups[-1])
     if kind == JOINTTARGET:
@@ -51,28 +52,28 @@ def target(source: Source, kind: str, name: str, words: Tokens) -> ProgramTarget
     position, rotation = Written(groups[0], MILLIMETRES), Written(groups[1], QUATERNION)
     pose = _pose(position, rotation)
     if pose is None:
-        return "its orientation is no unit quaternion"
+        return said("left.no_orientation")
     branch = ", ".join(f"{number.value:g}" for number in groups[2])
     return ProgramTarget(name, line, pose, (position, rotation), branch=branch, external=external)
 
 
-def tool(source: Source, name: str, words: Tokens) -> Frame | str:
+def tool(source: Source, name: str, words: Tokens) -> Frame | Sentence:
     """Return the tool that a tooldata literal is, or why targets with it are left alone."""
     match inside(words, "["):
         case [holds, frame, _] if _says(holds, "TRUE"):
             return Frame(name, _pose_of(source, frame))
         case [holds, _, _] if _says(holds, "FALSE"):
-            return f"the tool {name} stands in the cell and the robot holds the work"
+            return said("left.tool_stands", tool=name)
     return Frame(name)
 
 
-def work_object(source: Source, name: str, words: Tokens) -> Frame | str:
+def work_object(source: Source, name: str, words: Tokens) -> Frame | Sentence:
     """Return the work object that a wobjdata literal is, or why targets in it are left alone."""
     match inside(words, "["):
         case [holds, _, _, _, _] if _says(holds, "TRUE"):
-            return f"the robot holds the work object {name}"
+            return said("left.object_held", frame=name)
         case [_, fixed, _, _, _] if _says(fixed, "FALSE"):
-            return f"the work object {name} is moved by another mechanical unit"
+            return said("left.object_moved", frame=name)
         case [_, _, _, user, of_object]:
             outer, inner = _pose_of(source, user), _pose_of(source, of_object)
             return Frame(name, placed(outer, inner) if outer and inner else None)

@@ -162,35 +162,15 @@ BROKEN = {
         '<Database><Data type="joint"><Value j1="x" j2="0" j3="0" j4="0" j5="0" j6="0"/></Data></Database>',
         "m.dtx, line 1, column 41: 'x' is not a number.",
     ),
-    "no orientation in a table": (
-        "m.csv",
-        "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,2,3,1,1,0,0\n",
-        "m.csv, line 2, column 9: qw to qz have the norm 1.41421; that of an orientation is 1.",
+    "no orientation in a list": (
+        "m.json",
+        '[{"x_mm": 1, "y_mm": 2, "z_mm": 3, "qw": 1, "qx": 1, "qy": 0, "qz": 0}]',
+        "m.json, line 1, column 42: qw to qz have the norm 1.41421; that of an orientation is 1.",
     ),
-    "a table without names": (
-        "m.csv",
-        "x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,2,3,1,0,0,0\n",
-        "m.csv, line 1: column target is missing; it is required.",
-    ),
-    "a table without orientations": (
-        "m.csv",
-        "target,x_mm,y_mm,z_mm\na,1,2,3\n",
-        "m.csv, line 1: column qw is missing; it is required.",
-    ),
-    "a table in metres": (
-        "m.csv",
-        "target,x_m,y_m,z_m,qw,qx,qy,qz\na,1,2,3,1,0,0,0\n",
-        "m.csv, line 1: column x_m has the unit m; x_mm in mm is required.",
-    ),
-    "a table with text": (
-        "m.csv",
-        "target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,2,here,1,0,0,0\n",
-        "m.csv, line 2, column z_mm: 'here' is not a number.",
-    ),
-    "a name of two lines": (
-        "m.csv",
-        'target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n"a\nb",1,2,3,1,0,0,0\n',
-        "m.csv, line 2, column 1: a cell goes on in the next line; in a list of targets none does.",
+    "a list with text": (
+        "m.json",
+        '[{"x_mm": 1, "y_mm": 2, "z_mm": "here", "qw": 1, "qx": 0, "qy": 0, "qz": 0}]',
+        "m.json, line 1, key [0].z_mm: 'here' is not a number.",
     ),
     "JSON without a key": (
         "m.json",

@@ -1,5 +1,6 @@
 """Corrected programs: the real tool arrives, and only the numbers of its targets change."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import extended, model_of, plain_parameters
+from truepose.correction import tool_nests_mm
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.branches import branch_of_words
@@ -18,6 +20,7 @@ from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import quaternion_from_rotation, rotation_from_quaternion
 from truepose.kinematics.inverse import all_branches, branch_of
+from truepose.words.catalogue import english
 
 JOINTS = np.radians([[20.0, 30.0, -25.0, 40.0, 50.0, 60.0], [-35.0, 15.0, 5.0, -70.0, 35.0, 10.0]])
 TOOL = Pose((10.0, -20.0, 150.0), (0.9238795325112867, 0.0, 0.3826834323650898, 0.0))
@@ -158,7 +161,7 @@ def test_a_tool_that_the_file_only_names_is_asked_for_and_taken():
     defined = corrected_program(model(), program, Understood(defined={"TGUN": TOOL}))
 
     assert without.names == ("jHome",)
-    assert any("tGun is not declared in this file" in left.reason for left in without.left_alone)
+    assert any("tGun is not declared in this file" in english(left.reason) for left in without.left_alone)
     assert defined.names == ("jHome", "pOne")
 
 
@@ -173,7 +176,7 @@ def test_joints_of_a_fanuc_are_left_alone_because_they_count_from_the_horizontal
 
     assert answer.names == ()
     assert answer.data == text.encode()
-    assert "from the horizontal" in answer.left_alone[0].reason
+    assert "from the horizontal" in english(answer.left_alone[0].reason)
 
 
 def test_a_program_of_an_arm_with_other_joints_is_refused():
@@ -197,3 +200,35 @@ def test_a_program_of_an_arm_with_other_joints_is_refused():
 )
 def test_the_branch_is_taken_from_words_that_are_understood(words, branch):
     assert branch_of_words(words) == branch
+
+
+def test_a_list_in_json_is_corrected_also_where_a_nest_of_the_tool_shall_be():
+    robot = model()
+    place = nominal_flange(JOINTS[1])
+    qw, qx, qy, qz = quaternion_from_rotation(place[:3, :3]).tolist()
+    x, y, z = (place[:3, 3] + place[:3, :3] @ tool_nests_mm(robot)[0]).tolist()
+    near = {f"q{joint}_deg": angle for joint, angle in enumerate(np.degrees(JOINTS[1]), start=1)}
+    row = {"x_mm": x, "y_mm": y, "z_mm": z, "qw": qw, "qx": qx, "qy": qy, "qz": qz, **near}
+
+    answer = corrected_program(robot, read_program(json.dumps([{**row, "nest": 1}]).encode(), "l.json"))
+
+    assert answer.left_alone == ()
+    assert real_flange(robot, answer.found.joints_rad[0]) == pytest.approx(place, abs=2e-3)
+
+
+def test_a_nest_that_the_tool_does_not_have_is_told():
+    row = {"x_mm": 1, "y_mm": 2, "z_mm": 3, "qw": 1, "qx": 0, "qy": 0, "qz": 0, "nest": 99}
+
+    answer = corrected_program(model(), read_program(json.dumps([row]).encode(), "l.json"))
+
+    assert english(answer.left_alone[0].reason) == "its tool nest 99 is not declared in this file: define it"
+
+
+def test_a_program_corrected_by_a_model_with_backlash_says_what_is_not_known_of_its_approaches():
+    robot = extended(IRB_120, "backlash")
+    robot = replace(robot, nominal_base=robot.base)
+
+    cautions = corrected_program(robot, read_program(module(), "weld.mod")).cautions
+
+    assert any("backlash" in english(caution) for caution in cautions)
+    assert corrected_program(model(), read_program(module(), "weld.mod")).cautions == ()

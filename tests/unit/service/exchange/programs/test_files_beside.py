@@ -2,11 +2,12 @@
 
 import pytest
 
-from tests.helpers.exchange.robot_programs import KRL, KRL_DATA, named, without_numbers
+from tests.helpers.exchange.robot_programs import KRL, KRL_DATA, named, reasons, without_numbers
 from truepose.exchange.errors import UnreadableFileError
 from truepose.exchange.programs.formats import read_program
-from truepose.exchange.programs.program import Frame, LeftAlone, Motion, Pose
+from truepose.exchange.programs.program import Frame, Motion, Pose
 from truepose.exchange.programs.rewriting import rewritten
+from truepose.words.catalogue import english
 
 POINTS = b"""DEFDAT ROW
 DECL E6POS P1={X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0,S 2,T 3}
@@ -50,20 +51,15 @@ def test_a_point_that_the_program_changes_is_left_alone():
     program = points(b"P1.Z=P1.Z+10", b"LIN P1")
 
     assert [target.name for target in program.targets] == ["P2"]
-    assert LeftAlone(2, "P1", "the program changes it in line 2 of row.src") in program.left_alone
+    assert reasons(program) == {2: "the program changes it in line 2 of row.src"}
 
 
 def test_what_the_program_leaves_alone_is_told_where_it_uses_points_of_the_list():
     program = points(b"LIN P1", b"LIN P1:{Z 5}", b"LIN_REL {Z 5}")
 
-    assert program.left_alone == (
-        LeftAlone(
-            3,
-            "LIN P1:{Z 5}",
-            "its place is computed when the program runs; corrected in the file: P1",
-            "row.src",
-        ),
-    )
+    (left,) = program.left_alone
+    assert (left.line, left.what, left.file) == (3, "LIN P1:{Z 5}", "row.src")
+    assert english(left.reason) == "its place is computed when the program runs; corrected in the file: P1"
 
 
 def test_targets_of_the_files_beside_are_not_among_the_answer():

@@ -31,7 +31,6 @@ LISTS = {
     "l.dat": ("DEFDAT L\n", "DECL E6POS P{i}={{X 0,Y 0,Z 0,A 0,B 0,C 0,S 2,T 35}}\n", "ENDDAT\n"),
     "l.ls": ("/PROG L\n/MN\n/POS\n", FANUC_TARGET, "/END\n"),
     "l.script": ("", "movel(p[0,0,0,0,0,0], a=1.2, v=0.25)\n", ""),
-    "l.csv": ("target,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", "p{i},0,0,0,1,0,0,0\n", ""),
     "l.json": ("[", JSON_TARGET, "]"),
     "l.nc": ("", "G1 X0 Y0 Z0 A0 B0 C0\n", ""),
     "l.jbi": (
@@ -48,6 +47,13 @@ def list_of(name, n):
     head, target, tail = LISTS[name]
     targets = [target.format(i=i, comma="," if i < n - 1 else "") for i in range(n)]
     return (head + "".join(targets) + tail).encode()
+
+
+def row(numbers):
+    """A list of one target with its numbers as text."""
+    keys = ("x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz")
+    parts = [f'"{key}": {text}' for key, text in zip(keys, numbers.split(","), strict=True)]
+    return f"[{{{', '.join(parts)}}}]".encode()
 
 
 def random_pose(draw):
@@ -152,7 +158,7 @@ def test_a_thousand_poses_come_back_to_the_last_decimal_of_the_format(name):
         ("j.mod", b"MODULE M\nCONST jointtarget j:=[[0,0,0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\nENDMODULE\n"),
         ("j.src", b"DEF J( )\nPTP {A1 0,A2 0,A3 0,A4 0,A5 0,A6 0}\nEND\n"),
         ("j.script", b"movej([0,0,0,0,0,0])\n"),
-        ("j.csv", b"target,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\na,0,0,0,0,0,0\n"),
+        ("j.json", b'[{"q1_deg": 0, "q2_deg": 0, "q3_deg": 0, "q4_deg": 0, "q5_deg": 0, "q6_deg": 0}]'),
         (
             "j.dtx",
             b'<Database><Data name="j" type="joint">'
@@ -190,27 +196,27 @@ def test_joint_angles_of_a_fanuc_program_have_three_decimals():
 
 
 def test_a_number_has_the_decimals_that_it_had_or_those_that_it_needs():
-    program = read("n.csv", b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1.2000,5,7,1,0,0,0\n")
+    program = read("n.json", row("1.2000,5,7,1,0,0,0"))
 
     written = rewritten(program, {0: Pose((1.5, 6.0, 7.123456789), (1.0, 0.0, 0.0, 0.0))})
 
-    assert written.splitlines()[1] == b"a,1.5000,6,7.123457,1,0,0,0"
+    assert written == row("1.5000,6,7.123457,1,0,0,0")
 
 
 def test_a_number_that_is_the_same_to_its_last_decimal_keeps_its_text():
-    program = read("n.csv", b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1e2,-0,7,1,0,0,0\n")
+    program = read("n.json", row("1e2,-0,7,1,0,0,0"))
 
     written = rewritten(program, {0: Pose((100.0000001, 1e-9, 8.0), (1.0, 0.0, 0.0, 1e-15))})
 
-    assert written.splitlines()[1] == b"a,1e2,-0,8,1,0,0,0"
+    assert written == row("1e2,-0,8,1,0,0,0")
 
 
 def test_no_zero_is_written_with_a_sign():
-    program = read("n.csv", b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,1,1,1,0,0,0\n")
+    program = read("n.json", row("1,1,1,1,0,0,0"))
 
     written = rewritten(program, {0: Pose((-1e-9, 1.0, 1.0), (1.0, 0.0, 0.0, 0.0))})
 
-    assert written.splitlines()[1] == b"a,0,1,1,1,0,0,0"
+    assert written == row("0,1,1,1,0,0,0")
 
 
 def test_a_small_turn_changes_angles_a_little_even_where_they_are_beyond_half_a_turn():
@@ -234,20 +240,20 @@ def test_a_rotation_vector_beyond_half_a_turn_stays_there(sign):
 
 
 def test_a_rotation_that_is_the_same_keeps_its_text():
-    data = b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,1,1,0.7071,0,0.7071,0\n"
+    data = row("1,1,1,0.7071,0,0.7071,0")
     half = math.sqrt(0.5)
 
-    written = rewritten(read("n.csv", data), {0: Pose((1.0, 1.0, 1.0), (-half, 0.0, -half, 0.0))})
+    written = rewritten(read("n.json", data), {0: Pose((1.0, 1.0, 1.0), (-half, 0.0, -half, 0.0))})
 
     assert written == data
 
 
 def test_a_quaternion_keeps_its_sign():
-    program = read("n.csv", b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz\na,1,1,1,-0.5,-0.5,-0.5,-0.5\n")
+    program = read("n.json", row("1,1,1,-0.5,-0.5,-0.5,-0.5"))
 
     written = rewritten(program, {0: Pose((2.0, 1.0, 1.0), (0.5, 0.5, 0.5, 0.5))})
 
-    assert written.splitlines()[1] == b"a,2,1,1,-0.5,-0.5,-0.5,-0.5"
+    assert written == row("2,1,1,-0.5,-0.5,-0.5,-0.5")
 
 
 @pytest.mark.parametrize(

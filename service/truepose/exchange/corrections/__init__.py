@@ -1,0 +1,1 @@
+"""Files of targets in, the same with corrected numbers out."""
