@@ -7,8 +7,9 @@ from pydantic import Field
 
 from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
-from truepose.judgement.circle.joint_curve import Figure, Wave
+from truepose.judgement.circle.joint_curve import Wave
 from truepose.judgement.circle.judged import CircleTest, JointCircle
+from truepose.judgement.figure import Figure
 
 
 class ValueDocument(Document):

@@ -15,24 +15,12 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.identification.distributions import chi2_exceeded
 from truepose.judgement.circle.errors import CircleErrors
 from truepose.judgement.circle.sweeps import SAME_ANGLE_RAD
+from truepose.judgement.figure import Figure
 
 _HIGHEST_ORDER: Final = 2  # an encoder off centre makes one, an oval gear two; a diagnosis knows faster ones
 _WHOLE: Final = 5.0 / 6.0  # of a period that the arc must hold
 _FEWEST_LEFT: Final = 3  # degrees of freedom beside what is fitted
 BY_CHANCE: Final = 0.01  # so rarely noise alone shows errors as large
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """A value with its standard uncertainty."""
-
-    value: float
-    standard_uncertainty: float
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether it is more than readings scatter by: 3 standard uncertainties."""
-        return abs(self.value) > 3.0 * self.standard_uncertainty
 
 
 @dataclass(frozen=True, slots=True)

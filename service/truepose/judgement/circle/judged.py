@@ -10,8 +10,9 @@ from truepose.domain.campaign import PointReadings
 from truepose.domain.sentences import Sentence, said
 from truepose.judgement.circle.errors import CircleErrors, errors_about
 from truepose.judgement.circle.fit import Circle, fit_circle
-from truepose.judgement.circle.joint_curve import BY_CHANCE, Figure, JointCurve, backlash, joint_curve
+from truepose.judgement.circle.joint_curve import BY_CHANCE, JointCurve, backlash, joint_curve
 from truepose.judgement.circle.sweeps import SAME_ANGLE_RAD, Sweep, find_sweeps
+from truepose.judgement.figure import Figure
 
 _FEWEST_ANGLES: Final = 4  # three places lie on a circle whatever they are
 _COARSE_RAD: Final = float(np.radians(0.1))  # joints of small arms err by less

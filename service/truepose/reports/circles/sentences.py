@@ -7,8 +7,8 @@ import numpy as np
 from rich.table import Table
 
 from truepose.domain.sentences import Sentence, said, together
-from truepose.judgement.circle.joint_curve import Figure
 from truepose.judgement.circle.judged import CircleTest, JointCircle
+from truepose.judgement.figure import Figure
 from truepose.reports.rounding import millimetres, rounded
 from truepose.words.catalogue import Catalogue
 
