@@ -31,6 +31,7 @@ _COMMANDS = {
     "validate": "validation",
     "plan": "plans",
     "circles": "circles",
+    "sphere": "spheres",
     "correct": "corrections",
     "export": "exports",
     "nightly": "cells",

@@ -1,0 +1,1 @@
+"""The report of a ballbar sphere test, and its sentences."""

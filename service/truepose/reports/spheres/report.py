@@ -1,0 +1,48 @@
+"""The report of a ballbar sphere test: one HTML file."""
+
+from pathlib import Path
+
+from truepose.judgement.sphere.judged import SphereTest
+from truepose.reports.figures.radial import radial_figure
+from truepose.reports.pages import write_page
+from truepose.reports.spheres.sentences import (
+    WORDS_OF_ROW,
+    order_sentences,
+    sphere_heads,
+    sphere_rows,
+    sphere_sentences,
+)
+from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+
+def write_sphere_report(
+    path: Path, test: SphereTest, robot: str, words: Catalogue = IN_ENGLISH, *, simulated: bool = False
+) -> None:
+    """Write the report of a sphere test as one self-contained HTML file, a figure for each ball.
+
+    Raises
+    ------
+    UnwritableReportError
+        The file cannot be written.
+    """
+    shown = [
+        (
+            sphere,
+            radial_figure(sphere, words) if sphere.models else None,
+            [words.spoken(sentence) for sentence in sphere_sentences(sphere, words)],
+        )
+        for sphere in test.spheres
+    ]
+    write_page(
+        path,
+        "spheres.html",
+        robot=robot,
+        simulated=simulated,
+        heads=sphere_heads(words),
+        names=WORDS_OF_ROW,
+        rows=tuple(sphere_rows(test, words)),
+        order=[words.spoken(sentence) for sentence in order_sentences(test, words)],
+        spheres=shown,
+        words=words,
+        say=words.say,
+    )
