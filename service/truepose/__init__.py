@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from truepose.domain.errors import TrueposeError
     from truepose.exchange.errors import InputFileError
     from truepose.notebook.campaign import Campaign, read_campaign
+    from truepose.notebook.circles import CircleErrors, circles
     from truepose.notebook.correction import Corrections, correct
     from truepose.notebook.diagnosis import Diagnosis, diagnose
     from truepose.notebook.exports import export
@@ -19,10 +20,12 @@ if TYPE_CHECKING:
     from truepose.notebook.model import Model, read_model
     from truepose.notebook.plan import Plan, plan
     from truepose.notebook.prediction import Predictions, predict
+    from truepose.notebook.spheres import SphereErrors, sphere
     from truepose.notebook.validation import Validation, validate
 
 __all__ = [
     "Campaign",
+    "CircleErrors",
     "Corrections",
     "Diagnosis",
     "Identification",
@@ -30,9 +33,11 @@ __all__ = [
     "Model",
     "Plan",
     "Predictions",
+    "SphereErrors",
     "TrueposeError",
     "Validation",
     "__version__",
+    "circles",
     "correct",
     "diagnose",
     "export",
@@ -41,11 +46,13 @@ __all__ = [
     "predict",
     "read_campaign",
     "read_model",
+    "sphere",
     "validate",
 ]
 
 _HOMES = {
     "Campaign": "notebook.campaign",
+    "CircleErrors": "notebook.circles",
     "Corrections": "notebook.correction",
     "Diagnosis": "notebook.diagnosis",
     "Identification": "notebook.identification",
@@ -53,8 +60,10 @@ _HOMES = {
     "Model": "notebook.model",
     "Plan": "notebook.plan",
     "Predictions": "notebook.prediction",
+    "SphereErrors": "notebook.spheres",
     "TrueposeError": "domain.errors",
     "Validation": "notebook.validation",
+    "circles": "notebook.circles",
     "correct": "notebook.correction",
     "diagnose": "notebook.diagnosis",
     "export": "notebook.exports",
@@ -63,6 +72,7 @@ _HOMES = {
     "predict": "notebook.prediction",
     "read_campaign": "notebook.campaign",
     "read_model": "notebook.model",
+    "sphere": "notebook.spheres",
     "validate": "notebook.validation",
 }
 

@@ -1,0 +1,157 @@
+"""The single-axis circle test in a notebook."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from truepose.domain.campaign import PointReadings
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import Robot
+from truepose.exchange.json_text import Json
+from truepose.exchange.results.circles import circle_document
+from truepose.exchange.tables.files import held_out_readings
+from truepose.judgement.circle.judged import CircleTest, circle_test
+from truepose.notebook import html
+from truepose.notebook.frames import frame
+from truepose.notebook.model import Model
+from truepose.notebook.robots import known_robot
+from truepose.notebook.tables import TableOrFile, named_data
+from truepose.notebook.wording import counted
+from truepose.reports.circles.report import write_circle_report
+from truepose.reports.circles.sentences import circle_heads, circle_rows, circle_test_sentences
+from truepose.words.catalogue import IN_ENGLISH, english
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_NESTS = range(1, 10)  # a table on its own does not say which there are
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class CircleErrors:
+    """What each joint errs by, turned alone.
+
+    Attributes
+    ----------
+    answer : truepose.judgement.circle.judged.CircleTest
+        Circles with their errors [mm, rad], and the sweeps that give none.
+    robot : str
+    remarks : tuple of str
+        What was ignored in the table.
+
+    Examples
+    --------
+    >>> import numpy as np, truepose as tp
+    >>> turn = np.radians(np.arange(-60.0, 61.0, 10.0))
+    >>> readings = {"config": np.arange(13), "joints_rad": np.outer(turn, [1, 0, 0, 0, 0, 0]), "nest": 1}
+    >>> readings |= {"x_mm": 400.0 * np.cos(turn), "y_mm": 400.0 * np.sin(turn), "z_mm": 290.0, "u_mm": 0.01}
+    >>> (turned,) = tp.circles(readings, "abb-irb-120").answer.circles
+    >>> turned.joint, turned.is_noise
+    (1, True)
+    """
+
+    answer: CircleTest
+    robot: str
+    remarks: tuple[str, ...]
+
+    @property
+    def document(self) -> dict[str, Json]:
+        """What `truepose circles --json` prints."""
+        return circle_document(self.answer, self.robot).printed()
+
+    def to_frame(self) -> "DataFrame":
+        """Return the errors at all stops [mm], one row per stop, joint and nest.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        return frame([
+            {
+                "joint": one.joint,
+                "nest": one.nest,
+                "config": config,
+                "angle_deg": angle,
+                "tangential_mm": tangential,
+                "radial_mm": radial,
+                "axial_mm": axial,
+            }
+            for one in self.answer.circles
+            for config, angle, tangential, radial, axial in zip(
+                one.config.tolist(),
+                np.degrees(one.errors.angle_rad).tolist(),
+                one.errors.tangential_mm.tolist(),
+                one.errors.radial_mm.tolist(),
+                one.errors.axial_mm.tolist(),
+                strict=True,
+            )
+        ])
+
+    def report(self, file: str | Path) -> None:
+        """Write the report, as `truepose circles --report` does; raises UnwritableReportError."""
+        write_circle_report(Path(file), self.answer, self.robot)
+
+    def __repr__(self) -> str:
+        found = counted(len(self.answer.circles), "circle")
+        return f"Circle test of {self.robot}: {found}, {len(self.answer.withheld)} withheld"
+
+    def _repr_html_(self) -> str:
+        rows = circle_rows(self.answer)
+        return html.page(
+            html.table("Circle test", circle_heads(IN_ENGLISH), rows, numbers_from=2),
+            html.paragraphs((*map(english, circle_test_sentences(self.answer)), *self.remarks)),
+        )
+
+
+def circles(points: TableOrFile, robot: Model | str | Path) -> CircleErrors:
+    """Say what each joint errs by, turned alone.
+
+    Parameters
+    ----------
+    points : table or path
+        n readings of positions with the columns of `read_campaign`; a file is CSV.
+    robot : str, path or Model
+        Name of a shipped robot, a file of one's own (`.toml`, `.urdf`), or a model.
+
+    Returns
+    -------
+    CircleErrors
+
+    Raises
+    ------
+    InputFileError
+        The table cannot be used: with file and line, or row (from 0), and column.
+    ConfigurationError
+        The rows hold lengths, or no joint is turned alone.
+
+    Examples
+    --------
+    >>> import numpy as np, truepose as tp
+    >>> turn = np.arange(-60.0, 61.0, 10.0)
+    >>> readings = {
+    ...     "config": np.arange(13),
+    ...     "joints_deg": np.column_stack([turn, np.zeros((13, 5))]),
+    ...     "nest": 1,
+    ...     "x_mm": 400.0 * np.cos(np.radians(turn)),
+    ...     "y_mm": 400.0 * np.sin(np.radians(turn)),
+    ...     "z_mm": 290.0,
+    ...     "u_mm": 0.01,
+    ... }
+    >>> tp.circles(readings, "abb-irb-120")
+    Circle test of ABB IRB 120: 1 circle, 0 withheld
+    """
+    arm = _robot(robot)
+    table = held_out_readings(*named_data(points, "points"), arm.n_joints, _NESTS)
+    if not isinstance(table.readings, PointReadings):
+        raise ConfigurationError("The rows hold lengths: a circle test takes positions, x_mm y_mm z_mm.")
+    return CircleErrors(circle_test(table.readings), arm.name, tuple(map(english, table.ignored)))
+
+
+def _robot(given: Model | str | Path) -> Robot:
+    found = given.data.robot if isinstance(given, Model) else known_robot(given)
+    if found is None:
+        raise ConfigurationError("robot: give the name of a shipped robot, a robot file, or a model.")
+    return found
