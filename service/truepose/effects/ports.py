@@ -154,6 +154,15 @@ class Effect(Protocol):
 
 
 @runtime_checkable
+class Summed(Protocol):
+    """An effect of many parameters that adds up what they move faster than term by term."""
+
+    def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
+        """Return by how much the values (p,) of parameters move each port, shape (n,), as its terms say."""
+        ...
+
+
+@runtime_checkable
 class Drifting(Protocol):
     """An effect of which some parameters move things ever further in time: a made model holds these."""
 

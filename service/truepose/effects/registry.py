@@ -27,7 +27,17 @@ from truepose.effects.links.geometry import Geometry, JointOffset
 from truepose.effects.links.link_bending import LinkBending
 from truepose.effects.links.link_mass import LinkMasses
 from truepose.effects.links.thermal_growth import ThermalGrowth
-from truepose.effects.ports import Automatic, Drifting, Effect, LeavesOpen, Need, Setting, Telling, Trait
+from truepose.effects.ports import (
+    Automatic,
+    Drifting,
+    Effect,
+    LeavesOpen,
+    Need,
+    Setting,
+    Summed,
+    Telling,
+    Trait,
+)
 from truepose.effects.readings.label_swap import LabelSwap
 from truepose.effects.readings.outliers import Outliers
 from truepose.effects.tool.nest_offset import NestOffset
@@ -117,6 +127,12 @@ def effects_with(trait: Trait) -> tuple[str, ...]:
     return tuple(
         name for name, effect in EFFECTS.items() if isinstance(effect, Telling) and trait in effect.traits
     )
+
+
+@cache
+def summed_effects() -> Mapping[str, Summed]:
+    """Return the effects that add up their own terms, by name."""
+    return {name: effect for name, effect in EFFECTS.items() if isinstance(effect, Summed)}
 
 
 def automatic_in(setting: Setting) -> tuple[str, ...]:

@@ -26,12 +26,12 @@ S. A. Hayati, Proc. 22nd IEEE Conf. Decision and Control, 1983, 1477-1483 (near-
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import MappingProxyType
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.robot import Robot
 from truepose.kinematics.frames import cross, turned, turned_axes
 
@@ -67,6 +67,14 @@ class Chain:
     def z(self) -> FloatArray:
         """Axis of each joint, shape (J, n, 3)."""
         return self.rotation[..., 2]
+
+    def taken(self, rows: IntArray) -> "Chain":
+        """Return the frames of some configurations, shape (m,) indices."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        alone = ("base_rotation", "base_origin", "end_rotation", "end_origin")
+        return Chain(**{
+            name: column[rows] if name in alone else column[:, rows] for name, column in columns.items()
+        })
 
     def y_middle(self, joint: int) -> FloatArray:
         """Second axis of the frame between alpha and beta of a joint, shape (n, 3)."""

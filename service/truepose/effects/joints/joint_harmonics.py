@@ -65,6 +65,16 @@ class JointHarmonics:
             found += [Term(k, Port(PortKind.THETA, joint), weights[i]) for i, k in enumerate(own.tolist())]
         return found
 
+    def sums(self, names: tuple[str, ...], values: FloatArray, rows: Rows) -> dict[Port, FloatArray]:
+        """Return the curves of the joints."""
+        table = _table(names)
+        found = {}
+        for joint in np.unique(table.joint).tolist():
+            own = table.joint == joint
+            curve = _sum_of_waves(table.order[own], table.sine[own], values[own], rows.turn_rad[:, joint])
+            found[Port(PortKind.THETA, joint)] = curve
+        return found
+
     def unseen(self, scene: Scene) -> Text | None:
         """Need joints that turn."""
         if not scene.turning:
@@ -226,13 +236,31 @@ def _weights(names: tuple[str, ...], turn_rad: FloatArray) -> FloatArray:
 
 def _waves(order: FloatArray, sine: BoolArray, turn_rad: FloatArray) -> FloatArray:
     """Return sines and cosines of multiples (p,) of angles (n,), shape (p, n)."""
-    highest = int(order.max())
-    if len(order) < _SHARE_OF_ORDERS * highest or (order != np.round(order)).any():
+    if _are_few(order):
         angle = order[:, None] * turn_rad
         return np.where(sine[:, None], np.sin(angle), np.cos(angle))
-    sines, cosines = _multiples(highest, turn_rad)
+    sines, cosines = _multiples(int(order.max()), turn_rad)
     row = order.astype(np.int64)
     return np.where(sine[:, None], sines[row], cosines[row])
+
+
+def _are_few(order: FloatArray) -> bool:
+    """Whether it pays to work out each wave by itself."""
+    return len(order) < _SHARE_OF_ORDERS * int(order.max()) or bool((order != np.round(order)).any())
+
+
+def _sum_of_waves(order: FloatArray, sine: BoolArray, value: FloatArray, turn_rad: FloatArray) -> FloatArray:
+    """Return the sum of waves (p,) at angles (n,): the real part of a polynomial in exp(i q), by Horner."""
+    if _are_few(order):
+        return np.asarray(value @ _waves(order, sine, turn_rad))
+    coefficient = np.zeros(int(order.max()) + 1, dtype=complex)
+    np.add.at(coefficient, order.astype(np.int64), np.where(sine, -1j, 1.0) * value)
+    turn = np.exp(1j * turn_rad)
+    curve = np.full(len(turn_rad), coefficient[-1])
+    for factor in coefficient[-2::-1]:
+        curve *= turn
+        curve += factor
+    return curve.real
 
 
 def _multiples(highest: int, angle_rad: FloatArray) -> tuple[FloatArray, FloatArray]:

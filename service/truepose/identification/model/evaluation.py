@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from truepose.domain.campaign import Stops
 from truepose.effects.ports import Port, PortKind, Rows, Term, known_frames
 from truepose.effects.registry import needs_of
 from truepose.identification.model.structure import Structure, base_axes
-from truepose.identification.model.terms import Acting, with_added_loads
+from truepose.identification.model.terms import Acting, Told, with_added_loads
 from truepose.kinematics.chain import Chain, LinkValues, forward, nominal_values
 from truepose.kinematics.frames import turned_axes
 from truepose.kinematics.gravity import gravity_torques
@@ -49,7 +50,7 @@ class State:
     structure: Structure
     targets: Targets
     values: FloatArray  # (P,)
-    terms: tuple[Term, ...]  # parameter indices are those of the structure
+    told: Told  # the terms, worked out once somebody asks for them
     chain: Chain
     base_origin_mm: FloatArray  # (3,)
     base_axes: FloatArray  # (3, 3) in rows
@@ -62,6 +63,11 @@ class State:
     instrument_motion: FloatArray | None  # (n, 6); None where no parameter moves it
     moved: dict[Port, FloatArray | float]  # every port that a parameter moves
     torque_n_mm: FloatArray | None  # (n, J)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """How parameters act on ports; their indices are those of the structure."""
+        return self.told()
 
     @property
     def orientation(self) -> FloatArray:
@@ -93,24 +99,101 @@ def evaluate(
     -------
     State
     """
-    nominal = nominal_values(structure.robot, targets.stops.joints_rad)
-    measured = targets.stops.torque_n_mm if structure.torques_measured else None
-    unloaded = cache(partial(forward, nominal, structure.base_rotation, structure.base_origin_mm))
-    rows = _rows(structure, targets, measured, unloaded)
-    loaded = measured is None and _is_loaded(structure)
-    if loaded and previous:
-        rows = rows._replace(torque_n_mm=previous.torque_n_mm, frames=known_frames(previous.chain))
-    acting = Acting(structure, values, rows)
-    state = _evaluate_loaded(acting, targets, nominal, rows)
-    for _ in range(_MOST_PASSES if loaded else 0):
-        torque = _gravity(structure, state.chain)
-        change = _change(torque, state.torque_n_mm)
+    prediction = _Prediction(structure, values, targets)
+    if not prediction.loaded:
+        return prediction.under(None)
+    guess = None if previous is None else Load(previous.torque_n_mm, known_frames(previous.chain))
+    state = prediction.under(guess)
+    for _ in range(_MOST_PASSES):
+        load = load_of(state)
+        change = _change(load.torque_n_mm, state.torque_n_mm)
         if change > _BALANCED:
-            rows = rows._replace(torque_n_mm=torque, frames=known_frames(state.chain))
-            state = _evaluate_loaded(acting, targets, nominal, rows)
+            state = prediction.under(load)
         if change <= _NEARLY_BALANCED:
             break
     return state
+
+
+class Load(NamedTuple):
+    """What winds up the springs of n rows: torques, and the frames in which weights pull."""
+
+    torque_n_mm: FloatArray | None  # (n, J); None: there are no masses
+    frames: Callable[[], Chain]
+
+    def taken(self, rows: IntArray) -> "Load":
+        """Return the load of some rows."""
+        torque = None if self.torque_n_mm is None else self.torque_n_mm[rows]
+        return Load(torque, cache(lambda: self.frames().taken(rows)))
+
+    def with_torques(self, rows: IntArray, others: "Load | None") -> "Load":
+        """Return the load with the torques of some rows replaced; frames stay, which are near enough."""
+        if self.torque_n_mm is None or others is None or others.torque_n_mm is None:
+            return self
+        torque = self.torque_n_mm.copy()
+        torque[rows] = others.torque_n_mm
+        return self._replace(torque_n_mm=torque)
+
+
+def load_of(state: State) -> Load:
+    """Return what loads the arm where it is, which is what it was predicted with once both are in balance."""
+    return Load(_gravity(state.structure, state.chain), known_frames(state.chain))
+
+
+def evaluate_once(
+    structure: Structure, values: FloatArray, targets: Targets, load: Load | None
+) -> tuple[State, Load | None, FloatArray]:
+    """Predict nest positions under a load that is nearly theirs: for searches, which come back anyway.
+
+    Parameters
+    ----------
+    structure : Structure
+    values : ndarray, shape (P,)
+    targets : Targets
+    load : Load, optional
+        Of the same targets at joint angles near by; without it, that of the arm whose springs are not wound.
+
+    Returns
+    -------
+    state : State
+    load : Load, optional
+        Of that state; None where nothing yields, or torques are measured.
+    imbalance : ndarray, shape (n,)
+        By how much the torques of a row differ from those it was predicted with, of the largest torque.
+    """
+    prediction = _Prediction(structure, values, targets)
+    if prediction.loaded and load is None:
+        load = load_of(prediction.under(None))
+    state = prediction.under(load)
+    if not prediction.loaded:
+        return state, None, np.zeros(len(targets))
+    own = load_of(state)
+    return state, own, _imbalance(own.torque_n_mm, state.torque_n_mm, len(targets))
+
+
+def _imbalance(torque: FloatArray | None, before: FloatArray | None, n: int) -> FloatArray:
+    if torque is None or before is None:
+        return np.zeros(n)
+    largest = np.abs(torque).max(initial=1e-300)
+    return np.asarray(np.abs(torque - before).max(axis=1) / largest)
+
+
+class _Prediction:
+    """Targets that are predicted under one load after the other; what no load changes is worked out once."""
+
+    def __init__(self, structure: Structure, values: FloatArray, targets: Targets) -> None:
+        measured = targets.stops.torque_n_mm if structure.torques_measured else None
+        self.loaded = measured is None and _is_loaded(structure)
+        self._nominal = nominal_values(structure.robot, targets.stops.joints_rad)
+        unloaded = cache(partial(forward, self._nominal, structure.base_rotation, structure.base_origin_mm))
+        self._targets, self._rows = targets, _rows(structure, targets, measured, unloaded)
+        self._acting = Acting(structure, values, self._rows)
+
+    def under(self, load: Load | None) -> State:
+        """Return the state under a load; None: torques as measured, or those of the arm with no errors."""
+        rows = self._rows
+        if load is not None:
+            rows = rows._replace(torque_n_mm=load.torque_n_mm, frames=load.frames)
+        return _evaluate_loaded(self._acting, self._targets, self._nominal, rows)
 
 
 def _is_loaded(structure: Structure) -> bool:
@@ -138,7 +221,7 @@ def _gravity(structure: Structure, chain: Chain) -> FloatArray | None:
 
 def _evaluate_loaded(acting: Acting, targets: Targets, nominal: LinkValues, rows: Rows) -> State:
     structure, values = acting.structure, acting.values
-    terms, moved = acting.under_load(rows)
+    told, moved = acting.under_load(rows)
     rotation, axes = base_axes(structure.base_rotation, _triple(moved, PortKind.BASE, 3))
     origin = structure.base_origin_mm + _triple(moved, PortKind.BASE, 0)
     tool_rotation, tool_axes = base_axes(structure.tool_rotation, _triple(moved, PortKind.TOOL_ROTATION, 0))
@@ -151,7 +234,7 @@ def _evaluate_loaded(acting: Acting, targets: Targets, nominal: LinkValues, rows
         structure=structure,
         targets=targets,
         values=values,
-        terms=terms,
+        told=cache(told),
         chain=chain,
         base_origin_mm=origin,
         base_axes=axes,

@@ -1,7 +1,7 @@
 """What the effects of a model do to the ports of its chain, row by row."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TypeAlias
 
@@ -9,10 +9,11 @@ import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.effects.ports import Port, PortKind, Rows, Term, Trait
-from truepose.effects.registry import effect_named, effects_with
+from truepose.effects.registry import effect_named, effects_with, summed_effects
 from truepose.identification.model.structure import Structure
 
 Moved: TypeAlias = dict[Port, FloatArray | float]
+Told: TypeAlias = Callable[[], tuple[Term, ...]]
 
 
 class Acting:
@@ -22,27 +23,39 @@ class Acting:
         self.structure, self.values = structure, values
         self._rows = rows
 
-    def under_load(self, rows: Rows) -> tuple[tuple[Term, ...], Moved]:
+    def under_load(self, rows: Rows) -> tuple[Told, Moved]:
         """Return terms and moved ports, gearboxes loaded by what effects add to the torque too."""
-        terms, moved = self._at(rows)
+        told, moved = self._at(rows)
         loads = [load for port, load in moved.items() if port.kind is PortKind.TORQUE]
         if rows.torque_n_mm is None or not any(np.any(load) for load in loads):
-            return terms, moved
+            return told, moved
         return self._at(rows._replace(torque_n_mm=with_added_loads(rows.torque_n_mm, moved)))
 
-    def _at(self, rows: Rows) -> tuple[tuple[Term, ...], Moved]:
+    def _at(self, rows: Rows) -> tuple[Told, Moved]:
         following = [name for name in self.structure.effects if name not in effects_with(Trait.STEADY)]
-        terms = self._collected(following, rows)
-        steady, moved = self._steady
-        return (*steady, *terms), _moved(terms, self.values, moved)
+        steady, already = self._steady
+        told, moved = self._asked(following, rows, already)
+        return lambda: (*steady(), *told()), moved
 
     @cached_property
-    def _steady(self) -> tuple[tuple[Term, ...], Moved]:
+    def _steady(self) -> tuple[Told, Moved]:
         steady = [name for name in self.structure.effects if name in effects_with(Trait.STEADY)]
-        terms = self._collected(steady, self._rows)
-        return terms, _moved(terms, self.values, {})
+        return self._asked(steady, self._rows, {})
 
-    def _collected(self, effects: Iterable[str], rows: Rows) -> tuple[Term, ...]:
+    def _asked(self, effects: Sequence[str], rows: Rows, already: Moved) -> tuple[Told, Moved]:
+        """Return what effects move; those that add up themselves tell their terms only if somebody asks."""
+        summed = [name for name in effects if name in summed_effects()]
+        terms = self._collected([name for name in effects if name not in summed], rows)
+        moved = _moved(terms, self.values, already)
+        for name in summed:
+            values = self.values[list(self.structure.indices_of(name))]
+            for port, shift in (
+                summed_effects()[name].sums(self.structure.names_of(name), values, rows).items()
+            ):
+                moved[port] = moved.get(port, 0.0) + shift
+        return lambda: (*terms, *self._collected(summed, rows)), moved
+
+    def _collected(self, effects: Sequence[str], rows: Rows) -> tuple[Term, ...]:
         """Ask effects how their parameters act; parameter indices are those of the structure."""
         terms: list[Term] = []
         for effect in effects:

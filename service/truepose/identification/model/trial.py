@@ -38,11 +38,12 @@ def tried(state: State, specs: tuple[ParameterSpec, ...], terms: tuple[Term, ...
     instrument = state.instrument_motion
     if instrument is None and any(term.port.kind is PortKind.INSTRUMENT for term in terms):
         instrument = np.zeros((n, 6))
+    trial = tuple(Term(present + parameter, port, weight) for parameter, port, weight in terms)
     return replace(
         state,
         structure=state.structure.extended(_TRIAL, specs),
         values=np.concatenate([state.values, np.zeros(len(specs))]),
-        terms=tuple(Term(present + parameter, port, weight) for parameter, port, weight in terms),
+        told=lambda: trial,
         motions=state.motions | still,
         instrument_motion=instrument,
     )
