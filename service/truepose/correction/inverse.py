@@ -13,29 +13,29 @@ error is large, so that a singularity shortens steps instead of blowing them up.
 References
 ----------
 A. Nubiola, thesis, ETS Montreal, 2014, section 1.5 (fake targets, pose shift).
-Y. Nakamura, H. Hanafusa, J. Dyn. Sys. Meas. Control 108, 1986, 163-171 (damping near singularities).
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from truepose.correction.goals import Goals
+from truepose.correction.steps import LEVER_MM, damped_steps
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.identification.model.estimates import Estimate
-from truepose.identification.model.evaluation import State, Targets, evaluate
-from truepose.kinematics.frames import cross, vector_from_rotation
+from truepose.identification.model.evaluation import Load, State, Targets, evaluate_once
+from truepose.kinematics.frames import vector_from_rotation
 
 ARRIVED_MM: Final = 1e-3  # 1 um, and 1 urad: a hundredth of what robots repeat
-ARRIVED_RAD: Final = 1e-6
-_LEVER_MM: Final = 1000.0  # weighs turns against shifts: at it both limits are the same
+ARRIVED_RAD: Final = 1e-6  # at the lever of a step the same
 _SURE: Final = 0.1  # of the limits, at which the iteration rests
 _PASSES: Final = 8
 _HALVINGS: Final = 3
-_LONGEST_STEP_RAD: Final = 0.3
-_DAMPING: Final = 1e-4  # of the squared error: no hindrance once the error is small
-_ROUNDING: Final = 1e-13  # of the squared lever: keeps the equations of a singular arm solvable
+# Torques that differ so much from those of the step before, of the largest, are worked out once more: of a
+# deflection of 0.1 deg 2e-8 rad are then missing, or a hundredth of the error that is left.
+_AT_REST: Final = 1e-5
+_SETTLING_MM: Final = 0.002
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,15 @@ def attain(estimate: Estimate, goals: Goals, start_rad: FloatArray) -> Attained:
 def _keep(ended: Attained, rows: IntArray, search: "_Search", which: BoolArray) -> None:
     ended.joints_rad[rows] = search.joints[which]
     ended.error_mm[rows] = np.linalg.norm(search.error[which, :3], axis=1)
-    ended.error_rad[rows] = np.linalg.norm(search.error[which, 3:], axis=1) / _LEVER_MM
+    ended.error_rad[rows] = np.linalg.norm(search.error[which, 3:], axis=1) / LEVER_MM
+
+
+class _Tried(NamedTuple):
+    """Trials of n rows."""
+
+    joints: FloatArray  # (n, J)
+    error: FloatArray  # (n, 6)
+    state: State
 
 
 class _Search:
@@ -121,23 +129,39 @@ class _Search:
         self.error = np.full((len(goals), 6), np.inf)
         self._step = np.zeros_like(start_rad)
         self._halvings = np.zeros(len(goals), dtype=np.int64)
-        self._state: State | None = None
+        self._load: Load | None = None  # of the last trial
 
     def advance(self) -> None:
         """Try the steps; take those that helped and prepare the next one, halve the others."""
         trial = self.joints + self._step
-        self._state = self._at(trial)
-        error = _error(self._state, self._goals)
-        better = _size(error) < _size(self.error)
-        self.joints[better], self.error[better] = trial[better], error[better]
-        self._step[~better] *= 0.5
-        self._halvings = np.where(better, 0, self._halvings + 1)
-        going = np.flatnonzero(better & ~_is_there(error))
-        self._step[going] = _step(self._state, going, error[going], self._sign)
+        tried, self._load, imbalance = self._tried(self._goals, trial, self._load)
+        settled = imbalance <= _AT_REST * np.maximum(1.0, _size(tried.error) / _SETTLING_MM)
+        places = np.flatnonzero(settled)
+        self._judge(places, tried, places)
+        rest = np.flatnonzero(~settled)
+        if self._load and len(rest):
+            tried, load, _ = self._tried(self._goals.taken(rest), trial[rest], self._load.taken(rest))
+            self._load = self._load.with_torques(rest, load)
+            self._judge(rest, tried, np.arange(len(rest)))
 
-    def _at(self, joints_rad: FloatArray) -> State:
-        targets = Targets(self._goals.at(joints_rad), self._goals.nest)
-        return evaluate(self._estimate.structure, self._estimate.values, targets, self._state)
+    def _tried(
+        self, goals: Goals, joints_rad: FloatArray, load: Load | None
+    ) -> tuple["_Tried", Load | None, FloatArray]:
+        targets = Targets(goals.at(joints_rad), goals.nest)
+        estimate = self._estimate
+        state, own, imbalance = evaluate_once(estimate.structure, estimate.values, targets, load)
+        return _Tried(joints_rad, _error(state, goals), state), own, imbalance
+
+    def _judge(self, rows: IntArray, tried: "_Tried", places: IntArray) -> None:
+        """Take what was tried for some rows, shape (m,), and stands at as many places."""
+        error = tried.error[places]
+        better = _size(error) < _size(self.error[rows])
+        won, lost = rows[better], rows[~better]
+        self.joints[won], self.error[won] = tried.joints[places[better]], error[better]
+        self._halvings[won], self._halvings[lost] = 0, self._halvings[lost] + 1
+        self._step[lost] *= 0.5
+        going = better & ~_is_there(error)
+        self._step[rows[going]] = damped_steps(tried.state, places[going], error[going], self._sign)
 
     def resting(self) -> BoolArray:
         """Return which rows arrived, or cannot come nearer."""
@@ -145,7 +169,7 @@ class _Search:
 
     def narrow(self, rows: IntArray) -> None:
         """Go on with some rows only."""
-        self._goals, self._state = self._goals.taken(rows), None
+        self._goals, self._load = self._goals.taken(rows), self._load and self._load.taken(rows)
         self.joints, self.error, self._step = self.joints[rows], self.error[rows], self._step[rows]
         self._halvings = self._halvings[rows]
 
@@ -161,18 +185,4 @@ def _is_there(error: FloatArray) -> BoolArray:
 def _error(state: State, goals: Goals) -> FloatArray:
     """Return shift [mm] and turn [mm at the lever] from the attained poses to the goals, shape (n, 6)."""
     turn = vector_from_rotation(goals.rotation @ np.swapaxes(state.chain.end_rotation, 1, 2))
-    return np.concatenate([goals.position_mm - state.unscaled_mm, _LEVER_MM * turn], axis=1)
-
-
-def _step(state: State, rows: IntArray, error: FloatArray, sign: FloatArray) -> FloatArray:
-    """Return damped Newton steps of some rows (m,), shape (m, J)."""
-    axes, origins = state.chain.z[:, rows], state.chain.origin[:, rows]
-    shift = cross(axes, state.unscaled_mm[rows] - origins)
-    jacobian = np.concatenate([shift, _LEVER_MM * axes], axis=2).transpose(1, 2, 0) * sign
-    transposed = np.swapaxes(jacobian, 1, 2)
-    damping = _DAMPING * np.minimum((error**2).sum(axis=1), _LEVER_MM**2)
-    across = jacobian @ transposed
-    across += (damping + _ROUNDING * _LEVER_MM**2)[:, None, None] * np.eye(6)
-    step = (transposed @ np.linalg.solve(across, error[:, :, None]))[:, :, 0]
-    longest = np.abs(step).max(axis=1, keepdims=True)
-    return np.asarray(step * np.minimum(1.0, _LONGEST_STEP_RAD / np.maximum(longest, _LONGEST_STEP_RAD)))
+    return np.concatenate([goals.position_mm - state.unscaled_mm, LEVER_MM * turn], axis=1)

@@ -20,16 +20,17 @@ from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, has_closed_form, one_branch
 
-_SHIFTS: Final = 3  # each leaves a few per cent of the error
 _HOPELESS_MM: Final = 50.0  # several times what any arm is off: the goal is out of reach
-_BESIDE: Final = (1, 2, 3, 4)  # exclusive or with the branch: other wrist, other elbow, both, other side
+_SHIFTS: Final = 2  # each leaves a few per cent of the error
+_OWN: Final = (0,)  # exclusive or with the branch
+_BESIDE: Final = (0, 1, 2, 3, 4)  # itself, other wrist, other elbow, both, other side
 
 
 class NominalArm:
     """The arm of the controller, standing where the identified one stands."""
 
     def __init__(self, estimate: Estimate) -> None:
-        self._estimate = estimate
+        self.estimate = estimate
         robot = estimate.structure.robot
         at_zero = Targets(
             Stops(np.zeros(1, dtype=np.int64), np.zeros((1, robot.n_joints))), np.ones(1, dtype=np.int64)
@@ -37,6 +38,11 @@ class NominalArm:
         state = evaluate(estimate.structure, estimate.values, at_zero)
         self._rotation, self._origin = state.chain.base_rotation[0], state.chain.base_origin[0]
         self.nests_mm = nest_centres(estimate.structure, state.moved)  # (K, 3) in the last frame
+
+    @property
+    def has_branches(self) -> bool:
+        """Whether numbers of branches mean something."""
+        return has_closed_form(self.estimate.structure.robot)
 
     def flange(self, goals: Goals) -> FloatArray:
         """Return where goals put the last frame, in the robot's base, shape (n, 4, 4)."""
@@ -46,23 +52,23 @@ class NominalArm:
     def attained(self, goals: Goals, joints_rad: FloatArray) -> FloatArray:
         """Return where the identified arm has its last frame, in the robot's base, shape (n, 4, 4)."""
         targets = Targets(goals.at(joints_rad), np.ones(len(goals), dtype=np.int64))
-        chain = evaluate(self._estimate.structure, self._estimate.values, targets).chain
+        chain = evaluate(self.estimate.structure, self.estimate.values, targets).chain
         return self._in_base(chain.end_rotation, chain.end_origin)
 
     def one_branch(self, flange: FloatArray, branch: IntArray) -> FloatArray:
         """Return the joint angles of one branch each, shape (n, J)."""
-        robot = self._estimate.structure.robot
-        if has_closed_form(robot):
+        robot = self.estimate.structure.robot
+        if self.has_branches:
             return one_branch(robot, flange, branch)
         return np.asarray(self.branches(flange)[np.arange(len(flange)), branch])
 
     def branches(self, flange: FloatArray, *, reach_out: bool = True) -> FloatArray:
         """Return the joint angles of every branch, shape (n, 8, J)."""
-        return all_branches(self._estimate.structure.robot, flange, reach_out=reach_out)
+        return all_branches(self.estimate.structure.robot, flange, reach_out=reach_out)
 
     def commanded(self, joints_rad: FloatArray) -> FloatArray:
         """Return where the controller believes its last frame to be, in the robot's base, shape (n, 4, 4)."""
-        chain = nominal_chain(self._estimate.structure.robot, joints_rad)
+        chain = nominal_chain(self.estimate.structure.robot, joints_rad)
         return poses_of(chain.end_rotation, chain.end_origin)
 
     def in_world(self, goals: Goals) -> Goals:
@@ -79,14 +85,23 @@ def attain_branch(estimate: Estimate, goals: Goals, branch: IntArray) -> Attaine
     arm = NominalArm(estimate)
     wanted = arm.flange(goals)
     found = attain(estimate, goals, arm.one_branch(wanted, branch))
-    for beside in (0,) * _SHIFTS + _BESIDE:
+    besides = np.array(_BESIDE if arm.has_branches else _OWN)
+    for _ in range(_SHIFTS):
         left = np.flatnonzero(~found.arrived & (found.error_mm < _HOPELESS_MM))
         if not len(left):
             break
         rows = goals.taken(left)
         again = _shifted(arm, rows, wanted[left], found.joints_rad[left])
-        found = merged(found, left, attain(estimate, rows, arm.one_branch(again, branch[left] ^ beside)))
+        found = merged(found, left, _attain_one_of(arm, rows, again, branch[left] ^ besides[:, None]))
     return found
+
+
+def _attain_one_of(arm: NominalArm, goals: Goals, flange: FloatArray, branches: IntArray) -> Attained:
+    """Search n goals in several branches each, (k, n); return the first that arrives, or comes nearest."""
+    places = np.tile(np.arange(len(goals)), len(branches))
+    found = attain(arm.estimate, goals.taken(places), arm.one_branch(flange[places], branches.ravel()))
+    distance = np.where(found.arrived, 0.0, found.distance).reshape(branches.shape)
+    return found.taken(np.argmin(distance, axis=0) * len(goals) + np.arange(len(goals)))
 
 
 def _shifted(arm: NominalArm, goals: Goals, wanted: FloatArray, joints_rad: FloatArray) -> FloatArray:
