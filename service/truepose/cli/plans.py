@@ -13,6 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.words.catalogue import ENGLISH, catalogue, english
 
 if TYPE_CHECKING:
+    from truepose.domain.keep_outs import KeepOuts
     from truepose.domain.robot import Robot
     from truepose.planning.promise.plan import PromisedPlan
     from truepose.planning.promise.subjects import Subject
@@ -29,6 +30,12 @@ def plan_command(
     ] = None,
     volume: Annotated[
         Path | None, typer.Option(help="Where accuracy counts: a box, joint ranges, or both (TOML or JSON).")
+    ] = None,
+    keep_out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Volumes that the arm must not enter: boxes, cylinders, half spaces (TOML or JSON)."
+        ),
     ] = None,
     ballbar: Annotated[bool, typer.Option("--ballbar", help="Lengths of a ballbar, no tracker.")] = False,
     reading_mm: Annotated[
@@ -49,7 +56,7 @@ def plan_command(
     Example: truepose plan abb-irb-120 --n 40 --out plan.csv
     """
     require_folders(out)
-    asked = _Asked(subject, n, volume, _size(reading_mm, "--reading-mm"), seed)
+    asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed)
     lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
     made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
     if out is not None:
@@ -71,6 +78,7 @@ class _Asked:
     subject: str
     n: int | None
     volume: Path | None
+    keep_out: Path | None
     reading_mm: float | None
     seed: int
 
@@ -85,6 +93,13 @@ class _Asked:
         from truepose.exchange.volumes import read_volume
 
         return None if self.volume is None else read_volume(self.volume, robot.n_joints)
+
+    def keep_outs(self) -> "KeepOuts":
+        """Return the keep-out volumes of a file, none without one."""
+        from truepose.domain.keep_outs import KeepOuts
+        from truepose.exchange.cells.keep_outs import read_keep_out_file
+
+        return KeepOuts() if self.keep_out is None else read_keep_out_file(self.keep_out)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +129,7 @@ def _subject(asked: _Asked, discrepancy_mm: float | None) -> "Subject":
     from truepose.planning.promise.subjects import of_cell
 
     subject = _of_campaign(asked) if asked.is_campaign else of_cell(cell_given(asked.subject))
+    subject = subject.keeping_out(asked.keep_outs())
     if asked.reading_mm is not None:
         subject = subject.reading(asked.reading_mm)
     return subject if discrepancy_mm is None else subject.lacking(discrepancy_mm)
@@ -142,7 +158,7 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
         raise ConfigurationError("--ballbar plans for a robot or a cell file, not for a campaign; give one.")
     if asked.reading_mm is not None:
         raise ConfigurationError("--reading-mm is of positions; leave it out with --ballbar.")
-    cell = cell_given(asked.subject)
+    cell = cell_given(asked.subject).keeping_out(asked.keep_outs())
     lack = expected_discrepancy(cell) if discrepancy_mm is None else Discrepancy(discrepancy_mm)
     volume = asked.work_volume(cell.robot)
     plan = promised_ballbar_session(cell, asked.n, volume=volume, discrepancy=lack, seed=asked.seed)

@@ -1,10 +1,11 @@
 """A cell as its owner describes it: robot, instruments, artefacts, conditions and limits."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from truepose.domain.artefacts import Artefact as Artefact
 from truepose.domain.artefacts import BallbarKit
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 
 Vector = tuple[float, float, float]
@@ -70,6 +71,7 @@ class CellLimits:
         None  # where configurations are chosen; None: the robot's own
     )
     floor_z_mm: float | None = None  # of floor or table, world; None: the world's z = 0, or the robot's foot
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)  # that nothing of the arm enters
     reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
     tool_speed_mm_s: float = 500.0  # thesis section 2.4
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
@@ -99,6 +101,10 @@ class Cell:
     simulated: SimulatedCell | None = None
     ballbar: BallbarKit | None = None  # None: the cell has none
     people: tuple[str, ...] = ()  # who may confirm that the cell is clear; empty: whoever gives a name
+
+    def keeping_out(self, keep_outs: KeepOuts) -> "Cell":
+        """Return the cell with further keep-out volumes."""
+        return replace(self, limits=replace(self.limits, keep_outs=self.limits.keep_outs.joined(keep_outs)))
 
     def expected_serial(self, kind: str, entry: DeviceEntry) -> str:
         """Return which serial number a device must answer with, empty where the cell names none.

@@ -88,6 +88,7 @@ class PresentCell:
             tool_speed_mm_s=speed.tool_speed_mm_s,
             orientation_speed_rad_s=speed.orientation_speed_rad_s,
             floor_z_mm=_higher(stored.limits.floor_z_mm, present.limits.floor_z_mm),
+            keep_outs=stored.limits.keep_outs.joined(present.limits.keep_outs),
         )
         return replace(stored, limits=limits)
 

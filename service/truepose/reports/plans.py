@@ -72,6 +72,9 @@ def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:
     assumed = plan.assumptions
     key = "plans.readings" if plan.poses is None else "plans.lengths"
     yield said(key, reading_um=1e3 * assumed.reading_mm, repeatability_um=1e3 * assumed.repeatability_mm)
+    if assumed.kept_out:
+        key = "plans.kept_out" if plan.poses is None else "plans.kept_out.poses"
+        yield said(key, volumes=", ".join(assumed.kept_out))
     lack = assumed.discrepancy
     if lack.per_axis_mm > 0.0:
         yield said("plans.discrepancy", discrepancy_mm=lack.per_axis_mm, percent=100.0 * lack.known_to)

@@ -17,6 +17,8 @@ from truepose.domain.cell import (
 )
 from truepose.domain.people import announced_as, fault_of_name, tidy_name
 from truepose.domain.robot import FixedNest, JointRange, Robot
+from truepose.exchange.cells.keep_outs import KEY as KEEP_OUT
+from truepose.exchange.cells.keep_outs import read_keep_outs
 from truepose.exchange.document import Node
 from truepose.exchange.keys import NUMBER, TEXT, VECTOR, Form, Key, each, number, read_keys, whole
 from truepose.exchange.robots.document import ranges_of
@@ -145,6 +147,7 @@ def limits_of(robot: Robot) -> Form:
     keys = [
         Key("joints_deg", "joints", within, absent=None),
         Key("calibration_deg", "calibration", within, absent=None),
+        Key(KEEP_OUT, "keep_outs", Form(read_keep_outs), absent=default.keep_outs),
         *_defaulted(default, {"floor_z_mm": NUMBER, "reference_mm": _LENGTH, "tool_speed_mm_s": _LENGTH}),
         Key("orientation_speed_deg_s", "orientation_speed_rad_s", turning, default.orientation_speed_rad_s),
     ]

@@ -36,6 +36,7 @@ class Assumed(Document):
     repeatability_mm: Quantity
     discrepancy_mm: Quantity = Field(description="What no parameter expresses.")
     discrepancy_known_to: Quantity = Field(description="Relative standard deviation of that figure.")
+    kept_out: list[str] = Field(description="Names of the keep-out volumes that nothing of the arm enters.")
 
 
 class PlacementDocument(Document):

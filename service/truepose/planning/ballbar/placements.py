@@ -25,7 +25,7 @@ from truepose.kinematics.inverse import has_closed_form
 from truepose.kinematics.pose_device import Assembly
 from truepose.planning.ballbar.choice import Candidates, candidates, known_after
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
-from truepose.planning.ballbar.fixture import BaseFixture, base_fixture
+from truepose.planning.ballbar.fixture import BaseFixture, base_fixture, fixture_body
 from truepose.planning.ballbar.lengths.information import (
     SPACE_POINTS,
     ArmModel,
@@ -37,6 +37,7 @@ from truepose.planning.ballbar.lengths.information import (
 from truepose.planning.ballbar.poses import device
 from truepose.planning.ballbar.setups import setup_joints
 from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.work_volume.keep_outs import gaps_mm, look_at
 
 _LOWEST_MM: Final = 60.0  # of cup and hub above the table
 _HIGHEST_MM: Final = 600.0  # a stand that high is still stiff
@@ -120,9 +121,13 @@ class _Search:
         """Return what can be measured from a place; None where the base fixture cannot stand."""
         fixture = base_fixture(1, frame, self.wish.base_points, self.model.cell.leg_mm)
         heights = np.array([*fixture.cups_mm[:, 2], fixture.hub_mm[2]]) - self.model.cell.table_z_mm
-        if heights.min() < _LOWEST_MM or heights.max() > _HIGHEST_MM:
+        if heights.min() < _LOWEST_MM or heights.max() > _HIGHEST_MM or self._is_kept_out(fixture):
             return None
         return candidates(self.model, fixture, made=self.made)
+
+    def _is_kept_out(self, fixture: BaseFixture) -> bool:
+        body = fixture_body(fixture, self.model.cell.table_z_mm)
+        return any(gaps_mm(volume, body).min() < 0.0 for volume in self.model.cell.keep_outs)
 
     def too_few(self, places: Sequence[Candidates]) -> str:
         """Say that no place offers what is asked for, and how much the best one does."""
@@ -130,7 +135,7 @@ class _Search:
         return (
             f"From none of the {self.wish.draws} places that were tried can {self.fewest} configurations be "
             f"measured with the ballbar; the best offers {most}: ask for fewer or for more placements, or "
-            "widen the joint ranges."
+            f"widen the joint ranges.{look_at(self.model.cell.keep_outs)}"
         )
 
     def holds_ball(self, own: Candidates) -> bool:

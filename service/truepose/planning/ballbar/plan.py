@@ -94,7 +94,15 @@ def ballbar_cell(cell: Cell) -> BallbarCell:
         )
     leg = 300.0 if cell.ballbar is None else cell.ballbar.base_bars.nominal_mm
     table = 0.0 if limits.floor_z_mm is None else limits.floor_z_mm
-    return BallbarCell(robot, cell.base_nominal, np.array(centres), ranges, leg_mm=leg, table_z_mm=table)
+    return BallbarCell(
+        robot,
+        cell.base_nominal,
+        np.array(centres),
+        ranges,
+        leg_mm=leg,
+        table_z_mm=table,
+        keep_outs=limits.keep_outs,
+    )
 
 
 def plan_at(

@@ -10,6 +10,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.results import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
 from truepose.planning.ballbar.choice import candidates, known_after, stacked_rows
@@ -26,11 +27,13 @@ from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.setups import setups
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.promise.curve import MOST, CurvePoint, Errors, curve, knee, sizes
+from truepose.planning.promise.kept_out import because_of, parameters_of
 from truepose.planning.promise.order import most_informative_first
 from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan, indices, require_some
 from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.promise.volume import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.tracker.session_plans import short_tour
+from truepose.planning.work_volume.keep_outs import look_at
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _DRAWS: Final = 120  # random places of the base fixture: the search takes some seconds
@@ -93,12 +96,13 @@ def promised_at(
     """Plan with the base fixture at given places; all else as `promised_ballbar_session`."""
     rng = np.random.default_rng(seed)
     stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy.per_axis_mm))
-    model = arm_model(ballbar_cell(cell), Scatter(stop_mm=stop))
+    scatter, limits = Scatter(stop_mm=stop), ballbar_cell(cell)
+    model = arm_model(limits, scatter)
     choice = _choice(model, fixtures)
     if n is not None and n > len(choice.rows):
         raise TooFewCandidatesError(
             f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
-            "for fewer, or for more placements of the base fixture."
+            f"for fewer, or for more placements of the base fixture.{look_at(limits.keep_outs)}"
         )
     numbers = sizes(n, len(choice.rows))
     places = _places(cell, volume or WorkVolume(), model, rng)
@@ -106,7 +110,14 @@ def promised_at(
     errors = Errors(lambda size: gradient @ choice.root(size), discrepancy, cell.robot.repeatability_mm)
     points = curve(errors, numbers)
     advised = knee(points)
-    return choice.plan(model, advised if n is None else n, points, advised, discrepancy)
+    size = advised if n is None else n
+
+    def open_without(keep_outs: KeepOuts) -> frozenset[str]:
+        free = arm_model(replace(limits, keep_outs=keep_outs), scatter)
+        return parameters_of(_choice(free, fixtures).left_open(free, size))
+
+    plan = choice.plan(model, size, points, advised, discrepancy)
+    return replace(plan, left_open=because_of(limits.keep_outs, plan.left_open, open_without))
 
 
 def session_plan(cell: Cell, plan: PromisedPlan) -> BallbarPlan:
@@ -174,9 +185,11 @@ class _Choice:
             curve=points,
             advised=advised,
             measured=0,
-            left_open=self._left_open(model, size),
+            left_open=self.left_open(model, size),
             observability=indices(self.rows[:size, :, : model.parameters]),
-            assumptions=Assumptions(reading, model.cell.robot.repeatability_mm, discrepancy),
+            assumptions=Assumptions(
+                reading, model.cell.robot.repeatability_mm, discrepancy, model.cell.keep_outs.names
+            ),
         )
 
     def _in_order(self, size: int) -> IntArray:
@@ -186,7 +199,8 @@ class _Choice:
             parts.append(own[short_tour(self.joints_rad[own])])
         return np.concatenate(parts)
 
-    def _left_open(self, model: ArmModel, size: int) -> tuple[NotIdentifiable, ...]:
+    def left_open(self, model: ArmModel, size: int) -> tuple[NotIdentifiable, ...]:
+        """Return what so many poses leave open."""
         arm, widths = slice(model.parameters), model.structure.prior_widths
         covariance = np.linalg.inv(self.information(size))[arm, arm] * np.outer(widths, widths)
         flat = self.rows[:size, :, arm].reshape(-1, model.parameters)
@@ -216,7 +230,16 @@ def work_space_of(cell: Cell) -> WorkSpace:
     limits = ballbar_cell(cell)
     nests = tuple(replace(nest, facing=None) for nest in cell.nests)
     own = cell.limits.joints or cell.robot.joint_limits
-    return WorkSpace(cell.robot, limits.base, nests, limits.ranges, None, own, limits.table_z_mm)
+    return WorkSpace(
+        cell.robot,
+        limits.base,
+        nests,
+        limits.ranges,
+        None,
+        own,
+        limits.table_z_mm,
+        keep_outs=limits.keep_outs,
+    )
 
 
 def _places(cell: Cell, volume: WorkVolume, model: ArmModel, rng: np.random.Generator) -> WorkSpaceSample:

@@ -23,6 +23,7 @@ class Assumptions:
     reading_mm: float  # of a reading, RMS over the plan; of a length where lengths are read
     repeatability_mm: float  # of the arm
     discrepancy: Discrepancy
+    kept_out: tuple[str, ...] = ()  # names of the keep-out volumes that arm, tool and bars stay outside
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ import numpy as np
 from truepose.domain.campaign import Campaign, PointReadings
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.results import Model
 from truepose.domain.robot import JointRange, Nest
 from truepose.identification.model.stops import sites
@@ -35,6 +36,10 @@ class Subject:
     def reading(self, per_axis_mm: float) -> "Subject":
         """Return the subject with an instrument of this standard uncertainty."""
         return replace(self, knowns=replace(self.knowns, accuracy=stated(per_axis_mm)))
+
+    def keeping_out(self, keep_outs: KeepOuts) -> "Subject":
+        """Return the subject with further keep-out volumes."""
+        return replace(self, space=replace(self.space, keep_outs=self.space.keep_outs.joined(keep_outs)))
 
     def lacking(self, discrepancy_mm: float) -> "Subject":
         """Return the subject with another discrepancy per axis."""

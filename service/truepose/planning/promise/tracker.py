@@ -1,23 +1,29 @@
 """Tracker sessions: which configurations, in which order, and what accuracy they promise."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.keep_outs import KeepOuts
+from truepose.domain.results import NotIdentifiable
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.promise.curve import CurvePoint, Errors, curve, knee, sizes
+from truepose.planning.promise.kept_out import because_of, parameters_of
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns, Told
 from truepose.planning.promise.order import most_informative_first
 from truepose.planning.promise.plan import Assumptions, PromisedPlan, indices, require_some
 from truepose.planning.promise.volume import VOLUME_CONFIGURATIONS, WorkVolume, sample
 from truepose.planning.tracker.clear_ways import clear_order
+from truepose.planning.tracker.mended_ways import clear_tour, mended, pool_of
 from truepose.planning.tracker.session_plans import N_CANDIDATES, short_tour
 from truepose.planning.work_volume.candidates import Candidates, draw_candidates
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _STREAM: Final = 2  # of random numbers, apart from those of sessions
+_NEAR: Final = 300  # configurations that may stand in for one that cannot be reached
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,18 +72,31 @@ def promised_session(
         Fewer than one configuration was asked for.
     WorkSpaceError, TooFewCandidatesError
         The cell does not offer that many configurations, or the volume holds no place of the arm.
+    NoWayError
+        No order was found on whose ways nothing touches.
     """
     require_some(n)
     rng = np.random.default_rng([seed, _STREAM])
-    candidates = draw_candidates(space, max(n or 0, n_candidates), rng)
-    knowledge = ArmKnowledge(space, candidates, knowns or Knowns())
-    choice = _Choice(knowledge, candidates, measured or Measured(*_none(space), 0))
-    before = choice.measured.configurations
-    numbers = sizes(None if n is None else before + n, before + len(candidates), before)
+    knowns, measured = knowns or Knowns(), measured or Measured(*_none(space), 0)
+    choice = _Choice(space, draw_candidates(space, max(n or 0, n_candidates), rng), knowns, measured)
+    before = measured.configurations
+    numbers = sizes(None if n is None else before + n, before + choice.offered, before)
     choice.add(numbers[-1] - before)
-    points = curve(choice.errors(space, volume or WorkVolume(), rng), numbers)
+    errors = choice.errors(volume or WorkVolume(), rng)
+    points = curve(errors, numbers)
     advised = knee(points)
-    return choice.plan(space, points, advised, advised if n is None else before + n)
+    total = advised if n is None else before + n
+    if choice.exchanged_for_reach(total):
+        points = curve(errors, numbers)
+
+    def open_without(keep_outs: KeepOuts) -> frozenset[str]:
+        free, again = replace(space, keep_outs=keep_outs), np.random.default_rng([seed, _STREAM])
+        other = _Choice(free, draw_candidates(free, choice.offered, again), knowns, measured)
+        other.add(total - before)
+        return parameters_of(other.left_open(total))
+
+    left_open = because_of(space.keep_outs, choice.left_open(total), open_without)
+    return choice.plan(points, advised, total, left_open)
 
 
 def _none(space: WorkSpace) -> tuple[FloatArray, IntArray]:
@@ -95,28 +114,28 @@ def session_plan(plan: PromisedPlan) -> SessionPlan:
 class _Choice:
     """Configurations in the order in which they were chosen, behind those that were measured."""
 
-    def __init__(self, knowledge: ArmKnowledge, candidates: Candidates, measured: Measured) -> None:
-        self.measured = measured
-        self._knowledge = knowledge
-        self._candidates = candidates
-        self._chosen = candidates.subset(np.zeros(0, dtype=np.int64))
-        self._told = knowledge.told(measured.joints_rad, measured.nest)
+    def __init__(self, space: WorkSpace, candidates: Candidates, knowns: Knowns, measured: Measured) -> None:
+        self._space, self._candidates, self._measured = space, candidates, measured
+        self._knowledge = ArmKnowledge(space, candidates, knowns)
+        self._offered = self._knowledge.told(candidates.joints_rad, candidates.nest)
+        self._before = self._knowledge.told(measured.joints_rad, measured.nest)
+        self._order = np.zeros(0, dtype=np.int64)  # rows of the candidates
+        self._visited = self._order
+
+    @property
+    def offered(self) -> int:
+        """Candidates that there are."""
+        return len(self._candidates)
 
     def add(self, n: int) -> None:
         """Choose n candidates, the most informative first."""
-        offered = self._knowledge.told(self._candidates.joints_rad, self._candidates.nest)
-        before = self._told.rows.reshape(-1, offered.rows.shape[2])
+        before = self._before.rows.reshape(-1, self._before.rows.shape[2])
         information = self._knowledge.prior() + before.T @ before
-        order = most_informative_first(offered.rows, n, information)
-        self._chosen = self._candidates.subset(order)
-        self._told = Told(
-            np.concatenate([self._told.rows, offered.rows[order]]),
-            np.concatenate([self._told.held, offered.held[order]]),
-        )
+        self._order = most_informative_first(self._offered.rows, n, information)
 
-    def errors(self, space: WorkSpace, volume: WorkVolume, rng: np.random.Generator) -> Errors:
+    def errors(self, volume: WorkVolume, rng: np.random.Generator) -> Errors:
         """Return how errors over a volume follow from the number of configurations."""
-        place = sample(space, volume, VOLUME_CONFIGURATIONS, rng)
+        place = sample(self._space, volume, VOLUME_CONFIGURATIONS, rng)
         seen = self._knowledge.places(place.joints_rad, place.nest)
 
         def after(size: int) -> FloatArray:
@@ -124,36 +143,82 @@ class _Choice:
 
         return Errors(after, self._knowledge.discrepancy, self._knowledge.repeatability_mm)
 
+    def exchanged_for_reach(self, total: int) -> bool:
+        """Find the order of visits of the first `total`; others take the place of what cannot be reached.
+
+        Returns whether some did. Raises NoWayError where nothing helps.
+        """
+        wanted = self._order[: total - self._measured.configurations]
+        self._visited = _visits(self._space, self._candidates.joints_rad, wanted, self._order)
+        if np.isin(self._visited, wanted).all():
+            return False
+        kept = wanted[np.isin(wanted, self._visited)]
+        new = self._visited[~np.isin(self._visited, wanted)]
+        others = self._order[len(wanted) :]
+        given_up = wanted[~np.isin(wanted, self._visited)]
+        self._order = np.concatenate([kept, new, others[~np.isin(others, new)], given_up])
+        return True
+
+    def left_open(self, total: int) -> tuple[NotIdentifiable, ...]:
+        """Return what the first `total` would leave open."""
+        chosen = self._candidates.joints_rad[self._order[: total - self._measured.configurations]]
+        joints = np.concatenate([self._measured.joints_rad, chosen])
+        return self._knowledge.left_open(self._first(total), joints)
+
     def plan(
-        self, space: WorkSpace, points: tuple[CurvePoint, ...], advised: int, total: int
+        self,
+        points: tuple[CurvePoint, ...],
+        advised: int,
+        total: int,
+        left_open: tuple[NotIdentifiable, ...],
     ) -> PromisedPlan:
-        """Return the plan of the first `total`, in an order of short clear moves."""
-        told = self._first(total)
-        new = self._chosen.subset(np.arange(total - self.measured.configurations))
-        visited = new.subset(_in_order(space, new.joints_rad))
-        joints = np.concatenate([self.measured.joints_rad, new.joints_rad])
-        reading = self._knowledge.reading_mm(joints, np.concatenate([self.measured.nest, new.nest]))
+        """Return the plan of the first `total`, in the order of their visits."""
+        visited = self._candidates.subset(self._visited)
+        joints = np.concatenate([self._measured.joints_rad, visited.joints_rad])
+        reading = self._knowledge.reading_mm(joints, np.concatenate([self._measured.nest, visited.nest]))
         return PromisedPlan(
             joints_rad=visited.joints_rad,
             nest=visited.nest,
             poses=None,
             curve=points,
             advised=advised,
-            measured=self.measured.configurations,
-            left_open=self._knowledge.left_open(told, joints),
-            observability=indices(told.rows),
-            assumptions=Assumptions(reading, self._knowledge.repeatability_mm, self._knowledge.discrepancy),
+            measured=self._measured.configurations,
+            left_open=left_open,
+            observability=indices(self._first(total).rows),
+            assumptions=Assumptions(
+                reading,
+                self._knowledge.repeatability_mm,
+                self._knowledge.discrepancy,
+                self._space.keep_outs.names,
+            ),
         )
 
     def _first(self, size: int) -> Told:
         """Return what so many configurations tell, the measured ones first."""
-        rows = len(self.measured.nest) + size - self.measured.configurations
-        return Told(self._told.rows[:rows], self._told.held[:rows])
+        order = self._order[: size - self._measured.configurations]
+        return Told(
+            np.concatenate([self._before.rows, self._offered.rows[order]]),
+            np.concatenate([self._before.held, self._offered.held[order]]),
+        )
 
 
-def _in_order(space: WorkSpace, joints_rad: FloatArray) -> IntArray:
-    """Return an order of short ways that keep off the table."""
-    if not len(joints_rad):
-        return np.zeros(0, dtype=np.int64)
-    tour = short_tour(joints_rad)
-    return np.asarray(tour[clear_order(space, joints_rad[tour])])
+def _visits(space: WorkSpace, joints_rad: FloatArray, wanted: IntArray, order: IntArray) -> IntArray:
+    """Return rows of configurations in an order of short ways on which nothing touches.
+
+    What cannot be reached gives its place to the next most informative one, then to what is near.
+    """
+    if not len(wanted):
+        return wanted
+    pool, tour = pool_of(space, joints_rad), wanted[short_tour(joints_rad[wanted])]
+    tour = tour[clear_order(space, joints_rad[tour])]
+    if space.keep_outs:  # of which `clear_order` does not know
+        tour = clear_tour(pool, tour)
+
+    def instead(present: Sequence[int], at: int) -> IntArray:
+        away = np.abs(joints_rad - joints_rad[present[at]]).max(axis=1)
+        ranked = np.concatenate([order, np.argsort(away, kind="stable")[:_NEAR]])
+        _, first = np.unique(ranked, return_index=True)
+        ranked = ranked[np.sort(first)]
+        return np.asarray(ranked[~np.isin(ranked, present)])
+
+    return mended(pool, tour, instead)

@@ -8,13 +8,13 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.robot import JointRange
 from truepose.planning.errors import WorkSpaceError
+from truepose.planning.work_volume.candidates import has_room
+from truepose.planning.work_volume.keep_outs import look_at
 from truepose.planning.work_volume.work_space import (
     WorkSpace,
-    is_clear,
     nest_places,
     nominal_chain,
     require_consistent,
-    within,
 )
 
 VOLUME_CONFIGURATIONS: Final = 400  # the mean over them is that over the volume to about 1 %
@@ -66,6 +66,7 @@ def sample(space: WorkSpace, volume: WorkVolume, n: int, rng: np.random.Generato
         raise WorkSpaceError(
             f"None of {_BATCH * _MOST_BATCHES} random configurations has a tool nest in the work volume: "
             "check its box, its joint ranges and the table's height."
+            f"{look_at(space.keep_outs)}"
         )
     inside = np.concatenate(nests)[:n]
     row, column = np.nonzero(inside)
@@ -83,5 +84,5 @@ def _inside(space: WorkSpace, volume: WorkVolume, rng: np.random.Generator) -> t
         least, most = np.array(volume.box_mm).T
         places = nest_places(space, chain)
         nests = np.all((places >= least) & (places <= most), axis=2).T
-    kept = is_clear(space, chain) & within(space.motion_limits, drawn) & nests.any(axis=1)
+    kept = has_room(space, drawn, chain) & nests.any(axis=1)
     return drawn[kept], nests[kept]

@@ -13,11 +13,11 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.cell import Cell
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.planning.errors import WorkSpaceError
+from truepose.planning.work_volume.cell_bodies import are_outside_keep_outs
 from truepose.planning.work_volume.cell_space import space_of_cell
+from truepose.planning.work_volume.sight import cosines_in_sight, is_seen
 from truepose.planning.work_volume.work_space import (
-    SEEN_WITHIN_RAD,
     WorkSpace,
-    cosines_to_tracker,
     is_clear,
     nominal_chain,
     require_consistent,
@@ -108,7 +108,7 @@ def _nests(space: WorkSpace, joints_rad: FloatArray, wanted: Sequence[WantedStop
     unknown = next((w.nest for w in wanted if w.nest is not None and w.nest > len(space.nests)), None)
     if unknown is not None:
         raise WorkSpaceError(f"The tool has {len(space.nests)} nests; {unknown} is none of them.")
-    best = np.argmax(cosines_to_tracker(space, nominal_chain(space, joints_rad)), axis=0) + 1
+    best = np.argmax(cosines_in_sight(space, nominal_chain(space, joints_rad)), axis=0) + 1
     return [int(best[k]) if entry.nest is None else entry.nest for k, entry in enumerate(wanted)]
 
 
@@ -122,6 +122,8 @@ def _reasons(
         _outside(space, approach_rad, "the approach"),
         _blocked(space, joints_rad, "the stop"),
         _blocked(space, approach_rad, "the approach"),
+        _kept_out(space, joints_rad, "the stop"),
+        _kept_out(space, approach_rad, "the approach"),
         _unseen(space, joints_rad, nests, wanted),
     ]
     return [next((reason for reason in reasons if reason), None) for reasons in zip(*judged, strict=True)]
@@ -146,11 +148,16 @@ def _blocked(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | 
     return [None if clear else reason for clear in is_clear(space, nominal_chain(space, joints_rad))]
 
 
+def _kept_out(space: WorkSpace, joints_rad: FloatArray, what: str) -> list[str | None]:
+    reason = f"{what} comes too near to a keep-out volume ({', '.join(space.keep_outs.names)})"
+    return [None if outside else reason for outside in are_outside_keep_outs(space, joints_rad)]
+
+
 def _unseen(
     space: WorkSpace, joints_rad: FloatArray, nests: Sequence[int], wanted: Sequence[WantedStop]
 ) -> list[str | None]:
-    cosines = cosines_to_tracker(space, nominal_chain(space, joints_rad))
-    seen = [cosines[nest - 1, row] >= np.cos(SEEN_WITHIN_RAD) for row, nest in enumerate(nests)]
+    cosines = cosines_in_sight(space, nominal_chain(space, joints_rad))
+    seen = [is_seen(cosines[nest - 1, row]) for row, nest in enumerate(nests)]
     return [
         None
         if sees

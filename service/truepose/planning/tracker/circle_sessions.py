@@ -13,15 +13,13 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.session import PlannedStop, SessionPlan, Turn
+from truepose.planning.work_volume.candidates import has_room
+from truepose.planning.work_volume.sight import cosines_in_sight, is_seen
 from truepose.planning.work_volume.work_space import (
-    SEEN_WITHIN_RAD,
     WorkSpace,
-    cosines_to_tracker,
-    is_clear,
     nest_places,
     nominal_chain,
     require_consistent,
-    within,
 )
 
 _MOST_STOPS: Final = 5000  # two days and nights of measuring
@@ -105,8 +103,7 @@ def _sweep(space: WorkSpace, turn: Turn) -> _Sweep:
     chain = nominal_chain(space, joints)
     away = nest_places(space, chain) - chain.origin[turn.joint - 1]
     radius = np.linalg.norm(np.cross(away, chain.z[turn.joint - 1]), axis=2)
-    possible = is_clear(space, chain) & within(space.motion_limits, joints)
-    seen = possible & (cosines_to_tracker(space, chain) >= np.cos(SEEN_WITHIN_RAD))
+    seen = has_room(space, joints, chain) & is_seen(cosines_in_sight(space, chain))
     rows = [_longest(row) for row in seen & (radius >= _BESIDE_AXIS_MM)]
     best = max(range(len(rows)), key=lambda nest: (len(rows[nest]), float(radius[nest].mean())))
     return _Sweep(turn.joint, joints[rows[best]], best + 1)

@@ -19,10 +19,12 @@ import numpy as np
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.planning.errors import NoWayError
 from truepose.planning.work_volume.cell_bodies import CellBodies, bodies_in
+from truepose.planning.work_volume.keep_outs import look_at
 from truepose.planning.work_volume.room_on_ways import Ways, least_rooms_mm, what_touches
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _KEPT_MM: Final = (10.0, 0.0)  # wanted on new ways, as round arm and tool in ballbar plans; else no touch
+_NEXT: Final = 4  # stops that are looked at together as the next one
 _NEAREST: Final = 40  # places that a stop is tried at
 _SUBSTITUTES: Final = 200  # configurations that are tried in the place of one
 _AT_ONCE: Final = 10  # changed orders whose ways are looked at together
@@ -72,6 +74,28 @@ def pool_of(space: WorkSpace, joints_rad: FloatArray) -> Pool:
 def is_clear(pool: Pool) -> bool:
     """Whether nothing touches on any way from each configuration to the next."""
     return not _Route(pool, [*range(len(pool.joints_rad))], None).blocked()
+
+
+def clear_tour(pool: Pool, tour: IntArray) -> IntArray:
+    """Return the order in which each is the nearest left on the way to which nothing touches.
+
+    It begins as `tour` does; where no way is clear, it goes to the nearest.
+    """
+    left, order = [int(row) for row in tour[1:]], [int(tour[0])]
+    while left:
+        away = np.abs(pool.joints_rad[left] - pool.joints_rad[order[-1]]).max(axis=1)
+        nearest = [left[k] for k in np.argsort(away, kind="stable")]
+        order.append(next(_reached(pool, order[-1], nearest), nearest[0]))
+        left.remove(order[-1])
+    return np.array(order, dtype=np.int64)
+
+
+def _reached(pool: Pool, here: int, rows: Sequence[int]) -> Iterator[int]:
+    """Yield the rows to which the way is clear, in their order."""
+    for first in range(0, len(rows), _NEXT):
+        ways = [(here, row) for row in rows[first : first + _NEXT]]
+        pool.look_at(ways)
+        yield from (way[1] for way in ways if pool.rooms_mm[way] >= 0.0)
 
 
 def mended(
@@ -187,4 +211,5 @@ def _why(route: _Route, blocked: Sequence[int]) -> str:
         "configurations cannot be reached, nor others in their place. On the way to the joints "
         f"{angles} deg {what_touches(route.pool.bodies, legs, leg)}. Check the floor, the centres of the "
         "tool nests and the joint ranges in the cell file, or have others chosen with another seed."
+        f"{look_at(route.pool.bodies.keep_outs)}"
     )

@@ -6,9 +6,12 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray, IntArray
+from truepose.kinematics.chain import Chain
 from truepose.planning.errors import TooFewCandidatesError
+from truepose.planning.work_volume.cell_bodies import are_outside_keep_outs
+from truepose.planning.work_volume.keep_outs import look_at
+from truepose.planning.work_volume.sight import cosines_in_sight, is_seen
 from truepose.planning.work_volume.work_space import (
-    SEEN_WITHIN_RAD,
     WorkSpace,
     cosines_to_tracker,
     is_clear,
@@ -19,6 +22,7 @@ from truepose.planning.work_volume.work_space import (
 
 _BATCH: Final = 8192
 _MOST_BATCHES: Final = 60  # half a million draws; a cell in which so many fail is set up wrongly
+_HOPELESS: Final = 10  # batches of which none can be measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,7 @@ def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candi
     joints: list[FloatArray] = []
     nests: list[IntArray] = []
     found = 0
-    for _ in range(_MOST_BATCHES):
+    for batch in range(1, _MOST_BATCHES + 1):
         drawn = _draw(space, rng)
         feasible, nest = judge(space, drawn, rng)
         joints.append(drawn[feasible])
@@ -64,9 +68,12 @@ def draw_candidates(space: WorkSpace, n: int, rng: np.random.Generator) -> Candi
         found += int(feasible.sum())
         if found >= n:
             return Candidates(np.concatenate(joints)[:n], np.concatenate(nests)[:n])
+        if batch == _HOPELESS and not found:
+            break
     raise TooFewCandidatesError(
-        f"Of {_BATCH * _MOST_BATCHES} random configurations {found} can be measured, {n} are needed: check "
+        f"Of {_BATCH * batch} random configurations {found} can be measured, {n} are needed: check "
         "joint ranges, the tracker's place, the directions in which the reflectors face, the table's height."
+        f"{look_at(space.keep_outs)}"
     )
 
 
@@ -94,12 +101,26 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
         1-based nest that faces the tracker best, whether it is seen or not.
     """
     chain = nominal_chain(space, joints_rad)
-    cosines = cosines_to_tracker(space, chain)
+    feasible = is_seen(cosines_to_tracker(space, chain).max(axis=0))
+    feasible[feasible] = _have_room(space, joints_rad[feasible])
+    cosines = cosines_in_sight(space, chain, feasible)
     shuffled = rng.permutation(len(cosines))
     best = shuffled[np.argmax(cosines[shuffled], axis=0)]
-    seen = np.max(cosines, axis=0) >= np.cos(SEEN_WITHIN_RAD)
-    feasible = seen & is_clear(space, chain) & within(space.motion_limits, joints_rad)
-    if space.approach_offset_rad is not None:
-        begin = joints_rad + space.approach_offset_rad
-        feasible &= is_clear(space, nominal_chain(space, begin)) & within(space.motion_limits, begin)
+    feasible &= is_seen(np.max(cosines, axis=0))
     return feasible, (best + 1).astype(np.int64)
+
+
+def _have_room(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
+    """Whether the arm may be at configurations (n, J), and where it approaches them from."""
+    room = has_room(space, joints_rad, nominal_chain(space, joints_rad))
+    if space.approach_offset_rad is not None:
+        begin = joints_rad[room] + space.approach_offset_rad
+        room[room] = has_room(space, begin, nominal_chain(space, begin))
+    return room
+
+
+def has_room(space: WorkSpace, joints_rad: FloatArray, chain: Chain) -> BoolArray:
+    """Whether the arm may be at configurations (n, J): within its limits, clear of everything known."""
+    room: BoolArray = is_clear(space, chain) & within(space.motion_limits, joints_rad)
+    room[room] = are_outside_keep_outs(space, joints_rad[room])
+    return room

@@ -1,4 +1,4 @@
-"""Arm and tool of a cell as capsules, and their room: above floor or table, the tool off the arm.
+"""Arm and tool of a cell as capsules, and their room: above the floor, outside keep-outs, tool off the arm.
 
 One notion of room for stops (`stop_room`) and for the ways between them (`way_room`), by the capsules that
 ballbar plans have (`ballbar/bodies`). The links of the arm are not held against each other: their capsules
@@ -7,21 +7,33 @@ shoulder touch.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.cell import Cell
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
-from truepose.planning.ballbar.clear_ways.bodies import BallbarCell, arm_body, arm_links, chain_of
+from truepose.kinematics.chain import Chain
+from truepose.planning.ballbar.clear_ways.bodies import (
+    BallbarCell,
+    arm_body,
+    arm_links,
+    chain_of,
+    moved_pieces,
+)
 from truepose.planning.ballbar.clear_ways.capsules import Capsules, gaps
+from truepose.planning.work_volume.keep_outs import gaps_mm
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _NEST_RADIUS_MM: Final = 8.0  # a cup with its reflector, which stands above its rim
 _COLUMN_LINKS: Final = 2  # foot and what the first joint turns: they stand on the floor
 _WRIST_LINKS: Final = 3  # that the tool is beside in every position
+# About keep-out volumes where the service chooses; a nest that passes an edge between two looks at a way then
+# keeps off it by some millimetres still.
+_KEPT_OFF_MM: Final = 10.0
 _BELOW: Final = "below floor or table"
 _INSIDE: Final = "inside the arm itself"
 
@@ -34,6 +46,8 @@ class CellBodies:
     nests_mm: FloatArray  # (K, 3) in the last frame
     floor_z_mm: float  # world
     floor_is_stated: bool  # False: assumed
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)
+    kept_off_mm: float = 0.0  # room that is wanted about keep-out volumes
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,15 +73,38 @@ def bodies_of(cell: Cell) -> CellBodies:
     stated = cell.limits.floor_z_mm
     floor_mm = min(0.0, cell.base_nominal.z_mm) if stated is None else stated
     return CellBodies(
-        _outline(cell.robot, cell.base_nominal), _centres_mm(cell.nests), floor_mm, stated is not None
+        _outline(cell.robot, cell.base_nominal),
+        _centres_mm(cell.nests),
+        floor_mm,
+        stated is not None,
+        cell.limits.keep_outs,
     )
 
 
 def bodies_in(space: WorkSpace) -> CellBodies:
     """Return the bodies of a work space, whose table counts as stated."""
     return CellBodies(
-        _outline(space.robot, space.base), _centres_mm(space.nests), space.table_z_mm, floor_is_stated=True
+        _outline(space.robot, space.base),
+        _centres_mm(space.nests),
+        space.table_z_mm,
+        floor_is_stated=True,
+        keep_outs=space.keep_outs,
+        kept_off_mm=_KEPT_OFF_MM,
     )
+
+
+def are_outside_keep_outs(space: WorkSpace, joints_rad: FloatArray) -> BoolArray:
+    """Whether arm and tool keep their room about all keep-out volumes at configurations (n, J)."""
+    outside: BoolArray = np.ones(len(joints_rad), dtype=bool)
+    if not space.keep_outs or not len(joints_rad):
+        return outside
+    bodies = bodies_in(space)
+    frames = chain_of(bodies.arm, joints_rad)
+    arm, tool = arm_body(bodies.arm, frames), _tool(bodies, frames)
+    found = _outside_keep_outs(bodies, arm, arm_links(bodies.arm), tool)
+    for _, _, room_mm in found:
+        outside &= room_mm >= 0.0
+    return outside
 
 
 def _outline(robot: Robot, base: FramePlacement) -> BallbarCell:
@@ -79,17 +116,25 @@ def _centres_mm(nests: Sequence[Nest]) -> FloatArray:
 
 
 def rooms(bodies: CellBodies, joints_rad: FloatArray, *, floor_only: bool = False) -> Rooms:
-    """Return the room of every body at configurations (n, J), to the floor alone or to the arm as well."""
+    """Return the room of every body at configurations (n, J).
+
+    With `floor_only` the tool is not held against the arm: to the floor, and to keep-out volumes.
+    """
     frames = chain_of(bodies.arm, joints_rad)
     arm, links = arm_body(bodies.arm, frames), arm_links(bodies.arm)
-    flange = frames.points(np.zeros(3))
-    nests = np.array([frames.points(nest) for nest in bodies.nests_mm]).reshape(-1, *flange.shape)
-    radii = np.full(len(nests), _NEST_RADIUS_MM)
-    tool = Capsules(np.broadcast_to(flange, nests.shape), nests, radii)
+    tool = _tool(bodies, frames)
     found = list(_above_floor(bodies, arm, links, tool))
+    found += list(_outside_keep_outs(bodies, arm, links, tool))
     found += [] if floor_only else list(_off_the_arm(arm, links, tool))
     names, places, room_mm = zip(*found, strict=True)
     return Rooms(names, places, np.array(room_mm))
+
+
+def _tool(bodies: CellBodies, frames: Chain) -> Capsules:
+    """Return what leads from the flange to each nest."""
+    flange = frames.points(np.zeros(3))
+    nests = np.array([frames.points(nest) for nest in bodies.nests_mm]).reshape(-1, *flange.shape)
+    return Capsules(np.broadcast_to(flange, nests.shape), nests, np.full(len(nests), _NEST_RADIUS_MM))
 
 
 def _above_floor(
@@ -100,6 +145,19 @@ def _above_floor(
     for link, height in zip(links, _heights(arm), strict=True):
         if link >= _COLUMN_LINKS:
             yield f"link {link} of the arm", _BELOW, height - bodies.floor_z_mm
+
+
+def _outside_keep_outs(
+    bodies: CellBodies, arm: Capsules, links: tuple[int, ...], tool: Capsules
+) -> Iterator[tuple[str, str, FloatArray]]:
+    """Yield the rooms of tool and moving arm to every keep-out volume."""
+    moved = moved_pieces(bodies.arm)
+    names = [f"tool nest {nest}" for nest in range(1, len(tool) + 1)]
+    names += [f"link {links[piece]} of the arm" for piece in moved]
+    for volume in bodies.keep_outs:
+        gap_mm = np.concatenate([gaps_mm(volume, tool), gaps_mm(volume, arm.some(moved))])
+        for name, own in zip(names, gap_mm - bodies.kept_off_mm, strict=True):
+            yield name, f"inside the keep-out volume {volume.name}", own
 
 
 def _off_the_arm(

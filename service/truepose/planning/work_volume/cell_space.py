@@ -17,6 +17,7 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
         joint_limits=cell.limits.joints or cell.robot.joint_limits,
         table_z_mm=0.0 if cell.limits.floor_z_mm is None else cell.limits.floor_z_mm,
         approach_offset_rad=approach_offset_rad,
+        keep_outs=cell.limits.keep_outs,
     )
 
 

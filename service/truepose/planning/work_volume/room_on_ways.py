@@ -5,7 +5,7 @@ than a millimetre. Plans that the service chooses are mended until none of their
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -46,9 +46,12 @@ def ways_between(
 
 
 def what_blocks_a_way(bodies: CellBodies, ways: Ways, *, floor_only: bool = False) -> str | None:
-    """Return why a plan with these ways is refused; None also where nobody states the floor."""
+    """Return why a plan with these ways is refused.
+
+    Where nobody states the floor, only keep-out volumes are looked at.
+    """
     if not bodies.floor_is_stated:
-        return None
+        bodies, floor_only = replace(bodies, floor_z_mm=-np.inf), True
     blocked = touching(bodies, ways, floor_only=floor_only)
     if not blocked.size:
         return None

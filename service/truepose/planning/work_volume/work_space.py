@@ -3,15 +3,16 @@
 The arm is looked at as four kinds of points: tool nests, flange, wrist, and its own column, the upright
 cylinder about axis 1 from the base to a little above the shoulder. The rules leave room for the bodies
 that they do not know; they are no collision check, and the person who confirms that the cell is clear
-watches the first pass.
+watches the first pass. Keep-out volumes are held against the whole arm (`cell_bodies`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import BoolArray, FloatArray
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Nest, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
@@ -40,6 +41,7 @@ class WorkSpace:
     joint_limits: tuple[JointRange, ...] | None = None  # that no motion may leave; None: unknown
     table_z_mm: float = 0.0  # world; nothing goes near it
     approach_offset_rad: float | None = None
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)
 
     @property
     def motion_limits(self) -> tuple[JointRange, ...]:

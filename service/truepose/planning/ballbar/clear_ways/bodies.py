@@ -5,13 +5,14 @@ outline drawings and rounded up; a larger arm needs its own. The tool fixture is
 three spokes 30 mm behind its nests, on a stem from the flange.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.robot import FramePlacement, JointRange, Robot
 from truepose.kinematics.chain import Chain, forward, nominal_values
 from truepose.kinematics.frames import placement_rotation, placement_translation
@@ -49,6 +50,7 @@ class BallbarCell:
     link_radii_mm: tuple[float, ...] = ()  # base and each link; empty: those of a table robot
     bar_room_mm: float = 5.0  # around the ballbar
     arm_room_mm: float = 10.0  # around arm and tool
+    keep_outs: KeepOuts = field(default_factory=KeepOuts)
 
     def __post_init__(self) -> None:
         if self.nests_mm.shape != (3, 3) or not np.all(np.isfinite(self.nests_mm)):
@@ -103,6 +105,12 @@ def arm_links(cell: BallbarCell) -> tuple[int, ...]:
     for joint, row in enumerate(cell.robot.joints):
         links += [joint] * _is_long(row.a_mm) + [joint + 1] * _is_long(row.d_mm)
     return tuple(links)
+
+
+def moved_pieces(cell: BallbarCell) -> tuple[int, ...]:
+    """Return the pieces of `arm_body` that some joint moves: all but those along axis 1."""
+    first = cell.robot.joints[0]
+    return tuple(range(_is_long(first.a_mm) + _is_long(first.d_mm), len(arm_links(cell))))
 
 
 def _is_long(piece_mm: float) -> bool:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 
 _TINY_MM2: Final = 1e-12  # squared length below which a segment is a point
 
@@ -25,7 +25,7 @@ class Capsules:
     def __len__(self) -> int:
         return len(self.radius_mm)
 
-    def at(self, rows: FloatArray | slice) -> "Capsules":
+    def at(self, rows: IntArray | slice) -> "Capsules":
         """Return the capsules at some of the configurations."""
         return Capsules(self.start_mm[:, rows], self.end_mm[:, rows], self.radius_mm)
 

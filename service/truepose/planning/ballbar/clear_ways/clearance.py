@@ -14,6 +14,7 @@ from truepose.planning.ballbar.clear_ways.bodies import (
     arm_links,
     bars,
     chain_of,
+    moved_pieces,
     nest_places,
     tool_body,
     tool_normal,
@@ -27,6 +28,7 @@ from truepose.planning.ballbar.clear_ways.capsules import (
     still,
 )
 from truepose.planning.ballbar.fixture import BaseFixture, fixture_body
+from truepose.planning.work_volume.keep_outs import gaps_mm
 
 # A half-inch ball lies in its magnetic cup to a bit below its middle; further over, the bar touches the rim.
 LEAN_RAD: Final = float(np.radians(100.0))
@@ -76,12 +78,23 @@ def bodies_at(cell: BallbarCell, fixture: BaseFixture, joints_rad: FloatArray) -
 
 
 def arm_room_mm(bodies: Bodies) -> FloatArray:
-    """Return the free space about arm and tool [mm], shape (n,): to table, base fixture and to themselves."""
+    """Return the free space about arm and tool [mm], shape (n,).
+
+    To table, base fixture, keep-out volumes and to themselves.
+    """
     links = len(bodies.cell.link_radii_mm)
     off_table = joined([_of_links(bodies, range(_COLUMN_LINKS, links)), bodies.tool])
     beside_table = lowest_mm(off_table) - bodies.cell.table_z_mm
     beside_fixture = smallest_gap(joined([bodies.arm, bodies.tool]), bodies.fixture)
-    return np.asarray(np.min([beside_table, beside_fixture, *_self_gaps(bodies)], axis=0))
+    outside = _outside_keep_outs(
+        bodies.cell, joined([bodies.arm.some(moved_pieces(bodies.cell)), bodies.tool])
+    )
+    return np.asarray(np.min([beside_table, beside_fixture, *outside, *_self_gaps(bodies)], axis=0))
+
+
+def _outside_keep_outs(cell: BallbarCell, moving: Capsules) -> list[FloatArray]:
+    """Return the smallest gap of a set to each keep-out volume, shape (n,) each."""
+    return [gaps_mm(volume, moving).min(axis=0) for volume in cell.keep_outs]
 
 
 def hands_room_mm(bodies: Bodies) -> FloatArray:
@@ -124,7 +137,8 @@ def bar_room_mm(bodies: Bodies, places: Bars) -> FloatArray:
     arm = gaps(placed, bodies.arm).min(axis=1)
     ends = np.minimum(placed.start_mm[..., 2], placed.end_mm[..., 2])
     table = ends - placed.radius_mm[:, None] - bodies.cell.table_z_mm
-    room = np.min([own_cup, own_nest, arm, table], axis=0)
+    outside = [gaps_mm(volume, placed) for volume in bodies.cell.keep_outs]
+    room = np.min([own_cup, own_nest, arm, table, *outside], axis=0)
     return np.where(_leans(bodies, places, cups, nests) <= LEAN_RAD, room, -np.inf)
 
 
