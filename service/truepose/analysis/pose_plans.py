@@ -5,32 +5,62 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from truepose.analysis.usual_poses import Wish, usual_poses
 from truepose.domain.arrays import FloatArray
+from truepose.domain.cell import Cell, Vector
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import Robot
 from truepose.domain.session import SessionPlan
-from truepose.judgement.iso9283.plan import Cube, plan_poses
+from truepose.judgement.iso9283.plan import Cube, PosePlan, plan_poses
 from truepose.kinematics.frames import rotation_from_quaternion
+from truepose.planning.work_volume.cell_space import space_of_cell
 
 if TYPE_CHECKING:
     from truepose.analysis.workers.tasks import PosePlanTask
 
 _SHORTEST: Final = 1e-3  # of a quaternion; rounded ones are of length 1 to the third digit
+_DOWN: Final = (0.0, 1.0, 0.0, 0.0)  # the tool looks at the floor
 
 
 def plan_pose_session(wanted: "PosePlanTask") -> SessionPlan:
     """Return the cycles; raises ConfigurationError where nest or poses cannot be had."""
-    cell = wanted.setup.cell
-    if not 1 <= wanted.nest <= len(cell.nests):
-        raise ConfigurationError(f"There is no tool nest {wanted.nest}: the cell has {len(cell.nests)}.")
-    centre_mm = cell.nests[wanted.nest - 1].centre_mm
-    if centre_mm is None:
-        raise ConfigurationError(f"Tool nest {wanted.nest} has no centre; enter a rough one.")
-    limits = cell.limits.joints or cell.robot.joint_limits
-    rotation = _rotation(np.array(wanted.quaternion))
-    cube = Cube(wanted.centre_mm, wanted.edge_mm, wanted.plane)
-    poses = plan_poses(replace(cell.robot, joint_limits=limits), cube, rotation, centre_mm)
-    cycles = poses.session(wanted.nest, wanted.cycles)
+    if wanted.centre_mm is not None and wanted.edge_mm is not None:
+        plan, nest = _stated(wanted, Cube(wanted.centre_mm, wanted.edge_mm, wanted.plane))
+    elif wanted.centre_mm is None and wanted.edge_mm is None:
+        plan, nest = _usual(wanted)
+    else:
+        raise ConfigurationError("Give both centre and edge of the cube, or neither: then both are chosen.")
+    cycles = plan.session(nest, wanted.cycles)
     return replace(wanted.template, stops=cycles.stops, approach_offset_rad=cycles.approach_offset_rad)
+
+
+def _stated(wanted: "PosePlanTask", cube: Cube) -> tuple[PosePlan, int]:
+    cell, nest = wanted.setup.cell, wanted.nest or 1
+    rotation = _rotation(np.array(wanted.quaternion or _DOWN))
+    return plan_poses(_within_limits(cell), cube, rotation, _centre_mm(cell, nest)), nest
+
+
+def _usual(wanted: "PosePlanTask") -> tuple[PosePlan, int]:
+    cell = wanted.setup.cell
+    if wanted.nest is not None:
+        _centre_mm(cell, wanted.nest)
+    space = replace(space_of_cell(cell, (), None), robot=_within_limits(cell))
+    rotation = None if wanted.quaternion is None else _rotation(np.array(wanted.quaternion))
+    return usual_poses(space, Wish(wanted.plane, rotation, wanted.nest))
+
+
+def _within_limits(cell: Cell) -> Robot:
+    return replace(cell.robot, joint_limits=cell.limits.joints or cell.robot.joint_limits)
+
+
+def _centre_mm(cell: Cell, nest: int) -> Vector:
+    """Return where a nest is; raises ConfigurationError where there is none or nobody knows."""
+    if not 1 <= nest <= len(cell.nests):
+        raise ConfigurationError(f"There is no tool nest {nest}: the cell has {len(cell.nests)}.")
+    centre_mm = cell.nests[nest - 1].centre_mm
+    if centre_mm is None:
+        raise ConfigurationError(f"Tool nest {nest} has no centre; enter a rough one.")
+    return centre_mm
 
 
 def _rotation(quaternion: FloatArray) -> FloatArray:

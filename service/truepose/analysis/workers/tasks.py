@@ -129,11 +129,11 @@ class PosePlanTask:
 
     setup: SessionSetup
     template: SessionPlan  # role, speeds and limits
-    centre_mm: tuple[float, float, float]  # of the cube, in the base
-    edge_mm: float
+    centre_mm: tuple[float, float, float] | None  # of the cube, in the base; None with the edge: chosen
+    edge_mm: float | None
     plane: "Plane"
-    quaternion: tuple[float, float, float, float]  # w first, of the last frame in the base
-    nest: int
+    quaternion: tuple[float, float, float, float] | None  # w first, of the last frame in the base
+    nest: int | None
     cycles: int
 
     @property

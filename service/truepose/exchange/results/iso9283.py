@@ -8,7 +8,7 @@ from pydantic import Field
 from truepose.domain.results import Validation
 from truepose.exchange.json_text import Json
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.exchange.outgoing import Quantity
+from truepose.exchange.outgoing import Quantities, Quantity
 from truepose.exchange.results.document_base import Document, Spoken
 from truepose.exchange.results.identification_and_validation import PairDocument, ValidationDocument
 from truepose.judgement.cautions import pose_test_caution
@@ -56,12 +56,20 @@ class WithheldDocument(Document):
     reason: Spoken
 
 
+class CommandedPoseDocument(Document):
+    """A pose, in the frame of the readings."""
+
+    name: str = Field(examples=["P1"])
+    position_mm: Quantities
+
+
 class PoseTestDocument(Document):
     """What `truepose validate --iso9283 --json` adds under `iso9283`."""
 
     poses: int
     cycles: int
     nest: int = Field(description="Whose positions were taken.")
+    commanded: list[CommandedPoseDocument] = Field(description="As the identified model puts them.")
     figures: list[FigureDocument]
     withheld: list[WithheldDocument]
     work_space: PairDocument | None = Field(

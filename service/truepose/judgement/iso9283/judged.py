@@ -43,6 +43,7 @@ class PoseTest:
     nest: int
     work_space: NominalAndIdentified | None  # errors at configurations that are no poses; None: none measured
     claimed_mm: float  # mean error that the identified model itself lets expect of such
+    commanded: tuple[CommandedPose, ...] = ()  # where the identified model puts them, frame of the readings
     mixed: tuple[str, ...] = ()  # poses that were approached from several directions, where only one is meant
 
     def figures(self) -> Iterator[tuple[CommandedBy | None, Characteristic]]:
@@ -90,7 +91,8 @@ def pose_test(model: Model, points: Readings) -> PoseTest:
         cycles.nest,
         judged.pair(cycles.others) if cycles.others.any() else None,
         judged.claimed_mm(model.discrepancy_mm),
-        tuple(_mixed(points.stops, cycles)),
+        commanded=_commanded(cycles, judged.identified),
+        mixed=tuple(_mixed(points.stops, cycles)),
     )
 
 

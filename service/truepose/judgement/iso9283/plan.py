@@ -103,14 +103,32 @@ def plan_poses(
     ConfigurationError
         There is none; the sentence names the poses that it reaches in no branch.
     """
-    poses = cube.poses
-    places = np.array([pose.position_mm for pose in poses]) - rotation @ np.array(nest_mm)
+    joints, reached = _branches(robot, cube, rotation, nest_mm)
+    whole = next(_whole(cube, joints, reached), None)
+    if whole is None:
+        raise ConfigurationError(_unreached(cube.poses, reached))
+    return whole
+
+
+def possible_plans(
+    robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float]
+) -> Iterator[PosePlan]:
+    """Yield how the robot takes the five poses in each branch that reaches them all; see `plan_poses`."""
+    return _whole(cube, *_branches(robot, cube, rotation, nest_mm))
+
+
+def _branches(
+    robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float]
+) -> tuple[FloatArray, BoolArray]:
+    """Return the joints of each branch, shape (5, 8, J), and whether it reaches, shape (5, 8)."""
+    places = np.array([pose.position_mm for pose in cube.poses]) - rotation @ np.array(nest_mm)
     wanted = poses_of(np.broadcast_to(rotation, (POSES, 3, 3)), places)
-    joints, reached = _within_limits(robot, all_branches(robot, wanted))
-    whole = np.flatnonzero(reached.all(axis=0))
-    if len(whole) == 0:
-        raise ConfigurationError(_unreached(poses, reached))
-    return PosePlan(poses, joints[:, whole[0]], int(whole[0]))
+    return _within_limits(robot, all_branches(robot, wanted))
+
+
+def _whole(cube: Cube, joints: FloatArray, reached: BoolArray) -> Iterator[PosePlan]:
+    for branch in np.flatnonzero(reached.all(axis=0)):
+        yield PosePlan(cube.poses, joints[:, branch], int(branch))
 
 
 def _within_limits(robot: Robot, joints: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 from truepose.exchange.models.document import file_factor, file_unit
-from truepose.judgement.iso9283.characteristics import Characteristic
+from truepose.judgement.iso9283.characteristics import Characteristic, Component, Symbol
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
+from truepose.judgement.iso9283.visits import CommandedPose
 from truepose.reports.conditions import NOT_STATED, ReportConditions, condition_rows
-from truepose.reports.rounding import rounded, uncertainty
+from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _MEANINGS = {
@@ -19,6 +21,12 @@ _MEANINGS = {
     "dAP": "pose_test.dAP",
     "dRP": "pose_test.dRP",
 }
+_WORST: Final[tuple[tuple[Symbol, Component, str], ...]] = (
+    ("AP", "p", "pose_test.card.AP"),
+    ("RP", "l", "pose_test.card.RP"),
+    ("AD", "p", "pose_test.card.AD"),
+)
+_ROBOT: Final = "robot controller"
 _MODELS: dict[CommandedBy, str] = {"nominal": "model.nominal", "identified": "model.identified"}
 
 
@@ -40,9 +48,34 @@ class PoseTestRow:
 
 
 def pose_test_rows(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[PoseTestRow]:
-    """Yield the figures of a test."""
-    for commanded_by, figure in test.figures():
+    """Yield the figures of a test, those of one symbol and one commanding model together."""
+    for commanded_by, figure in sorted(test.figures(), key=lambda one: _order(*one)):
         yield _row(figure, commanded_by, words)
+
+
+def _order(commanded_by: CommandedBy | None, figure: Characteristic) -> tuple[int, bool]:
+    return list(_MEANINGS).index(figure.symbol), commanded_by == "identified"
+
+
+def pose_test_cards(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[tuple[str, str, str]]:
+    """Yield name, value and remark of the worst figures, and of what they do not prove beside them."""
+    for symbol, component, name in _WORST:
+        worst = test.identified.largest(symbol, component)
+        if worst is not None:
+            value = rounded(abs(worst.value), worst.standard_uncertainty)
+            u = uncertainty(worst.standard_uncertainty)
+            remark = words.say("pose_test.card.remark", subject=worst.subject, u=u)
+            yield words.say(name), f"{value} {file_unit(worst.unit)}", remark
+    yield _beside(test, words)
+
+
+def _beside(test: PoseTest, words: Catalogue) -> tuple[str, str, str]:
+    if test.work_space is None:
+        claimed = f"{millimetres(test.claimed_mm)} mm"
+        return words.say("pose_test.card.claimed"), claimed, words.say("pose_test.card.claimed.remark")
+    seen = test.work_space.identified
+    remark = words.say("pose_test.card.space.remark", n=seen.n, mean=millimetres(seen.mean_mm))
+    return words.say("pose_test.card.space"), f"{millimetres(seen.max_mm)} mm", remark
 
 
 def _row(figure: Characteristic, commanded_by: CommandedBy | None, words: Catalogue) -> PoseTestRow:
@@ -64,6 +97,10 @@ def _row(figure: Characteristic, commanded_by: CommandedBy | None, words: Catalo
     )
 
 
+def _place(pose: CommandedPose) -> str:
+    return f"{pose.name} ({' '.join(f'{x:.0f}' for x in pose.position_mm)})"
+
+
 def withheld_sentences(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[str]:
     """Yield what the visits do not give, and why."""
     for one in test.identified.withheld:
@@ -77,10 +114,12 @@ def stated_conditions(
     if test is None:
         return tuple(condition_rows(conditions, words))
     say = words.say
-    instruments = ", ".join(device.model or words.name(device.role) for device in conditions.instruments)
+    measuring = [device for device in conditions.instruments if device.role != _ROBOT]
+    instruments = ", ".join(device.model or words.name(device.role) for device in measuring)
     return (
         (say("pose_test.standard"), "ISO 9283:1998"),
         (say("pose_test.cycles"), say("pose_test.cycles.value", poses=test.poses, cycles=test.cycles)),
+        (say("pose_test.commanded"), ", ".join(map(_place, test.commanded))),
         (say("pose_test.point"), say("pose_test.point.value", nest=test.nest)),
         (say("pose_test.instrument"), instruments or say(NOT_STATED)),
         *condition_rows(conditions, words),

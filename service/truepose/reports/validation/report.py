@@ -19,7 +19,12 @@ from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
-from truepose.reports.validation.pose_test_rows import pose_test_rows, stated_conditions, withheld_sentences
+from truepose.reports.validation.pose_test_rows import (
+    pose_test_cards,
+    pose_test_rows,
+    stated_conditions,
+    withheld_sentences,
+)
 from truepose.words.catalogue import ENGLISH, Catalogue, catalogue
 
 
@@ -82,6 +87,7 @@ def _context(report: ValidationInput) -> dict[str, object]:
         "pose_test": test,
         "withheld": () if test is None else tuple(withheld_sentences(test, words)),
         "pose_rows": () if test is None else tuple(pose_test_rows(test, words)),
+        "pose_cards": () if test is None else tuple(pose_test_cards(test, words)),
         "caution": "" if test is None else words.spoken(pose_test_caution(test)),
         **_traced(report, words),
         "conditions": conditions,

@@ -75,12 +75,12 @@ def _form(here: Context) -> Form:
     return Form(
         "plan_test.iso9283.meaning",
         (
-            Entry("plan.edge_mm", "plan_test.edge", value=200, least=1, most=10_000),
-            Entry("plan.centre_mm", "plan_test.centre_x", value=370, least=-100_000, most=100_000),
-            Entry("plan.centre_mm", "plan_test.centre_y", value=0, least=-100_000, most=100_000),
-            Entry("plan.centre_mm", "plan_test.centre_z", value=400, least=-100_000, most=100_000),
+            Entry("plan.edge_mm", "plan_test.edge", least=1, most=10_000),
+            Entry("plan.centre_mm", "plan_test.centre_x", least=-100_000, most=100_000),
+            Entry("plan.centre_mm", "plan_test.centre_y", least=-100_000, most=100_000),
+            Entry("plan.centre_mm", "plan_test.centre_z", least=-100_000, most=100_000),
             Entry("plan.plane", "plan_test.plane", "choice", choices=_PLANES),
-            Entry("plan.nest", "plan_test.nest", value=1, least=1, most=max(len(here.cell.nests), 1)),
+            Entry("plan.nest", "plan_test.nest", least=1, most=max(len(here.cell.nests), 1)),
             Entry("plan.cycles", "plan_test.cycles", value=30, least=1, most=1000),
         ),
         {"role": "validation", "plan": {"method": "iso9283"}},

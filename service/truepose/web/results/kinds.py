@@ -44,7 +44,7 @@ class Entry:
     name: str  # in the body of the request; dots lead into it, and several of one name are a list
     label: str  # key of the catalogue
     kind: Literal["number", "choice", "model"] = "number"
-    value: float | str = ""
+    value: float | str = ""  # "": it may be left out
     least: float | None = None
     most: float | None = None
     choices: tuple[tuple[str, str], ...] = ()  # value, key of the catalogue

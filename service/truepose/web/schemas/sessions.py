@@ -88,20 +88,33 @@ class PoseStops(Request):
     """The five poses of ISO 9283 in a cube, visited in cycles."""
 
     method: Literal["iso9283"]
-    edge_mm: float = Field(gt=0, le=10_000, description="Of the cube.", examples=[200])
-    centre_mm: list[LengthMm] = Field(
-        min_length=3, max_length=3, description="Of the cube, in the robot's base.", examples=[[370, 0, 400]]
+    edge_mm: float | None = Field(
+        None,
+        gt=0,
+        le=10_000,
+        description="Of the cube; null, as its centre: the largest that the cell has room and sight for.",
+        examples=[200],
+    )
+    centre_mm: list[LengthMm] | None = Field(
+        None,
+        min_length=3,
+        max_length=3,
+        description="Of the cube, in the robot's base.",
+        examples=[[370, 0, 400]],
     )
     plane: Literal["x+", "x-", "y+", "y-"] = Field(
         "y+", description="Diagonal plane: axis of the level edges, and whether it rises along the other."
     )
-    quaternion: list[Component] = Field(
-        [0.0, 1.0, 0.0, 0.0],
+    quaternion: list[Component] | None = Field(
+        None,
         min_length=4,
         max_length=4,
-        description="Orientation of the last frame in the base, w first; by default it looks at the floor.",
+        description="Orientation of the last frame in the base, w first; null: it looks at the floor, or as "
+        "far from there as a chosen cube needs to be seen.",
     )
-    nest: Number = Field(1, description="Tool nest that stands in the poses.")
+    nest: Number | None = Field(
+        None, description="Tool nest that stands in the poses; null: the first, or what a chosen cube shows."
+    )
     cycles: int = Field(30, ge=1, le=MOST_STOPS // 5, description="The standard takes 30.")
 
 

@@ -4,10 +4,11 @@ import { answered, filled, post } from "./api.js";
 
 const POLL_MS = 500;
 
-// Dots in a name lead into the body; several entries of one name are a list.
+// Dots in a name lead into the body; several entries of one name are a list; what is empty is left out.
 function bodyOf(form) {
   const body = structuredClone(JSON.parse(form.dataset.body));
   for (const entry of form.querySelectorAll("[name]")) {
+    if (!entry.value.trim()) continue;
     const path = entry.name.split(".");
     const last = path.pop();
     const place = path.reduce((inside, name) => (inside[name] ??= {}), body);

@@ -26,7 +26,8 @@ function show(session) {
   at.measured.textContent = filled(measured, session);
   at.progress.max = Math.max(session.planned, 1);
   at.progress.value = session.measured;
-  write(at.reason, session.trouble ?? session.reason);
+  const reason = session.trouble ?? session.reason;
+  write(at.reason, reason === session.question ? null : reason);
   write(at.question, session.question);
   write(at.notice, session.question ? session.motion_notice : null);
   at.result.hidden = session.measured === 0;
@@ -53,7 +54,7 @@ async function act(name) {
   if (["confirm", "resume"].includes(name) && !person.value.trim()) return person.focus();
   try {
     const answer = await post(`${path}/${name}`, bodyOf(name), unreachable);
-    say(answer.sentence);
+    say(answer.session.question ? "" : answer.sentence); // a question says more
     show(answer.session);
   } catch (error) {
     say(error.message, true);

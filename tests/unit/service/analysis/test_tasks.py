@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_campaign
@@ -10,6 +11,13 @@ from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.tasks import PlanTask, PosePlanTask, held_out
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
+from truepose.planning.work_volume.cell_space import space_of_cell
+from truepose.planning.work_volume.work_space import (
+    SEEN_WITHIN_RAD,
+    cosines_to_tracker,
+    is_clear,
+    nominal_chain,
+)
 from truepose.storage.records import SessionSetup
 
 
@@ -56,9 +64,51 @@ def test_the_poses_of_iso_9283_become_cycles_of_the_session():
     assert [stop.repeat_of for stop in plan.stops[4:7]] == [None, 1, 2]
 
 
+UNSAID = {"centre_mm": None, "edge_mm": None, "quaternion": None, "nest": None, "plane": "y+", "cycles": 1}
+
+
+def test_a_cube_that_nobody_states_has_room_and_sight():
+    cell = simulated_cell("irb120-tilted", 0)
+    task = PosePlanTask(
+        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **UNSAID
+    )
+
+    plan = task.perform(quiet)
+
+    space = space_of_cell(cell, (), None)
+    chain = nominal_chain(space, np.array([stop.joints_rad for stop in plan.stops]))
+    (nest,) = {stop.nest for stop in plan.stops}
+    assert is_clear(space, chain).all()
+    assert (cosines_to_tracker(space, chain)[nest - 1] >= np.cos(SEEN_WITHIN_RAD)).all()
+    places = chain.points(np.array(cell.nests[nest - 1].centre_mm))
+    assert np.ptp(places, axis=0) == pytest.approx([320.0, 320.0, 320.0])  # 0.8 of an edge of 400 mm
+
+
+def test_a_cube_that_nobody_states_keeps_to_what_is_stated():
+    cell = simulated_cell("irb120-tilted", 0)
+    asked = UNSAID | {"nest": 3}
+    task = PosePlanTask(
+        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **asked
+    )
+
+    assert {stop.nest for stop in task.perform(quiet).stops} == {3}
+
+
+def test_where_the_tracker_sees_no_pose_no_cube_is_made_up():
+    cell = dataclasses.replace(simulated_cell("irb120-tilted", 0), tracker_position_mm=(0.0, 0.0, -3000.0))
+    asked = UNSAID | {"nest": 1, "quaternion": (0.0, 1.0, 0.0, 0.0)}
+    task = PosePlanTask(
+        SessionSetup(cell), dataclasses.replace(make_plan(role="validation"), stops=()), **asked
+    )
+
+    with pytest.raises(ConfigurationError, match="No cube of ISO 9283 was found"):
+        task.perform(quiet)
+
+
 @pytest.mark.parametrize(
     ("wrong", "sentence"),
     [
+        ({"edge_mm": None}, "both centre and edge"),
         ({"quaternion": (0.0, 0.0, 0.0, 0.0)}, "no orientation"),
         ({"nest": 4}, "no tool nest 4"),
         ({"edge_mm": 2000.0}, "out of the robot's reach"),
