@@ -33,6 +33,7 @@ def _drawn(errors: DistanceErrors, colours: Colours, words: Catalogue) -> Drawin
         axes.axvline(0.0, color=colours.ink, linewidth=0.8)
         axes.set_title(_title(words.say(name), signed, words), loc="left")
         axes.set_xlabel(words.say("distances.axis"))
+        axes.locator_params(axis="x", nbins=6)
     panels[0].set_ylabel(words.say("distances.share"))
     return figure
 

@@ -64,9 +64,14 @@ def pose_test_cards(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[t
         if worst is not None:
             value = rounded(abs(worst.value), worst.standard_uncertainty)
             u = uncertainty(worst.standard_uncertainty)
-            remark = words.say("pose_test.card.remark", subject=worst.subject, u=u)
-            yield words.say(name), f"{value} {file_unit(worst.unit)}", remark
+            yield words.say(name), f"{value} {file_unit(worst.unit)}", _remark(worst, u, words)
     yield _beside(test, words)
+
+
+def _remark(worst: Characteristic, u: str, words: Catalogue) -> str:
+    if worst.symbol == "RP":  # of the attained poses alone
+        return words.say("pose_test.card.remark", subject=worst.subject, u=u)
+    return words.say("pose_test.card.remark.model", subject=worst.subject, u=u)
 
 
 def _beside(test: PoseTest, words: Catalogue) -> tuple[str, str, str]:

@@ -9,19 +9,23 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of
 from tests.helpers.identification.synthetic import NESTS, configurations
+from tests.helpers.web.pages import Page
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.results import NestCentre
 from truepose.domain.robot import FramePlacement
-from truepose.exchange.results.iso9283 import pose_test_document
+from truepose.exchange.results.iso9283 import accuracy_document, pose_test_document
 from truepose.identification.model.zone import measured_zone
 from truepose.judgement.iso9283.judged import pose_test
 from truepose.judgement.iso9283.plan import Cube, plan_poses
 from truepose.judgement.validation import validate
 from truepose.kinematics.chain import nominal_chain
 from truepose.reports import ReportConditions, ValidationInput, write_validation_report
+from truepose.reports.audit import Audit
 from truepose.reports.conditions import Instrument
+from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.summary import pose_test_summary, validation_summary
 from truepose.reports.validation.pose_test_rows import pose_test_rows
+from truepose.reports.validation.report import validation_content
 
 _CENTRES = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS, start=1))
 _PLACED = {"base": FramePlacement(), "nests": _CENTRES, "nominal_nests": _CENTRES}
@@ -83,6 +87,48 @@ def test_the_report_of_a_test_has_figures_conditions_and_what_they_do_not_prove(
     assert "AP of P3: P3 was measured in 29 cycles (cycle 3 is missing)" in text
     for stated in ("2.6 kg", "an hour", "500 mm/s", "T-1", "5 poses, 30 cycles", "20.0 to 22.5", "7.2.2"):
         assert stated in text
+
+
+AUDIT = Audit(7, "5e" * 32, "/api/v1/sessions/7/accuracy?model_id=3", "d0" * 32, 3, "0d" * 32)
+
+
+def content(points, **more):
+    found = ValidationInput(validate(_MODEL, points), _MODEL, points, audit=AUDIT, **more)
+    return Page(re.sub("<svg.*?</svg>", "", validation_content(found), flags=re.DOTALL)).text
+
+
+def test_the_page_of_a_test_leads_with_its_worst_figures_and_what_they_do_not_prove(points):
+    text = content(points, pose_test=pose_test(_MODEL, points))
+
+    first = text[: text.index("Errors before and after")]
+    assert text.startswith("ISO 9283 test of ABB IRB 120")
+    assert "AP, the worst pose 0.05" in first
+    assert re.search(r"Largest error in the work space 0\.05\d\d? mm at 20 other configurations", first)
+    assert "RP, the worst pose" in first
+    assert re.search(r"Commanded poses, mm P1 \(\d+ -?\d+ \d+\), P2", text)
+    for hash in ("5e" * 32, "0d" * 32, "d0" * 32):
+        assert hash in text
+
+
+def test_where_nothing_else_was_measured_the_page_sets_the_claim_beside(points):
+    text = content(points, pose_test=replace(pose_test(_MODEL, points), work_space=None))
+
+    assert "as the model claims; no other configuration was measured" in text
+    assert "Largest error in the work space" not in text
+
+
+def test_the_page_and_the_document_state_the_same_numbers(points):
+    test = pose_test(_MODEL, points)
+    page, told = content(points, pose_test=test), accuracy_document(validate(_MODEL, points), test)
+
+    for figure in told.iso9283.figures:
+        half = "±" if figure.symbol == "RD" or (figure.symbol == "RP" and figure.component != "l") else ""
+        value = f"{half}{rounded(figure.value, figure.standard_uncertainty)}"
+        assert f"{value} {uncertainty(figure.standard_uncertainty)} {figure.unit}" in page
+    for pair in (told.position, told.relative, told.distance):
+        for one in (pair.nominal, pair.identified):
+            sizes = (one.mean_mm, one.rms_mm, one.sd_mm, one.max_mm)
+            assert " ".join([str(one.n), *map(millimetres, sizes)]) in page
 
 
 def test_what_nobody_said_is_not_stated(tmp_path, points):

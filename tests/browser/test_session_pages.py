@@ -1,0 +1,49 @@
+"""A test from its form to its result, as a person with a tablet does it."""
+
+import numpy as np
+from playwright.sync_api import expect
+
+from tests.integration.web.bench import stops
+from truepose.domain.session import PlannedStop, SessionPlan
+
+
+def planned(n=3):
+    rows = stops(n)
+    joints = (tuple(np.radians(stop["joints_deg"]).tolist()) for stop in rows)
+    return SessionPlan("validation", tuple(PlannedStop(k, q, 1) for k, q in enumerate(joints, start=1)))
+
+
+def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
+    service.plan_with(planned())
+    for device in ("tracker", "robot"):
+        service.post(f"/api/v1/devices/{device}/connect")
+
+    tablet.goto(f"{service.url}/sessions/new")
+    form = tablet.locator("#iso9283")
+    with tablet.expect_request("**/api/v1/sessions") as asked:
+        form.get_by_role("button", name="Plan it").click()
+    expect(tablet.locator("#state")).to_have_text("planned")
+    tablet.get_by_role("button", name="Start").click()
+    expect(tablet.locator("#question")).to_contain_text("Is the cell clear")
+    tablet.get_by_role("button", name="The cell is clear").click()
+    expect(tablet.get_by_label("Your name")).to_be_focused()  # nothing moves without a name
+    tablet.get_by_label("Your name").fill("Ada Byron")
+    tablet.get_by_role("button", name="The cell is clear").click()
+
+    expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
+    expect(tablet.get_by_role("button")).to_have_count(0)
+    expect(tablet.get_by_role("link", name="Show the result")).to_be_visible()
+    body = asked.value.post_data_json
+    assert body["plan"] == {"method": "iso9283", "plane": "y+", "cycles": 30}  # what is empty is left out
+    assert body["role"] == "validation"
+
+
+def test_what_the_service_refuses_is_said_at_the_form(service, tablet):
+    tablet.goto(f"{service.url}/sessions/new")
+    form = tablet.locator("#iso9283")
+
+    form.get_by_label("Centre, x").fill("300")
+    form.get_by_role("button", name="Plan it").click()
+
+    expect(form.get_by_role("status")).to_contain_text("centre_mm")
+    assert tablet.url.endswith("/sessions/new")
