@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from datetime import date
 from typing import Any, Final, Protocol
 
+from truepose.analysis.errors import BusyError
+from truepose.analysis.workers.correcting import CorrectFileTask, FileCorrected, TargetsFile
 from truepose.analysis.workers.process import Told, perform_in_worker
 from truepose.analysis.workers.tasks import (
     Answer,
@@ -22,11 +24,13 @@ from truepose.domain.errors import TrueposeError
 from truepose.domain.results import Identification, Validation
 from truepose.domain.session import SessionPlan
 from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.corrections import CorrectionRepository, NewCorrection
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.records import JobKind, JobState, RequestKey
 
+_MOST_FILES: Final = 4  # of 16 MB at most each
 _LOG: Final = logging.getLogger(__name__)
 
 
@@ -57,15 +61,18 @@ class JobDesk:
         campaigns: CampaignRepository,
         results: ResultRepository,
         diagnoses: DiagnosisRepository,
+        corrections: CorrectionRepository,
         perform: Perform = perform_in_worker,
     ) -> None:
         self._jobs = jobs
         self._campaigns = campaigns
         self._results = results
         self._diagnoses = diagnoses
+        self._corrections = corrections
         self._perform = perform
         self._turn = asyncio.Lock()
         self._running: dict[int, asyncio.Task[None]] = {}
+        self._files: set[int] = set()  # jobs that hold a file in memory
 
     async def mark_interrupted(self, why: str) -> None:
         """Give every job that has no end one: nobody works on it any more."""
@@ -145,6 +152,43 @@ class JobDesk:
         if proved_id is not None:
             request["proves_model_id"] = proved_id
         return await self._queue(JobKind.PLAN, request, _Work(load, store), key)
+
+    async def correct(
+        self, model_id: int, file: TargetsFile, asked: dict[str, Any], key: RequestKey | None = None
+    ) -> int:
+        """Queue the correction of a file and return the job's number; `asked` is what a record says of it.
+
+        Raises
+        ------
+        BusyError
+            Too many files wait already.
+        """
+
+        async def load() -> Task:
+            return CorrectFileTask(file)
+
+        async def store(job_id: int, found: FileCorrected) -> int:
+            made = NewCorrection(
+                file.name,
+                found.original_sha256,
+                found.corrected_sha256,
+                asked,
+                found.correction,
+                found.targets,
+                found.file,
+            )
+            return await self._corrections.keep(job_id, model_id, made)
+
+        self.require_room()
+        request = {"model_id": model_id, "file": file.name, **asked}
+        number = await self._queue(JobKind.CORRECTION, request, _Work(load, store), key)
+        self._files = {job for job in (*self._files, number) if job in self._running}
+        return number
+
+    def require_room(self) -> None:
+        """Refuse a file to correct where too many wait in memory already; raises BusyError."""
+        if len(self._files & self._running.keys()) >= _MOST_FILES:
+            raise BusyError("Too many files wait to be corrected; nothing was stored, ask again later.")
 
     async def cancel(self, job_id: int) -> None:
         """End a job and its worker; raises NotFoundError, or ConflictError where it has ended already."""

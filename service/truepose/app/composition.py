@@ -26,6 +26,7 @@ from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.settings import Settings
 from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
@@ -225,8 +226,9 @@ def _context(
     sessions, readings = SessionRepository(database), ReadingRepository(database)
     campaigns, jobs = CampaignRepository(database), JobRepository(database)
     results, diagnoses = ResultRepository(database), DiagnosisRepository(database)
+    corrections = CorrectionRepository(database)
     additions = AddedStopsRepository(database)
-    job_desk = JobDesk(jobs, campaigns, results, diagnoses, perform)
+    job_desk = JobDesk(jobs, campaigns, results, diagnoses, corrections, perform)
     work = BallbarWork(perform)
     session_desk = SessionDesk(sessions, LedgerRepository(database), rack, present)
     ballbar_sessions = BallbarSessions(session_desk, work.precalibrator, work.choose)
@@ -243,6 +245,7 @@ def _context(
         jobs=jobs,
         results=results,
         diagnoses=diagnoses,
+        corrections=corrections,
         events=EventRepository(database),
         rack=rack,
         session_desk=session_desk,

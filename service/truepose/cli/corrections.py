@@ -69,16 +69,16 @@ def correct_command(
     words, identified = catalogue(language), read_model(model)
     answer = _corrected(identified, targets, out, _asked(frame, define or [], branch, angles, beside or []))
     remark(map(words.spoken, answer.cautions))
-    summary, left = answer.summary, answer.left_alone
+    totals, left = answer.summary.totals, answer.left_alone
     if json:
         from truepose.exchange.results.corrections import correction_document
 
-        print_json(correction_document(summary, left))
+        print_json(correction_document(totals, left))
     else:
         from truepose.reports.corrections import correction_sentences, left_alone_sentences
 
-        print_lines(map(words.spoken, (*correction_sentences(summary), *left_alone_sentences(left))))
-    return 0 if summary.solved == summary.targets and not left else 1
+        print_lines(map(words.spoken, (*correction_sentences(totals), *left_alone_sentences(left))))
+    return 0 if totals.solved == totals.targets and not left else 1
 
 
 def _asked(
@@ -86,7 +86,7 @@ def _asked(
 ) -> "Asked":
     from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
     from truepose.exchange.input_file import read_bytes
-    from truepose.exchange.programs.corrected import Meant
+    from truepose.exchange.programs.understood import Meant
 
     return Asked(
         meant=None if frame is None else Meant(frame.value),

@@ -11,7 +11,7 @@ from truepose.correction import Summary, joined
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.exchange.corrections.asked import Asked
 from truepose.exchange.corrections.files import corrected_rows, table_cautions
-from truepose.exchange.programs.corrected import Meant
+from truepose.exchange.programs.understood import Meant
 from truepose.exchange.tables.targets import CorrectionWriter
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.notebook import html
@@ -156,4 +156,6 @@ def correct(
         names += rows.names
         parts.append(rows.found)
         summary.add(rows.names, rows.found)
-    return Corrections(tuple(names), joined(parts), (*map(english, correction_sentences(summary)), *remarks))
+    return Corrections(
+        tuple(names), joined(parts), (*map(english, correction_sentences(summary.totals)), *remarks)
+    )

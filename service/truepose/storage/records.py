@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Any, Literal
 
 from truepose.domain.cell import Cell
+from truepose.domain.corrections import FileCorrection
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.ledger import LedgerEntry
 from truepose.domain.results import Identification, Model, Validation
@@ -133,6 +134,7 @@ class JobKind(StrEnum):
     VALIDATION = "validation"
     DIAGNOSIS = "diagnosis"
     PLAN = "plan"
+    CORRECTION = "correction"
 
 
 class JobState(StrEnum):
@@ -220,6 +222,23 @@ class ValidationRecord:
     campaign_id: int
     simulated: bool  # as its campaign
     validation: Validation
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectionRecord:
+    """A stored correction without its targets and its file."""
+
+    id: int
+    recorded_at: str
+    job_id: int
+    model_id: int
+    robot: str
+    simulated: bool  # as its model
+    name: str  # of the file
+    original_sha256: str
+    corrected_sha256: str
+    asked: dict[str, Any]
+    correction: FileCorrection
 
 
 @dataclass(frozen=True, slots=True)

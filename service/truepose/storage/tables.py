@@ -152,6 +152,20 @@ validations = _records(
     sa.Column("document", sa.JSON, nullable=False),
 )
 
+corrections = _records(
+    "corrections",
+    _reference("job_id", "jobs"),
+    _reference("model_id", "models"),
+    sa.Column("name", sa.Text, nullable=False),  # of the file
+    sa.Column("original_sha256", sa.Text, nullable=False),
+    sa.Column("corrected_sha256", sa.Text, nullable=False),
+    sa.Column("asked", sa.JSON, nullable=False),
+    sa.Column("document", sa.JSON, nullable=False),
+    sa.Column("targets", sa.LargeBinary, nullable=False),  # packed
+    sa.Column("file", sa.LargeBinary, nullable=False),  # corrected
+    sa.Index("ix_corrections_model_id", "model_id", "id"),
+)
+
 events = _records(
     "events",
     sa.Column("kind", sa.Text, nullable=False),

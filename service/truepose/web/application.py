@@ -11,7 +11,15 @@ from fastapi.openapi.utils import get_openapi
 from starlette.types import ASGIApp
 
 from truepose.web import events, health, jobs, pages, problems
-from truepose.web.calibration import campaigns, diagnoses, identifications, models, robots, validations
+from truepose.web.calibration import (
+    campaigns,
+    corrections,
+    diagnoses,
+    identifications,
+    models,
+    robots,
+    validations,
+)
 from truepose.web.context import Context
 from truepose.web.door.hosts import AllowedHosts
 from truepose.web.door.middleware import Door
@@ -46,6 +54,7 @@ _RESOURCES: Final = (
     validations,
     diagnoses,
     models,
+    corrections,
     campaigns,
     events,
 )

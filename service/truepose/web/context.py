@@ -16,6 +16,7 @@ from truepose.operation.sessions import SessionDesk
 from truepose.operation.simulated_hands import HandsDesk
 from truepose.operation.tracker.sessions import TrackerSessions
 from truepose.storage.calibration.campaigns import CampaignRepository
+from truepose.storage.calibration.corrections import CorrectionRepository
 from truepose.storage.calibration.diagnoses import DiagnosisRepository
 from truepose.storage.calibration.jobs import JobRepository
 from truepose.storage.calibration.results import ResultRepository
@@ -49,6 +50,7 @@ class Context:
     jobs: JobRepository
     results: ResultRepository
     diagnoses: DiagnosisRepository
+    corrections: CorrectionRepository
     events: EventRepository
     rack: Rack
     session_desk: SessionDesk

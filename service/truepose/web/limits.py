@@ -1,10 +1,12 @@
 """What a request may weigh and be made of, decided before anything reads it.
 
 A campaign of 100,000 rows is 4 MB zipped; 16 MB leaves room for torques and poses, and is stored before a
-reading that comes next would notice. All else that clients send is a plan of some thousand stops: 8 MB.
+reading that comes next would notice. A program of 100,000 targets is 10 MB. All else that clients send is a
+plan of some thousand stops: 8 MB.
 """
 
 import contextlib
+import re
 from typing import Final
 
 from starlette.requests import Request
@@ -14,10 +16,16 @@ from truepose.web.problems import problem_response
 
 UPLOAD_LIMIT_BYTES: Final = 16 * 2**20
 JSON_LIMIT_BYTES: Final = 8 * 2**20
-UPLOAD_PATH: Final = "/api/v1/campaigns"
+_CAMPAIGNS: Final = re.compile("/api/v1/campaigns")
+_PROGRAMS: Final = re.compile("/api/v1/models/[^/]+/corrections")
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FORMS: Final = frozenset({"application/x-www-form-urlencoded", "multipart/form-data", "text/plain"})
-UPLOAD_TYPES: Final = ("application/zip", "multipart/form-data", "application/json")  # JSON names sessions
+_FORM: Final = "multipart/form-data"
+_JSON: Final = "application/json"
+_UPLOADS: Final = {
+    _CAMPAIGNS: ("application/zip", _FORM, _JSON),  # JSON names sessions
+    _PROGRAMS: (_FORM,),
+}
 
 
 class _TooLargeError(Exception):
@@ -69,9 +77,15 @@ class RequestLimits:
 
 
 def is_upload(request: Request) -> bool:
-    """Return whether a request brings an archive, not JSON as all others do."""
-    at_uploads = request.method == "POST" and request.scope["path"] == UPLOAD_PATH
-    return at_uploads and _sent_type(request) != "application/json"
+    """Return whether a request brings a file, not JSON as all others do."""
+    here = _understood(request) != (_JSON,)
+    return request.method == "POST" and here and _sent_type(request) != _JSON
+
+
+def _understood(request: Request) -> tuple[str, ...]:
+    """Return the types of bodies that are understood at the path of a request."""
+    path = request.scope["path"]
+    return next((types for places, types in _UPLOADS.items() if places.fullmatch(path)), (_JSON,))
 
 
 def _sent_type(request: Request) -> str:
@@ -90,8 +104,7 @@ def _too_large(limit: int) -> str:
 def _refused_type(request: Request) -> str | None:
     sent = _sent_type(request)
     has_body = _declared_length(request) > 0 or "transfer-encoding" in request.headers
-    upload = request.scope["path"] == UPLOAD_PATH
-    understood = UPLOAD_TYPES if upload else ("application/json",)
+    understood = _understood(request)
     # A page of anybody can send a form without asking first, an empty one too.
     if request.method in _READING or sent in understood or not (has_body or sent in _FORMS):
         return None

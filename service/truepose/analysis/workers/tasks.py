@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
+from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
 from truepose.domain.ballbar import BallbarPlan, PreCalibration
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings
 from truepose.domain.diagnosis import Diagnosis
@@ -217,9 +218,19 @@ Task: TypeAlias = (
     | BallbarPlanTask
     | PrecalibrateTask
     | ReadCampaignTask
+    | CheckFileTask
+    | CorrectFileTask
 )
 Answer: TypeAlias = (
-    Identification | Validation | Diagnosis | SessionPlan | BallbarPlan | PreCalibration | CampaignRead
+    Identification
+    | Validation
+    | Diagnosis
+    | SessionPlan
+    | BallbarPlan
+    | PreCalibration
+    | CampaignRead
+    | FileChecked
+    | FileCorrected
 )
 
 

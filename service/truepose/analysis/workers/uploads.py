@@ -10,8 +10,9 @@ from contextlib import AbstractAsyncContextManager
 from typing import Final, cast
 
 from truepose.analysis.jobs import Perform
+from truepose.analysis.workers.correcting import CheckFileTask, FileChecked, TargetsFile
 from truepose.analysis.workers.process import TaskRefusedError, perform_in_worker
-from truepose.analysis.workers.tasks import CampaignRead, ReadCampaignTask
+from truepose.analysis.workers.tasks import Answer, CampaignRead, ReadCampaignTask
 from truepose.analysis.workers.turns import Turns
 
 # Four times what the largest campaign takes that the limits of `exchange` let pass.
@@ -45,16 +46,22 @@ class Uploads:
         WorkerDiedError
             Reading it ended the worker.
         """
+        return cast(CampaignRead, await self._read(ReadCampaignTask(archive, name), name, "campaign"))
+
+    async def check(self, file: TargetsFile) -> FileChecked:
+        """Return what a file of targets holds, if it can be read; cancelling and errors as of `read`."""
+        return cast(FileChecked, await self._read(CheckFileTask(file), file.name, "program"))
+
+    async def _read(self, task: ReadCampaignTask | CheckFileTask, name: str, kind: str) -> Answer:
         async with self._reading:
             try:
                 async with asyncio.timeout(_READING_S):
-                    answer = await self._perform(ReadCampaignTask(archive, name), _nobody)
+                    return await self._perform(task, _nobody)
             except TimeoutError as error:
                 raise TaskRefusedError(
-                    f"{name}: the archive was not read within {_READING_S:.0f} s, which no campaign takes; "
+                    f"{name} was not read within {_READING_S:.0f} s, which no {kind} takes; "
                     "nothing was stored."
                 ) from error
-        return cast(CampaignRead, answer)
 
 
 async def _nobody(fraction: float, doing: str) -> None:

@@ -7,8 +7,8 @@ from typing import Final
 
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.branches import branch_of_words
-from truepose.exchange.programs.corrected import Meant, Understood
 from truepose.exchange.programs.program import Pose
+from truepose.exchange.programs.understood import Meant, Understood
 
 _UNIT: Final = 1e-6  # of the length of a quaternion
 

@@ -8,14 +8,16 @@ from typing import BinaryIO, Final, TypeAlias
 
 from truepose.correction import Corrections, Goals, Summary, correct, in_world, meant_by_joints
 from truepose.domain.arrays import IntArray
+from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence
 from truepose.exchange.corrections.asked import Asked
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.corrected import Meant, corrected_program
+from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import FORMATS, format_of, read_program
-from truepose.exchange.programs.program import LeftAlone, Program
+from truepose.exchange.programs.program import Program
+from truepose.exchange.programs.understood import Meant
 from truepose.exchange.tables.table import TableData
 from truepose.exchange.tables.targets import CorrectionWriter, Targets, targets_of
 from truepose.judgement.cautions import prediction_cautions
@@ -102,11 +104,12 @@ def corrected_rows(
 
 def _correct_table(model: Model, name: str, data: bytes, asked: Asked, out: BinaryIO, seen: Seen) -> Answer:
     answer = Answer()
+    begun = False
     text = io.TextIOWrapper(out, encoding="utf-8", newline="\n")
     writer = CorrectionWriter(text)
     for part, rows in corrected_rows(model, name, data, asked):
-        if not answer.summary.targets:
-            answer.cautions = table_cautions(model, part, rows)
+        if not begun:
+            answer.cautions, begun = table_cautions(model, part, rows), True
         writer.write(rows.names, rows.found, part.own)
         answer.summary.add(rows.names, rows.found)
         seen(rows)

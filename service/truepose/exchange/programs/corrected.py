@@ -9,8 +9,7 @@ The flange of the controller must be the last frame of the nominal table: so it 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from enum import StrEnum
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from truepose.correction import ANY_BRANCH, FLANGE, Corrections, Goals, correct, in_world, tool_nests_mm
 from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Stops
+from truepose.domain.corrections import LeftAlone
 from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.branches import branch_of_words
@@ -26,13 +26,13 @@ from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
     Configuration,
     Frame,
-    LeftAlone,
     Pose,
     Program,
     ProgramTarget,
     Value,
 )
 from truepose.exchange.programs.rewriting import rewritten
+from truepose.exchange.programs.understood import Meant, Understood
 from truepose.judgement.cautions import prediction_cautions
 from truepose.kinematics.chain import nominal_chain
 from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotation_from_quaternion
@@ -40,24 +40,6 @@ from truepose.kinematics.frames import poses_of, quaternion_from_rotation, rotat
 _COUNTS_FROM_THE_HORIZONTAL: Final = "FANUC LS"
 _COUPLED: Final = said("left.from_the_horizontal")
 _STILL_RAD: Final = 1e-6  # a joint that moves less comes from neither side
-
-
-class Meant(StrEnum):
-    """What the targets of a program are given in, beside its own work objects."""
-
-    BASE = "base"  # of the robot
-    WORLD = "world"  # of the readings that the model was made from
-
-
-@dataclass(frozen=True, slots=True)
-class Understood:
-    """What whoever has a program corrected says of it beside the file."""
-
-    meant: Meant = Meant.BASE
-    defined: Mapping[str, Pose] = field(
-        default_factory=dict
-    )  # tools (in the flange) and work objects that it only names
-    branch: int | None = None  # of poses whose branch the file says in words that are not understood
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from truepose.domain.corrections import LeftAlone
 from truepose.domain.sentences import Sentence, Text, said
 from truepose.exchange.programs.program import (
     Configuration,
     Frame,
-    LeftAlone,
     Motion,
     Path,
     Pose,

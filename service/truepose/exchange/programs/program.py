@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
+from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
-from truepose.domain.sentences import Sentence, said
 
 Triple: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -148,24 +148,6 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class LeftAlone:
-    """What moves the robot, or would be a target, and cannot be corrected by changing numbers.
-
-    `file` is that of the line, if it is another one than the program.
-    """
-
-    line: int
-    what: str
-    reason: Sentence
-    file: str | None = None
-
-    @property
-    def place(self) -> Sentence:
-        """Where it stands."""
-        return place(self.line, self.file)
-
-
-@dataclass(frozen=True, slots=True)
 class Program:
     """A robot program as it was read; `data` is the file."""
 
@@ -175,10 +157,3 @@ class Program:
     targets: tuple[ProgramTarget, ...]
     motions: tuple[Motion, ...]
     left_alone: tuple[LeftAlone, ...]
-
-
-def place(line: int, file: str | None = None) -> Sentence:
-    """Return how a sentence names a line of the program, or of another file."""
-    if file is None:
-        return said("left.line", line=line)
-    return said("left.line_of_file", line=line, file=file)

@@ -10,10 +10,11 @@ from collections.abc import Mapping
 from itertools import accumulate
 from typing import Final, NoReturn
 
+from truepose.domain.corrections import place
 from truepose.domain.sentences import Sentence
 from truepose.exchange.errors import BadValueError, InputFileError, UnreadableFileError
 from truepose.exchange.plausible import limits_of
-from truepose.exchange.programs.program import Number, place
+from truepose.exchange.programs.program import Number
 
 _LIMITS: Final = limits_of("number")
 _LINE_END: Final = re.compile(r"\r\n|\n|\r")

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 
 from pydantic import Field
 
-from truepose.correction import Summary
+from truepose.domain.corrections import CorrectionTotals, LeftAlone
 from truepose.exchange.json_text import Json
 from truepose.exchange.outgoing import Quantity
-from truepose.exchange.programs.program import LeftAlone
 from truepose.exchange.results.document_base import Document, Spoken
 
 
@@ -47,19 +46,24 @@ class CorrectionDocument(Document):
     )
 
 
-def correction_document(summary: Summary, left_alone: Sequence[LeftAlone] = ()) -> dict[str, Json]:
+def correction_document(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()) -> dict[str, Json]:
     """Return what `truepose correct --json` prints."""
+    return correction_of(totals, left_alone).printed()
+
+
+def correction_of(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()) -> CorrectionDocument:
+    """Return the document of a correction."""
     return CorrectionDocument(
-        targets=summary.targets,
-        corrected=summary.solved,
-        statuses=dict(summary.statuses),
-        not_corrected=[FailedTarget(target=name, status=status) for name, status in summary.failed],
-        largest_error_mm=summary.largest_error_mm,
-        mean_u_mm=summary.mean_uncertainty_mm,
-        largest_u_mm=summary.largest_uncertainty_mm,
-        far_moved=summary.far_moved,
-        largest_move_deg=math.degrees(summary.largest_move_rad),
-        outside=summary.outside if summary.zone_known else None,
-        farthest_outside_mm=summary.farthest_outside_mm if summary.zone_known else None,
+        targets=totals.targets,
+        corrected=totals.solved,
+        statuses=dict(totals.statuses),
+        not_corrected=[FailedTarget(target=name, status=status) for name, status in totals.failed],
+        largest_error_mm=totals.largest_error_mm,
+        mean_u_mm=totals.mean_uncertainty_mm,
+        largest_u_mm=totals.largest_uncertainty_mm,
+        far_moved=totals.far_moved,
+        largest_move_deg=math.degrees(totals.largest_move_rad),
+        outside=totals.outside if totals.zone_known else None,
+        farthest_outside_mm=totals.farthest_outside_mm if totals.zone_known else None,
         left_alone=[LeftAloneDocument.of(left) for left in left_alone],
-    ).printed()
+    )

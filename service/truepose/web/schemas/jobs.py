@@ -10,6 +10,7 @@ _RESULTS = {
     JobKind.VALIDATION: "validations",
     JobKind.DIAGNOSIS: "diagnoses",
     JobKind.PLAN: "sessions",
+    JobKind.CORRECTION: "corrections",
 }
 
 
@@ -27,6 +28,12 @@ class JobRequestReply(Reply):
     seed: int | None = None
     proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
     method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`.")
+    file: str | None = Field(None, description="Name of what is corrected.")
+    beside: list[str] | None = Field(None, description="Names of the files beside it.")
+    frame: str | None = None
+    define: list[str] | None = None
+    branch: str | None = None
+    angles: str | None = None
     joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
 
 

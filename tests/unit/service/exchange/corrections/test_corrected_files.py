@@ -13,7 +13,7 @@ from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
 from truepose.exchange.corrections.files import check_file, correct_file
 from truepose.exchange.errors import UnreadableFileError
-from truepose.exchange.programs.corrected import Meant
+from truepose.exchange.programs.understood import Meant
 from truepose.kinematics.chain import nominal_chain
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"

@@ -12,9 +12,10 @@ from truepose.correction import tool_nests_mm
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.programs.branches import branch_of_words
-from truepose.exchange.programs.corrected import Meant, Understood, corrected_program
+from truepose.exchange.programs.corrected import corrected_program
 from truepose.exchange.programs.formats import read_program
 from truepose.exchange.programs.program import Configuration, Pose
+from truepose.exchange.programs.understood import Meant, Understood
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.kinematics.chain import nominal_chain

@@ -1,0 +1,44 @@
+"""Corrected files: what was asked, what became of each target, and the file itself."""
+
+import sqlalchemy as sa
+from alembic import op
+
+from truepose.storage.migrations.append_only import delete_protected, drop_protected, protect
+from truepose.storage.migrations.columns import number, recorded, reference
+
+revision = "0011"
+down_revision = "0010"
+branch_labels = None
+depends_on = None
+
+_JOBS = "SELECT id FROM jobs WHERE kind = 'correction'"
+
+
+def upgrade() -> None:
+    """Make the table."""
+    op.create_table(
+        "corrections",
+        number(),
+        recorded(),
+        reference("job_id", "jobs"),
+        reference("model_id", "models"),
+        sa.Column("name", sa.Text, nullable=False),
+        sa.Column("original_sha256", sa.Text, nullable=False),
+        sa.Column("corrected_sha256", sa.Text, nullable=False),
+        sa.Column("asked", sa.JSON, nullable=False),
+        sa.Column("document", sa.JSON, nullable=False),
+        sa.Column("targets", sa.LargeBinary, nullable=False),
+        sa.Column("file", sa.LargeBinary, nullable=False),
+        sqlite_autoincrement=True,
+    )
+    op.create_index("ix_corrections_model_id", "corrections", ["model_id", "id"])
+    protect("corrections")
+
+
+def downgrade() -> None:
+    """Drop every correction and its job, of a kind that the program of that schema does not know."""
+    drop_protected("corrections")
+    delete_protected("request_keys", "resource = 'correction job'")
+    for table in ("events", "job_states"):
+        delete_protected(table, f"job_id IN ({_JOBS})")
+    delete_protected("jobs", "kind = 'correction'")

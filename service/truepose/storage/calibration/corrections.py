@@ -1,0 +1,111 @@
+"""Corrected files: each stored with the end of its job."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from sqlalchemy import Column, Connection, Row, Select, func, select
+
+from truepose.domain.corrections import CorrectedTargets, FileCorrection
+from truepose.storage.calibration.jobs import add_job_state
+from truepose.storage.calibration.origins import simulated_campaign
+from truepose.storage.columns import unpack
+from truepose.storage.database import Database
+from truepose.storage.documents import from_document, to_document
+from truepose.storage.errors import NotFoundError
+from truepose.storage.numbered import NumberedRecords
+from truepose.storage.records import CorrectionRecord, JobState, Page
+from truepose.storage.rows import add_row
+from truepose.storage.tables import campaigns, corrections, diagnoses, identifications, models
+
+_LISTED: Final = [column for column in corrections.c if column.name not in {"targets", "file"}]
+
+
+@dataclass(frozen=True, slots=True)
+class NewCorrection:
+    """A correction to store."""
+
+    name: str
+    original_sha256: str
+    corrected_sha256: str
+    asked: dict[str, Any]
+    correction: FileCorrection
+    targets: bytes  # as `storage.columns` packs them
+    file: bytes
+
+
+class CorrectionRepository(NumberedRecords[CorrectionRecord]):
+    """All queries about corrections; a record is what is known of one without its targets and its file."""
+
+    def __init__(self, database: Database) -> None:
+        super().__init__(database, "correction", corrections, _records, _record)
+
+    async def keep(self, job_id: int, model_id: int, made: NewCorrection) -> int:
+        """Store a correction and end the job."""
+        document, totals = to_document(made.correction), made.correction.totals
+        message = f"{totals.solved:,} of {totals.targets:,} targets are corrected."
+
+        def work(connection: Connection) -> int:
+            number = add_row(
+                connection,
+                corrections,
+                job_id=job_id,
+                model_id=model_id,
+                name=made.name,
+                original_sha256=made.original_sha256,
+                corrected_sha256=made.corrected_sha256,
+                asked=made.asked,
+                document=document,
+                targets=made.targets,
+                file=made.file,
+            )
+            add_job_state(connection, job_id, JobState.SUCCEEDED, message, number)
+            return number
+
+        return await self._database.write(work)
+
+    async def of_model(self, model_id: int, page: Page) -> list[CorrectionRecord]:
+        """Return the corrections by a model, oldest first."""
+        query = _records().where(corrections.c.model_id == model_id, corrections.c.id > page.after)
+        return await self._listed(query.order_by(corrections.c.id).limit(page.limit))
+
+    async def file(self, correction_id: int) -> bytes:
+        """Return the corrected file; raises NotFoundError."""
+        return await self._content(corrections.c.file, correction_id)
+
+    async def targets(self, correction_id: int) -> CorrectedTargets:
+        """Return the targets; raises NotFoundError."""
+        return unpack(CorrectedTargets, await self._content(corrections.c.targets, correction_id))
+
+    async def _content(self, column: Column[bytes], correction_id: int) -> bytes:
+        query = select(column).where(corrections.c.id == correction_id)
+        found = await self._database.read(lambda c: c.scalar(query))
+        if found is None:
+            raise NotFoundError("correction", correction_id)
+        return bytes(found)
+
+
+def _records() -> Select[Any]:
+    made_from = func.coalesce(identifications.c.campaign_id, diagnoses.c.campaign_id)
+    return (
+        select(*_LISTED, models.c.robot, simulated_campaign())
+        .join(models, models.c.id == corrections.c.model_id)
+        .outerjoin(identifications, identifications.c.id == models.c.identification_id)
+        .outerjoin(diagnoses, diagnoses.c.id == models.c.diagnosis_id)
+        .join(campaigns, campaigns.c.id == made_from)
+    )
+
+
+def _record(row: Row[Any]) -> CorrectionRecord:
+    return CorrectionRecord(
+        id=row.id,
+        recorded_at=row.recorded_at,
+        job_id=row.job_id,
+        model_id=row.model_id,
+        robot=row.robot,
+        simulated=bool(row.simulated),
+        name=row.name,
+        original_sha256=row.original_sha256,
+        corrected_sha256=row.corrected_sha256,
+        asked=row.asked,
+        correction=from_document(FileCorrection, row.document),
+    )

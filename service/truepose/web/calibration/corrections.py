@@ -1,0 +1,213 @@
+"""Corrections: a file of targets in, the same with corrected numbers out."""
+
+import asyncio
+import hashlib
+from dataclasses import dataclass, replace
+from pathlib import PureWindowsPath
+from typing import Annotated, Any, Final, Literal
+from urllib.parse import quote
+
+from fastapi import APIRouter, HTTPException, Query, Request, Response, status
+from fastapi.exceptions import RequestValidationError
+from starlette.datastructures import UploadFile
+
+from truepose.analysis.workers.correcting import MOST_TARGETS, TargetsFile
+from truepose.domain.errors import ConfigurationError
+from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
+from truepose.exchange.programs.understood import Meant
+from truepose.kinematics.inverse import BRANCH_NAMES
+from truepose.web.context import Here
+from truepose.web.jobs import queued
+from truepose.web.parameters import Id, IdempotencyKey, PageQuery, request_key
+from truepose.web.presence import while_present
+from truepose.web.problems import problems
+from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.web.schemas.corrections import CorrectionReply, TargetReply, correction_reply, target_replies
+from truepose.web.schemas.jobs import JobReply
+
+router = APIRouter(tags=["corrections"])
+_RECEIVING_S: Final = 60.0  # 16 MB at 2 Mbit/s
+_MOST_FILES: Final = 20
+_LONGEST_NAME: Final = 200
+_FILE = {"type": "string", "format": "binary"}
+_FORM = {
+    "type": "object",
+    "required": ["file"],
+    "properties": {
+        "file": {**_FILE, "description": "The program; the ending of its name says the format."},
+        "beside": {"type": "array", "items": _FILE, "description": "Other files of it; they are read only."},
+    },
+}
+_BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {"multipart/form-data": {"schema": _FORM}}}
+}
+_NO_FILE: Final = {
+    "loc": ("body", "file"),
+    "msg": "a robot program or a table of targets is required",
+    "type": "missing",
+}
+_ANY_FILE = {"application/octet-stream": {"schema": _FILE}}
+Frame = Annotated[
+    Literal["world", "base"] | None,
+    Query(
+        description="What targets are given in; null: of a table the frame of the readings, of a program the "
+        "robot's base."
+    ),
+]
+Define = Annotated[
+    list[Annotated[str, Query(max_length=500)]] | None,
+    Query(
+        max_length=50,
+        description="Of a program: a tool or work object that it only names, NAME=x,y,z,qw,qx,qy,qz.",
+        examples=[["tGun=0,0,150,1,0,0,0"]],
+    ),
+]
+Branch = Annotated[
+    str | None,
+    Query(
+        description="Of a program: branch of poses that do not say theirs.",
+        json_schema_extra={"enum": list(BRANCH_NAMES)},
+    ),
+]
+Angles = Annotated[
+    Literal["xyz", "zyx", "fixed xyz"] | None, Query(description="Of G-code: axes of A, B, C.")
+]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List targets behind this one.")]
+Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many targets.")]
+
+
+@dataclass(frozen=True, slots=True)
+class _Sent:
+    """The files of a form, and the fingerprint of all of it."""
+
+    name: str
+    data: bytes
+    beside: dict[str, bytes]
+
+    @property
+    def fingerprint(self) -> bytes:
+        """What tells another form from this one."""
+        files = {self.name: self.data, **self.beside}
+        return repr({name: hashlib.sha256(data).hexdigest() for name, data in files.items()}).encode()
+
+
+@router.post(
+    "/models/{id}/corrections",
+    status_code=status.HTTP_202_ACCEPTED,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
+    openapi_extra=_BODY,
+)
+async def correct(
+    here: Here,
+    id: Id,
+    request: Request,
+    response: Response,
+    frame: Frame = None,
+    define: Define = None,
+    branch: Branch = None,
+    angles: Angles = None,
+    key: IdempotencyKey = None,
+) -> JobReply:
+    """Correct a robot program or a table of targets, as `truepose correct` does.
+
+    The file is read before the answer: one that cannot be used is refused in a sentence that names the
+    place. RAPID, KRL, LS, URScript, INFORM, VAL3, G-code, JSON and CSV are known by the ending of the name.
+    The job's result is the correction. More than 100,000 targets are for the command, which takes tables of
+    any length.
+    """
+    model = (await here.results.model(id)).model
+    asked = {"frame": frame, "define": define or [], "branch": branch, "angles": angles}
+    meant = Asked(
+        meant=None if frame is None else Meant(frame),
+        defined=dict(frame_defined(text, "define") for text in define or []),
+        branch=None if branch is None else branch_named(branch, "branch"),
+        angles=angles,
+        most_targets=MOST_TARGETS,
+    )
+    async with here.campaign_desk.uploads.turn():
+        here.job_desk.require_room()
+        sent = await _received(request)
+        file = TargetsFile(model, sent.name, sent.data, replace(meant, beside=sent.beside))
+        await while_present(request, here.campaign_desk.uploads.check(file))
+        asked = {**asked, "beside": list(sent.beside)}
+        said = repr(asked).encode() + sent.fingerprint
+        by_key = None if key is None else request_key(request, key, said)
+        number = await here.job_desk.correct(id, file, asked, by_key)
+    return await queued(here, number, response)
+
+
+@router.get("/models/{id}/corrections", responses=problems(404, 422, 503))
+async def list_corrections_of_model(here: Here, id: Id, page: PageQuery) -> list[CorrectionReply]:
+    """List the corrections by a model, oldest first."""
+    await here.results.model(id)
+    return [correction_reply(record) for record in await here.corrections.of_model(id, page)]
+
+
+@router.get("/corrections", responses=problems(422, 503))
+async def list_corrections(here: Here, page: PageQuery) -> list[CorrectionReply]:
+    """List corrections, oldest first."""
+    return [correction_reply(record) for record in await here.corrections.page(page)]
+
+
+@router.get("/corrections/{id}", responses=problems(404, 422, 503))
+async def get_correction(here: Here, id: Id) -> CorrectionReply:
+    """Show what a file came to: counts, extremes, and what was left alone."""
+    return correction_reply(await here.corrections.get(id))
+
+
+@router.get("/corrections/{id}/targets", responses=problems(404, 422, 503))
+async def list_targets(here: Here, id: Id, after: After = 0, limit: Limit = 100) -> list[TargetReply]:
+    """List the targets of a file with what became of each, in the order of the file."""
+    return target_replies(await here.corrections.targets(id), after, limit)
+
+
+@router.get(
+    "/corrections/{id}/file",
+    response_class=Response,
+    responses={
+        200: {"description": "The corrected file.", "content": _ANY_FILE},
+        **problems(404, 422, 503),
+    },
+)
+async def download_corrected(here: Here, id: Id) -> Response:
+    """Download the corrected file: of a program all but the numbers of its targets is as it came."""
+    record = await here.corrections.get(id)
+    name = PureWindowsPath(record.name)
+    saved_as = quote(f"{name.stem}-corrected{name.suffix}")
+    headers = {"Content-Disposition": f"attachment; filename*=UTF-8''{saved_as}"}
+    return Response(await here.corrections.file(id), media_type="application/octet-stream", headers=headers)
+
+
+async def _received(request: Request) -> _Sent:
+    """Return the files of a form; raises RequestValidationError where there is none."""
+    try:
+        async with asyncio.timeout(_RECEIVING_S), request.form(max_files=_MOST_FILES) as form:
+            sent = form.get("file")
+            if not isinstance(sent, UploadFile) or not sent.filename:
+                raise RequestValidationError([_NO_FILE])
+            beside = [one for one in form.getlist("beside") if isinstance(one, UploadFile) and one.filename]
+            name, data = await _read(sent)
+            return _Sent(name, data, await _all(beside, name))
+    except TimeoutError as error:
+        raise HTTPException(
+            status.HTTP_408_REQUEST_TIMEOUT,
+            f"The file did not arrive within {_RECEIVING_S:.0f} s; nothing was stored, send it again.",
+        ) from error
+
+
+async def _all(files: list[UploadFile], name: str) -> dict[str, bytes]:
+    """Return files by name; raises ConfigurationError where two have the same one."""
+    found: dict[str, bytes] = {}
+    for file in files:
+        beside, data = await _read(file)
+        if beside in found or beside == name:
+            raise ConfigurationError(f"Two files are called {beside}; send each of them once.")
+        found[beside] = data
+    return found
+
+
+async def _read(file: UploadFile) -> tuple[str, bytes]:
+    name = PureWindowsPath(file.filename or "").name  # some clients send the whole path
+    if len(name) > _LONGEST_NAME:
+        raise ConfigurationError(f"The name of a file has more than {_LONGEST_NAME} characters; shorten it.")
+    return name, await file.read()

@@ -1,0 +1,206 @@
+"""Corrections over REST: a program goes in, comes back with other numbers, and stays on record."""
+
+import asyncio
+import csv
+import hashlib
+import io
+from dataclasses import replace
+
+import pytest
+
+from tests.helpers.domain.builders import make_identification
+from tests.helpers.domain.robots import IRB_120
+from tests.helpers.identification.models import model_of, plain_parameters
+from tests.helpers.web.clients import made
+from truepose.analysis.workers.uploads import Uploads
+from truepose.storage.calibration.campaigns import NewCampaign
+from truepose.storage.records import CampaignSummary, JobKind
+
+REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+PROGRAM = (
+    "MODULE Weld\r\n  ! t\xfcrseitig\r\n"
+    f"  CONST jointtarget jHome:=[[20,30,-25,40,50,60],{REST}];\r\n"
+    "  PROC main()\r\n    MoveAbsJ jHome,v100,fine,tool0;\r\n    MoveL Offs(pNo,0,0,9),v1,fine,tool0;\r\n"
+    "  ENDPROC\r\nENDMODULE\r\n"
+).encode("latin-1")
+TABLE = b"target,x_mm,y_mm,z_mm,qw,qx,qy,qz,note\nnear,350,100,400,0,0,1,0,ok\nfar,9000,0,0,1,0,0,0,\n"
+
+
+@pytest.fixture
+def worker():
+    """Does the jobs here; what reads uploads is `here` as well."""
+    return perform_here
+
+
+async def perform_here(task, told):
+    return await asyncio.to_thread(task.perform, lambda fraction, doing: None)
+
+
+@pytest.fixture
+async def model_id(app):
+    here = app.state.context
+    here.campaign_desk.uploads = Uploads(perform_here)
+    plain = model_of(IRB_120, *plain_parameters(IRB_120))
+    model = replace(plain, nominal_base=plain.base)
+    summary = CampaignSummary(50, 0, 0, 0, 0)
+    campaign_id = await here.campaigns.add(NewCampaign("left arm", "ABB IRB 120", summary, b""))
+    job_id = await here.jobs.add(JobKind.IDENTIFICATION, {})
+    await here.results.keep_identification(job_id, campaign_id, make_identification(model=model))
+    return (await here.results.newest_models(1))[0].id
+
+
+@pytest.fixture
+def send(client, model_id):
+    async def sending(name, data, beside=(), model=None, **options):
+        files = [("file", (name, data)), *(("beside", one) for one in beside)]
+        path = f"/api/v1/models/{model or model_id}/corrections"
+        return await client.post(path, files=files, params=options)
+
+    return sending
+
+
+async def test_a_program_comes_back_with_other_numbers_and_is_on_record(client, send, model_id):
+    path = await made(client, await send("weld.mod", PROGRAM))
+
+    record = (await client.get(path)).json()
+    back = await client.get(record["file_url"])
+    before, after = PROGRAM.split(b"\r\n"), back.content.split(b"\r\n")
+    assert [k for k, (a, b) in enumerate(zip(before, after, strict=True)) if a != b] == [2]
+    assert back.headers["content-disposition"] == "attachment; filename*=UTF-8''weld-corrected.mod"
+    assert record["original_sha256"] == hashlib.sha256(PROGRAM).hexdigest()
+    assert record["corrected_sha256"] == hashlib.sha256(back.content).hexdigest()
+    assert (record["model_id"], record["name"], record["document"]["corrected"]) == (model_id, "weld.mod", 1)
+    assert record["document"]["left_alone"] == [
+        {
+            "line": 6,
+            "what": "MoveL Offs(pNo,0,0,9),v1,fine,tool0",
+            "reason": "its place is computed when the program runs",
+            "file": None,
+        }
+    ]
+    assert 0.1 < record["largest_shift_mm"] < 10.0
+    assert (await client.get(f"/api/v1/models/{model_id}/corrections")).json() == [record]
+    assert (await client.get("/api/v1/corrections")).json() == [record]
+
+
+async def test_each_target_of_a_table_is_told_and_its_own_columns_come_back(client, send):
+    path = await made(client, await send("t.csv", TABLE, frame="base"))
+
+    targets = (await client.get(f"{path}/targets")).json()
+    (far,) = (await client.get(f"{path}/targets", params={"after": 1, "limit": 1})).json()
+    rows = list(csv.DictReader(io.StringIO((await client.get(f"{path}/file")).text)))
+    assert [(one["name"], one["line"], one["status"]) for one in targets] == [
+        ("near", 2, "ok"),
+        ("far", 3, "out_of_reach"),
+    ]
+    assert targets[0]["place_mm"] == pytest.approx([350.0, 100.0, 400.0])
+    assert targets[0]["u_mm"] == pytest.approx(float(rows[0]["u_mm"]), rel=1e-5)
+    assert (far["number"], far["u_mm"], far["shift_mm"]) == (2, None, [None] * 3)
+    assert [row["note"] for row in rows] == ["ok", ""]
+
+
+async def test_the_same_key_corrects_once(client, send, model_id):
+    path, files = f"/api/v1/models/{model_id}/corrections", {"file": ("weld.mod", PROGRAM)}
+    key = {"Idempotency-Key": "k1"}
+
+    first = await client.post(path, files=files, headers=key)
+    await made(client, first)
+    again = await client.post(path, files=files, headers=key)
+    other = await client.post(path, files={"file": ("w.mod", PROGRAM)}, headers=key)
+
+    assert again.json()["id"] == first.json()["id"]
+    assert other.status_code == 409
+    assert len((await client.get("/api/v1/corrections")).json()) == 1
+
+
+SEVEN = b'[{"q1_deg":1,"q2_deg":2,"q3_deg":3,"q4_deg":4,"q5_deg":5,"q6_deg":6,"q7_deg":7}]'
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "options", "sentence"),
+    [
+        ("weld.txt", PROGRAM, {}, "weld.txt: the ending of the name is that of no known program"),
+        ("weld.mod", PROGRAM[:-20], {}, "weld.mod, line 4"),
+        ("weld.mod", b"", {}, "weld.mod: the file is empty"),
+        ("weld.mod", PROGRAM.decode("latin-1").encode("utf-16"), {}, "weld.mod: the text is UTF-16"),
+        ("t.csv", TABLE.replace(b"near", b"n\xe4r"), {}, "t.csv, line 2: the text is not UTF-8"),
+        ("t.csv", b"", {}, "t.csv: the file is empty"),
+        (
+            "t.csv",
+            TABLE.replace(b",350,", b",here,"),
+            {},
+            "t.csv, line 2, column x_mm: 'here' is not a number",
+        ),
+        ("t.json", SEVEN, {}, "has 7 joints, the model has 6: the program is of another robot"),
+        ("weld.ls", b"/PROG A\n/MN\n/POS\n/END\n", {}, "a program for robots of FANUC"),
+        ("p.nc", b"G1 X1 Y2 Z3 A0 B0 C0\n", {}, "does not say what A, B and C turn about"),
+        ("weld.mod", PROGRAM, {"frame": "tool"}, "frame"),
+        ("weld.mod", PROGRAM, {"branch": "left"}, "branch left: name one such as front/up/no flip"),
+        ("weld.mod", PROGRAM, {"define": "tGun=1,2"}, "define tGun=1,2: give NAME=x,y,z,qw,qx,qy,qz"),
+    ],
+)
+async def test_what_cannot_be_corrected_is_refused_in_a_sentence(client, send, name, data, options, sentence):
+    reply = await send(name, data, **options)
+
+    assert reply.status_code == 422
+    assert sentence in reply.json()["detail"]
+    assert (await client.get("/api/v1/corrections")).json() == []
+
+
+async def test_more_targets_than_are_taken_at_once_are_refused(send):
+    rows = TABLE.splitlines()
+    reply = await send("t.csv", b"\n".join([rows[0], *[rows[1]] * 100_001]))
+
+    assert reply.status_code == 422
+    assert "more than 100,000 rows" in reply.json()["detail"]
+
+
+async def test_a_million_targets_are_too_large_a_body(send):
+    rows = TABLE.splitlines()
+    reply = await send("t.csv", b"\n".join([rows[0], *[rows[1]] * 1_000_000]))
+
+    assert reply.status_code == 413
+
+
+async def test_a_form_without_a_file_two_files_of_one_name_and_no_form_are_refused(client, send, model_id):
+    path = f"/api/v1/models/{model_id}/corrections"
+
+    none = await client.post(path, files={"other": ("a.mod", PROGRAM)})
+    two = await send("a.mod", PROGRAM, beside=[("a.mod", PROGRAM)])
+    json = await client.post(path, json={})
+
+    assert (none.status_code, two.status_code, json.status_code) == (422, 422, 415)
+    assert none.json()["detail"] == "file: a robot program or a table of targets is required."
+    assert "Two files are called a.mod" in two.json()["detail"]
+
+
+async def test_there_is_no_correction_by_a_model_that_is_not_there(client, send):
+    assert (await send("weld.mod", PROGRAM, model=99)).status_code == 404
+    for path in ("models/99/corrections", "corrections/9", "corrections/9/file", "corrections/9/targets"):
+        assert (await client.get(f"/api/v1/{path}")).status_code == 404
+
+
+async def test_a_program_that_waits_in_memory_keeps_others_from_doing_so(app, send, monkeypatch):
+    desk, gate = app.state.context.job_desk, asyncio.Event()
+
+    async def held(task, told):
+        await gate.wait()
+        return await perform_here(task, told)
+
+    monkeypatch.setattr(desk, "_perform", held)
+    taken = [await send("weld.mod", PROGRAM) for _ in range(4)]
+    refused = await send("weld.mod", PROGRAM)
+    gate.set()
+
+    assert [reply.status_code for reply in taken] == [202] * 4
+    assert refused.status_code == 503
+    assert "Too many files wait to be corrected" in refused.json()["detail"]
+
+
+async def test_a_name_of_another_alphabet_comes_back(client, send):
+    path = await made(client, await send("C:\\cells\\сварка.mod", PROGRAM))
+
+    file = await client.get(f"{path}/file")
+
+    assert (await client.get(path)).json()["name"] == "сварка.mod"
+    assert file.headers["content-disposition"].endswith("%D1%81%D0%B2%D0%B0%D1%80%D0%BA%D0%B0-corrected.mod")
