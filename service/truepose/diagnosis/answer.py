@@ -49,6 +49,7 @@ from truepose.effects.unnamed.cause import NAME as UNNAMED
 from truepose.identification.fit.considered import considered
 from truepose.identification.fit.robust import RobustFit
 from truepose.identification.fit.robust import fit as refit
+from truepose.identification.fit.shortfall import shortfall, typical_mm
 from truepose.identification.identify import nominal_fit
 from truepose.identification.model_of_fit import Fits, model_of
 from truepose.identification.verdict.judge import USUAL
@@ -69,6 +70,7 @@ class _Answer:
     tested: Tested  # doubts included in what is left
     whole: Whole | None  # None: the findings are all that the model is extended by
     judged: Improvement  # on validation readings, where there are any
+    folds: Improvement  # of the model in the end, chosen anew in each
     scene: Scene  # of the extended model
     unseen: Unseen | None  # the extended model at validation readings, where there are any
 
@@ -92,7 +94,8 @@ def answered(
     tell(0.85, "judging on readings that were not seen, and putting it into words")
     tested = replace(tested, left=_with_doubts(tested))
     whole = _whole(start, tested, judging)
-    judged = _judged(start, tested, judging, whole)
+    folds = _in_folds(tested, judging, whole)
+    judged = _judged(start, tested, folds, whole)
     left = replace(
         _with_shared(start, tested.left),
         worse_unseen=judged.beyond if judged.beyond > _BEYOND else 0.0,
@@ -101,7 +104,9 @@ def answered(
     )
     scene = scene_of(start.problem, tested.selected.fit)
     unseen = unseen_of(start, tested.selected)
-    return _told(_Answer(start, replace(tested, left=left), whole, judged, scene, unseen), withdrawn, without)
+    return _told(
+        _Answer(start, replace(tested, left=left), whole, judged, folds, scene, unseen), withdrawn, without
+    )
 
 
 def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | None:
@@ -117,13 +122,17 @@ def _whole(start: Start, tested: Tested, judging: CrossValidation) -> Whole | No
     return Whole(refitted(start.fit, tested.selected.fit, found.candidates), found.candidates)
 
 
-def _judged(start: Start, tested: Tested, judging: CrossValidation, whole: Whole | None) -> Improvement:
+def _in_folds(tested: Tested, judging: CrossValidation, whole: Whole | None) -> Improvement:
+    """Return what configurations left out say of the model in the end."""
+    if whole is None:
+        return tested.judged
+    return judging.of(tested.selected, tuple(group for _, group in tested.groups), described=True)
+
+
+def _judged(start: Start, tested: Tested, folds: Improvement, whole: Whole | None) -> Improvement:
     groups = tuple(group for _, group in tested.groups)
     end = whole.fit if whole else tested.selected.fit
-    seen = on_validation(start.campaign, (start.fit, end), tested.selected, groups)
-    if seen is None and whole is not None:
-        return judging.of(tested.selected, groups, described=True)
-    return seen or tested.judged
+    return on_validation(start.campaign, (start.fit, end), tested.selected, groups) or folds
 
 
 def _worse_at(judged: Improvement) -> WorstPoint | None:
@@ -273,16 +282,19 @@ def _model(answer: _Answer) -> Model:
     nominal = nominal_fit(start.problem, start.fit)
     honest = with_open_shapes(plain, answer.found)
     fits = Fits(start.campaign, honest, nominal, considered(start.campaign, honest).total)
-    return model_of(fits, discrepancy_mm=_discrepancy_mm(answer), program_version=__version__)
+    short = shortfall(honest, start.problem.setting)
+    lacking_mm = _folds_show_mm(answer) if short is None else typical_mm(short, honest)
+    draft = model_of(fits, discrepancy_mm=lacking_mm, program_version=__version__)
+    return replace(draft, shortfall=short)
 
 
 def _acts_on_instrument(effects: tuple[str, ...]) -> bool:
     return any(of_instrument(named_cell(effect, "")) for effect in effects if effect != UNNAMED)
 
 
-def _discrepancy_mm(answer: _Answer) -> float:
+def _folds_show_mm(answer: _Answer) -> float:
     """Return what the usual held-out residuals show per axis beyond the readings' noise [mm]."""
-    squared = (answer.tested.judged.errors.after_mm**2).mean(axis=1)
+    squared = (answer.folds.errors.after_mm**2).mean(axis=1)
     usual = squared <= USUAL * float(np.median(squared))
     noise = answer.start.problem.blocks[0].stated_sigma()
     return float(np.sqrt(max(float(squared[usual].mean()) - noise**2, 0.0)))

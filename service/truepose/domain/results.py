@@ -108,6 +108,16 @@ class MeasuredZone:
 
 
 @dataclass(frozen=True, slots=True)
+class Shortfall:
+    """What a model of P parameters lacks, as far as its readings show it: c functions of single joints."""
+
+    functions: tuple[Parameter, ...]  # (c,) values and widths as the readings ask for
+    covariance: FloatArray  # (c, c)
+    absorbed: FloatArray  # (P, c) what the parameters have taken over of each
+    rest_mm: float  # per axis: what none of them expresses
+
+
+@dataclass(frozen=True, slots=True)
 class Model:
     """An identified model: the nominal robot, its effects and their parameters; predicts any configuration.
 
@@ -134,6 +144,7 @@ class Model:
     nominal_leg_offset_mm: float = 0.0
     nominal_anchors: tuple[Anchor, ...] = ()
     zone: MeasuredZone | None = None  # None: nobody said
+    shortfall: Shortfall | None = None  # None: the discrepancy stands for it, the same everywhere
     identified_from: dict[str, str | int | float] = field(default_factory=dict)
     program_version: str = ""
 

@@ -20,6 +20,7 @@ from truepose.effects.registry import chosen_effects, effects_with
 from truepose.identification.fit.considered import considered
 from truepose.identification.fit.cross_validation import held_out_residuals
 from truepose.identification.fit.robust import RobustFit, fit, robust_fit
+from truepose.identification.fit.shortfall import shortfall
 from truepose.identification.fit.solver import posterior_covariance
 from truepose.identification.model.stops import sites
 from truepose.identification.model.structure import NOMINAL_EFFECTS
@@ -126,7 +127,8 @@ def _answer(
     validation = _validation(campaign, replace(draft, covariance=carried.readings))
     crossed = None if validation else _crossed(calibration, identified, nominal)
     held_out = validation or crossed
-    model = draft if held_out is None else replace(draft, discrepancy_mm=held_out.discrepancy_mm())
+    model = replace(draft, shortfall=shortfall(identified, problem.setting))
+    model = model if held_out is None else replace(model, discrepancy_mm=held_out.discrepancy_mm())
     tell(0.9, "naming what the data leave open")
     gross = outliers(identified)
     status, message = verdict.outcome(campaign, problem, identified, nominal)

@@ -41,7 +41,7 @@ def validate(
     if len(readings) == 0:
         raise ConfigurationError("There is no reading to validate with.")
     found = judge(model, readings, model.repeatability_mm)
-    pair, claimed = found.pair(), found.claimed_mm(model.discrepancy_mm)
+    pair, claimed = found.pair(), found.claimed_mm()
     passed = _passes(pair, limit_mm, claimed)
     apart = distances(found)
     return Validation(

@@ -12,7 +12,7 @@ from typing import Final, get_args
 import numpy as np
 
 from truepose.domain.arrays import FloatArray
-from truepose.domain.results import Anchor, MeasuredZone, Model, NestCentre, Parameter, Unit
+from truepose.domain.results import Anchor, MeasuredZone, Model, NestCentre, Parameter, Shortfall, Unit
 from truepose.domain.robot import JointRange, Robot
 from truepose.exchange.document import Node
 from truepose.exchange.errors import NewerVersionError, UnreadableFileError
@@ -139,7 +139,10 @@ def model_document(model: Model) -> dict[str, Json]:
         **written_keys(model, _MODEL),
         "nominal_fitted": written_keys(model, _NOMINAL),
         "parameters": [_parameter_document(parameter) for parameter in model.parameters],
-        "covariance": _covariance_document(model),
+        "covariance": _covariance_document(model.covariance, model.parameters),
+        "shortfall": None
+        if model.shortfall is None
+        else _shortfall_document(model.shortfall, model.parameters),
     }
 
 
@@ -161,9 +164,25 @@ def _parameter_document(parameter: Parameter) -> Json:
     return {key: it if isinstance(it, str) else number_or_null(it) for key, it in fields.items()}
 
 
-def _covariance_document(model: Model) -> Json:
-    factors = np.array([file_factor(parameter.unit) for parameter in model.parameters])
-    return covariance_document(model.covariance * np.outer(factors, factors))
+def _factors(parameters: Sequence[Parameter]) -> FloatArray:
+    return np.array([file_factor(parameter.unit) for parameter in parameters])
+
+
+def _covariance_document(covariance: FloatArray, parameters: Sequence[Parameter]) -> Json:
+    factors = _factors(parameters)
+    return covariance_document(covariance * np.outer(factors, factors))
+
+
+def _shortfall_document(short: Shortfall | None, parameters: Sequence[Parameter]) -> Json:
+    if short is None:
+        return None
+    absorbed = short.absorbed * np.divide.outer(_factors(parameters), _factors(short.functions))
+    return {
+        "functions": [_parameter_document(function) for function in short.functions],
+        "covariance": _covariance_document(short.covariance, short.functions),
+        "absorbed": [[number_or_null(entry) for entry in row] for row in absorbed.tolist()],
+        "rest_mm": number_or_null(short.rest_mm),
+    }
 
 
 def read_model_document(root: Node) -> Model:
@@ -177,6 +196,7 @@ def read_model_document(root: Node) -> Model:
         **read_keys(root.key("nominal_fitted"), _NOMINAL),
         parameters=parameters,
         covariance=_read_covariance(root.key("covariance"), parameters),
+        shortfall=_read_shortfall(root, parameters),
     )
 
 
@@ -226,9 +246,25 @@ def _listed_units() -> str:
 
 
 def _read_covariance(node: Node, parameters: Sequence[Parameter]) -> FloatArray:
-    factors = np.array([file_factor(parameter.unit) for parameter in parameters])
+    factors = _factors(parameters)
     scaled: FloatArray = read_covariance(node, len(parameters)) / np.outer(factors, factors)
     return scaled
+
+
+def _read_shortfall(root: Node, parameters: Sequence[Parameter]) -> Shortfall | None:
+    """Files from before models said where they fall short lack it."""
+    node = root.optional("shortfall")
+    if node is None:
+        return None
+    functions = tuple(_read_parameter(entry) for entry in node.key("functions").items())
+    rows = [row.numbers(len(functions)) for row in node.key("absorbed").items(len(parameters))]
+    absorbed = np.array(rows, float).reshape(len(parameters), len(functions))
+    return Shortfall(
+        functions=functions,
+        covariance=_read_covariance(node.key("covariance"), functions),
+        absorbed=absorbed / np.divide.outer(_factors(parameters), _factors(functions)),
+        rest_mm=node.key("rest_mm").number(),
+    )
 
 
 def _number_or(node: Node, unknown: float) -> float:

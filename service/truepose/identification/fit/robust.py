@@ -255,7 +255,7 @@ def _discrepancy(structure: Structure, block: Block, result: BlockResult, soluti
     own = block.own_discrepancy()
     if own is not None:
         return own
-    dof = _degrees_of_freedom(block, result, solution.covariance)
+    dof = degrees_of_freedom(block, result, solution.covariance)
 
     def excess(extra: float) -> float:
         white = block.weighted(block.weights, extra).whitened(result)
@@ -294,7 +294,7 @@ def _by_median(block: Block, result: BlockResult, dof: float, bounds: tuple[floa
     return bounds[1] if excess(bounds[1]) >= 0.0 else crossing(excess, *bounds)
 
 
-def _degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
+def degrees_of_freedom(block: Block, result: BlockResult, covariance: FloatArray) -> float:
     """Return the readings kept, less what the parameters absorb of them: the trace of the leverage."""
     kept = float(block.weights.sum()) * result.residual.shape[1]
     white = result.white_jacobian
@@ -309,5 +309,5 @@ def _stated_chi2(structure: Structure, blocks: tuple[Block, ...], solution: Solu
             continue
         white = block.weighted(block.weights, 0.0).whitened(result)
         total += float(white @ white)
-        degrees += _degrees_of_freedom(block, result, solution.covariance)
+        degrees += degrees_of_freedom(block, result, solution.covariance)
     return total / max(degrees, 1.0)

@@ -32,6 +32,14 @@ def position_jacobian(state: State) -> FloatArray:
     return seen_jacobian(state, state.unscaled_mm, place_jacobian(state))
 
 
+def mean_variance(jacobian: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return the mean variance of d components, shape (n,), from (P, n, d) and that of the parameters."""
+    parameters, n, d = jacobian.shape
+    flat = jacobian.reshape(parameters, n * d)
+    squares = np.einsum("pm,pm->m", flat, covariance @ flat)
+    return np.asarray(squares.reshape(n, d).mean(axis=1))
+
+
 def place_jacobian(state: State) -> FloatArray:
     """Differentiate where the nests are, whatever the instrument sees, in the parameters.
 

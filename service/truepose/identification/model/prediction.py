@@ -8,10 +8,16 @@ from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence
 from truepose.identification.model.beyond import held, held_variance
-from truepose.identification.model.derivatives import place_jacobian, position_jacobian, rotation_jacobian
+from truepose.identification.model.derivatives import (
+    mean_variance,
+    place_jacobian,
+    position_jacobian,
+    rotation_jacobian,
+)
 from truepose.identification.model.estimates import check_targets, structure_of, values_of
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.missing import left_out, left_out_variance, span_of
+from truepose.identification.model.shortfall import lacking_variance
 
 
 def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -43,8 +49,8 @@ def predict(model: Model, stops: Stops, nest: IntArray) -> tuple[FloatArray, Flo
     check_targets(model, targets)
     state = evaluate(structure_of(model), values_of(model), targets)
     jacobian = position_jacobian(state)
-    variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
-    total = variance + unknown_variance(model, state) + model.repeatability_mm**2 + model.discrepancy_mm**2
+    variance = mean_variance(jacobian, model.covariance) + unknown_variance(model, state)
+    total = variance + model.repeatability_mm**2 + lacking_variance(model, state, jacobian)
     return state.position_mm, np.sqrt(total)
 
 
@@ -55,16 +61,14 @@ def placed_variance(model: Model, state: State) -> FloatArray:
     it there, not seen there.
     """
     jacobian = place_jacobian(state)
-    variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True) / 3.0
-    unknown = unknown_variance(model, state)
-    return np.asarray(variance + unknown + model.repeatability_mm**2 + model.discrepancy_mm**2)
+    variance = mean_variance(jacobian, model.covariance) + unknown_variance(model, state)
+    return np.asarray(variance + model.repeatability_mm**2 + lacking_variance(model, state, jacobian))
 
 
 def turned_variance(model: Model, state: State) -> FloatArray:
     """Return the variance per axis of the last frame's turn, of the parameters alone, shape (n,) [rad2]."""
     jacobian = rotation_jacobian(state)
-    variance = np.einsum("pni,pq,qni->n", jacobian, model.covariance, jacobian, optimize=True)
-    return np.asarray(variance / 3.0)
+    return mean_variance(jacobian, model.covariance)
 
 
 def unpredictable(model: Model, stops: Stops) -> tuple[Sentence, ...]:

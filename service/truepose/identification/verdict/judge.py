@@ -12,6 +12,7 @@ from truepose.domain.campaign import Readings, Stops
 from truepose.domain.last_moves import told_moves
 from truepose.domain.results import Model, NominalAndIdentified
 from truepose.domain.sentences import Sentence
+from truepose.identification.model.derivatives import mean_variance, place_jacobian
 from truepose.identification.model.estimates import (
     Estimate,
     check_targets,
@@ -19,6 +20,7 @@ from truepose.identification.model.estimates import (
     nominal_estimate,
 )
 from truepose.identification.model.prediction import unknown_variance, unpredictable_at
+from truepose.identification.model.shortfall import lacking_variance
 from truepose.identification.model.structure import Structure
 from truepose.identification.observations.blocks import Block, BlockResult
 from truepose.identification.observations.observed import observed
@@ -69,9 +71,9 @@ class Judged:
             statistics(self.nominal_mm[kept], noise), statistics(self.identified_mm[kept], noise)
         )
 
-    def claimed_mm(self, discrepancy_mm: float) -> float:
+    def claimed_mm(self) -> float:
         """Return the mean error that noise, scatter and what is said of the predictions let expect."""
-        own = self.variance + self.block.scatter_mm**2 + discrepancy_mm**2
+        own = self.variance + self.block.scatter_mm**2
         return mean_norm(self.block.covariance() + own[:, None, None] * np.eye(self.block.components))
 
     def discrepancy_mm(self) -> float:
@@ -101,13 +103,13 @@ def judge_estimates(block: Block, nominal: Estimate, identified: Estimate) -> Ju
     Judged
     """
     before, after = (block.result(model.structure, model.values, None) for model in (nominal, identified))
-    jacobian, covariance = after.jacobian, identified.covariance
-    spread = np.einsum("pni,pq,qni->n", jacobian, covariance, jacobian, optimize=True)
-    return Judged(block, before, after, spread / block.components)
+    return Judged(block, before, after, mean_variance(after.jacobian, identified.covariance))
 
 
 def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
-    """Hold a model and its nominal robot against readings; what rows do not tell adds to the variance.
+    """Hold a model and its nominal robot against readings.
+
+    What the model lacks, and what rows do not tell, adds to the variance of its predictions.
 
     Parameters
     ----------
@@ -129,7 +131,9 @@ def judge(model: Model, readings: Readings, scatter_mm: float) -> Judged:
     identified = identified_estimate(model)
     block = _observed(model, readings, scatter_mm, identified.structure)
     found = judge_estimates(block, nominal_estimate(model), identified)
-    return replace(found, variance=found.variance + unknown_variance(model, found.identified.state))
+    state = found.identified.state
+    lacking = lacking_variance(model, state, place_jacobian(state)) + unknown_variance(model, state)
+    return replace(found, variance=found.variance + lacking)
 
 
 def unpredictable_readings(model: Model, readings: Readings) -> tuple[Sentence, ...]:

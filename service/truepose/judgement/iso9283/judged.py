@@ -90,7 +90,7 @@ def pose_test(model: Model, points: Readings) -> PoseTest:
         int(cycles.cycle.max()),
         cycles.nest,
         judged.pair(cycles.others) if cycles.others.any() else None,
-        judged.claimed_mm(model.discrepancy_mm),
+        judged.claimed_mm(),
         commanded=_commanded(cycles, judged.identified),
         mixed=tuple(_mixed(points.stops, cycles)),
     )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.builders import make_model, make_parameter, make_robot
-from truepose.domain.results import Anchor, MeasuredZone, Unit
+from truepose.domain.results import Anchor, MeasuredZone, Shortfall, Unit
 from truepose.domain.robot import JointRange
 from truepose.exchange.errors import (
     BadValueError,
@@ -57,6 +57,15 @@ def rich_model():
         torques_measured=True,
         origin_s=1234.5,
         nominal_tool_rotation_rad=(0.01, 0.02, 0.03),
+        shortfall=Shortfall(
+            functions=(
+                make_parameter(name="gap_2", effect="backlash", value=rng.normal() * 1e-4, unit="rad"),
+                make_parameter(name="c_3", effect="compliance", value=1e-8 / 3, unit="rad/(N*mm)"),
+            ),
+            covariance=root[:2] @ root[:2].T * 1e-12,
+            absorbed=rng.normal(size=(4, 2)),
+            rest_mm=0.01 / 3,
+        ),
     )
 
 
@@ -193,7 +202,10 @@ def test_every_cut_of_the_file_is_refused():
 
 @pytest.mark.parametrize(
     "key",
-    sorted(json.loads(model_text(make_model())).keys() - {"format", "units", "origin_s", "measured_zone"}),
+    sorted(
+        json.loads(model_text(make_model())).keys()
+        - {"format", "units", "origin_s", "measured_zone", "shortfall"}
+    ),
 )
 def test_a_missing_key_is_named(key):
     document = json.loads(model_text(make_model()))

@@ -38,6 +38,7 @@ def model_with(effect, **values):
         model,
         effects=(*model.effects, effect),
         parameters=(*model.parameters, *added),
+        shortfall=None,
         covariance=covariance,
     )
 
@@ -165,6 +166,7 @@ def test_two_effects_that_need_the_same_are_both_named():
     model = replace(
         model,
         effects=(*model.effects, "base_shift"),
+        shortfall=None,
         parameters=(*model.parameters, Parameter("jump_1500_y", "base_shift", 0.1, "mm", 0.0, 1.0)),
         covariance=np.pad(model.covariance, (0, 1)),
     )

@@ -84,12 +84,13 @@ def test_a_model_of_readings_with_noise_alone_lacks_nothing_to_speak_of(judged):
 
 
 def test_what_a_model_claims_grows_with_what_it_lacks(judged):
-    _, _, found = judged
+    campaign, answer, found = judged
+    poor = replace(answer.model, shortfall=None, discrepancy_mm=50.0)
 
-    assert found.claimed_mm(0.0) > found.pair().identified.noise_mm
+    assert found.claimed_mm() > found.pair().identified.noise_mm
     # far beyond noise the mean norm is the discrepancy's: sqrt(8 / pi) of three axes, sqrt(2 / pi) of one
     factor = np.sqrt((8.0 if found.block.components == 3 else 2.0) / np.pi)
-    assert found.claimed_mm(50.0) == pytest.approx(50.0 * factor, rel=1e-2)
+    assert judge(poor, campaign.held_out, 0.0).claimed_mm() == pytest.approx(50.0 * factor, rel=1e-2)
 
 
 def test_readings_of_another_robot_are_refused(judged):
