@@ -4,10 +4,10 @@ from truepose.domain.campaign import Readings
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import DecisionRule, Model, NominalAndIdentified, Validation
 from truepose.identification import judge
+from truepose.identification.verdict.relative import relative_errors
 from truepose.judgement.decision import decide
 from truepose.judgement.distances import distances
 from truepose.judgement.places import errors_by_place
-from truepose.judgement.relative import relative_errors
 
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 

@@ -16,8 +16,8 @@ from truepose.identification.model.estimates import identified_estimate, structu
 from truepose.identification.model.evaluation import State, Targets, evaluate
 from truepose.identification.model.prediction import placed_variance
 from truepose.identification.observations.observed import observed
+from truepose.identification.verdict.relative import relative_statistics
 from truepose.identification.verdict.statistics import expected_noise_mm, mean_norm, statistics
-from truepose.judgement.relative import relative_statistics
 
 _SAME_RAD: Final = 1e-5  # commanded angles are compared, which plans keep with all digits
 _RESAMPLED: Final = 2000
