@@ -277,6 +277,7 @@ class Identification:
     pure_error: PureError | None
     model: Model | None  # None where nothing could be fitted
     positions: PositionsJudged | None = None  # of a model of lengths
+    relative: NominalAndIdentified | None = None  # held-out positions after the best rigid alignment
 
 
 @dataclass(frozen=True, slots=True)

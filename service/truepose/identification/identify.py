@@ -37,6 +37,7 @@ from truepose.identification.verdict.lengths_by_positions import judged_by_posit
 from truepose.identification.verdict.outliers import outliers
 from truepose.identification.verdict.pure_error import pure_error
 from truepose.identification.verdict.reach import WithinReach, within_reach
+from truepose.identification.verdict.relative import relative_errors
 from truepose.version import __version__
 
 _MOVED_RAD = np.deg2rad(0.5)  # a joint that stays within this has not moved
@@ -148,6 +149,7 @@ def _answer(
         calibration=calibration.pair(),
         validation=validation.pair() if validation else None,
         cross_validation=crossed.pair() if crossed else None,
+        relative=relative_errors(held_out) if held_out else None,
         calibration_without_outliers=calibration.pair(kept) if gross else None,
         chi2_per_dof=identified.chi2_per_dof,
         pure_error=_pure_error(identified),

@@ -94,6 +94,7 @@ class Identification:
         named = {
             "validation": self.answer.validation,
             "cross-validation": None if self.answer.validation else self.answer.cross_validation,
+            "held-out, relative": self.answer.relative,
             "calibration": self.answer.calibration,
         }
         yield from ((name, pair) for name, pair in named.items() if pair is not None)

@@ -121,6 +121,8 @@ class Validation:
 
     def _blocks(self) -> Iterator[tuple[str, domain.NominalAndIdentified]]:
         yield self.answer.quantity, self.answer.position
+        if self.answer.relative is not None:
+            yield "relative position", self.answer.relative
         if self.answer.distance is not None:
             yield "distance", self.answer.distance
 

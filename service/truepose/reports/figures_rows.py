@@ -42,6 +42,8 @@ def figures_rows(identification: Identification, shown: Judged | None) -> Iterat
     elif identification.cross_validation is not None:
         remark = said("figures.cross_validation.remark")
         yield FiguresRow(said("figures.cross_validation"), remark, identification.cross_validation)
+    if identification.relative is not None:
+        yield FiguresRow(said("figures.relative"), said("figures.relative.remark"), identification.relative)
     yield from _positions_rows(identification)
     if identification.calibration is not None:
         remark = said("figures.calibration.remark")

@@ -47,6 +47,10 @@ class BlocksDocument(Document):
     calibration_without_outliers: PairDocument | None = None
     validation: PairDocument | None = None
     cross_validation: PairDocument | None = None
+    validation_relative: PairDocument | None = Field(
+        None, description="Held-out positions after the best rigid alignment: the base may stand anywhere."
+    )
+    cross_validation_relative: PairDocument | None = None
     validation_position: PairDocument | None = Field(
         None, description="Of a model of lengths: held-out positions, tied to the world by the measured cups."
     )
@@ -137,6 +141,8 @@ def _blocks(identification: Identification) -> dict[str, NominalAndIdentified]:
         "calibration_without_outliers": identification.calibration_without_outliers,
         "validation": identification.validation,
         "cross_validation": None if identification.validation else identification.cross_validation,
+        "validation_relative": identification.relative if identification.validation else None,
+        "cross_validation_relative": None if identification.validation else identification.relative,
         "validation_position": positions.tied if positions else None,
         "validation_position_aligned": positions.aligned if positions else None,
     }

@@ -23,8 +23,10 @@ def relative_errors(judged: Judged) -> NominalAndIdentified | None:
     if places is None:
         return None
     noise = expected_noise_mm(judged.block)
-    nominal = relative_statistics(judged.nominal.state.position_mm, places, noise)
-    identified = relative_statistics(judged.position_mm, places, noise)
+    nominal, identified = (
+        relative_statistics(places - residual, places, noise)
+        for residual in (judged.nominal_mm, judged.identified_mm)
+    )
     return None if nominal is None or identified is None else NominalAndIdentified(nominal, identified)
 
 

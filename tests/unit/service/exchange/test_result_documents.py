@@ -59,6 +59,17 @@ def test_validation_leaves_no_place_for_cross_validation():
     assert blocks.keys() == {"calibration", "calibration_without_outliers", "validation"}
 
 
+@pytest.mark.parametrize(
+    ("validation", "named"), [(None, "cross_validation_relative"), (make_pair(), "validation_relative")]
+)
+def test_relative_errors_are_named_for_the_readings_that_they_are_of(validation, named):
+    identification = make_identification(validation=validation, relative=make_pair())
+
+    blocks = identification_document(identification, "x")["statistics"]
+
+    assert {name for name in blocks if name.endswith("_relative")} == {named}
+
+
 def test_findings_are_carried_over():
     identification = make_identification(
         not_identifiable=(NotIdentifiable(("theta_6", "nest_1_x"), "seen only together"),),

@@ -1,13 +1,20 @@
 """Relative accuracy: errors that a base somewhere else would hide."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
-from tests.helpers.identification.synthetic import configurations
+from tests.helpers.identification.synthetic import (
+    configurations,
+    leg_campaign,
+    measured,
+    nominal_campaign,
+)
 from truepose.domain.campaign import PointReadings, Stops
-from truepose.identification import predict
+from truepose.identification import identify, predict
 from truepose.judgement.validation import validate
 from truepose.kinematics.frames import rotation_from_vector
 
@@ -39,3 +46,28 @@ def test_without_a_shift_both_are_the_noise():
 
 def test_three_readings_are_too_few_to_align():
     assert validate(MODEL, readings(n=3)).relative is None
+
+
+def test_an_identification_says_what_the_held_out_positions_show_relatively():
+    campaign, _ = measured(nominal_campaign())
+    held_out = campaign.calibration.taken(np.arange(40, 60))
+    rest = replace(campaign, calibration=campaign.calibration.taken(np.arange(40)), validation=held_out)
+    moved = replace(held_out, position_mm=held_out.position_mm + np.array([0.5, 0.0, 0.0]))
+
+    as_read, elsewhere = (identify(replace(rest, validation=points)) for points in (held_out, moved))
+
+    assert as_read.relative.identified.n == 20
+    assert elsewhere.validation.identified.mean_mm > 0.4
+    assert elsewhere.relative.identified.mean_mm == pytest.approx(as_read.relative.identified.mean_mm)
+
+
+def test_without_held_out_readings_each_counts_against_a_model_that_never_saw_it():
+    answer = identify(measured(nominal_campaign())[0])
+
+    assert answer.relative.identified.n == 60
+    assert answer.relative.identified.rms_mm < answer.cross_validation.identified.rms_mm
+    assert answer.relative.identified.rms_mm > 0.9 * answer.cross_validation.identified.rms_mm
+
+
+def test_lengths_have_no_place_to_align():
+    assert identify(leg_campaign(), ["tool", "geometry"]).relative is None
