@@ -11,6 +11,16 @@ READ = ("initialise", "measure_side", "connect_leg")
 DONE = ("place_base", "fit_ball", "clamp_cup", "remove_ball", "detach")
 
 
+def acted(page, desk, n=1):
+    """Wait until the desk has carried out `n` acts and return them."""
+    for _ in range(500):
+        if len(desk.acts) >= n:
+            break
+        page.wait_for_timeout(20)
+    assert len(desk.acts) == n, desk.acts
+    return desk.acts
+
+
 def hold_long_enough(page):
     """Keep a finger on what is under it until the page takes it for held, however slow the machine is."""
     page.mouse.down()

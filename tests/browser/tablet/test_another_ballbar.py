@@ -3,7 +3,7 @@
 from playwright.sync_api import expect
 
 from tests.browser.tablet.fake_desk import move
-from tests.browser.tablet.operator_hands import hold_long_enough
+from tests.browser.tablet.operator_hands import acted, hold_long_enough
 
 FOREIGN = {
     "device": "ballbar",
@@ -28,10 +28,9 @@ def test_the_question_names_both_and_a_held_button_accepts_the_one_that_it_names
     button.hover()
 
     hold_long_enough(tablet)
-    tablet.wait_for_timeout(300)
 
     assert "B-7" in asked
-    assert [(act["act"], act["accept_serial_number"]) for act in desk.acts] == [("confirm", "B-9")]
+    assert [(act["act"], act["accept_serial_number"]) for act in acted(tablet, desk)] == [("confirm", "B-9")]
 
 
 def test_a_tap_accepts_nothing(desk, tablet):
@@ -48,7 +47,7 @@ def test_a_hold_for_one_ballbar_does_not_accept_a_third(desk, tablet):
     tablet.get_by_role("button", name="Hold: go on with B-9").hover()
 
     tablet.mouse.down()
-    tablet.wait_for_timeout(900)
+    tablet.wait_for_timeout(500)
     ask(desk, serial_number="B-11")
     tablet.wait_for_timeout(1200)
     tablet.mouse.up()
@@ -61,19 +60,17 @@ def test_a_motion_is_confirmed_without_a_number(desk, tablet):
     tablet.get_by_role("button", name="Hold").hover()
 
     hold_long_enough(tablet)
-    tablet.wait_for_timeout(300)
 
-    assert ["accept_serial_number" in act for act in desk.acts] == [False]
+    assert ["accept_serial_number" in act for act in acted(tablet, desk)] == [False]
 
 
 def test_a_confirmation_names_the_question_that_was_read(desk, tablet):
     desk.show(state="awaiting_confirmation", acts=["confirm"], prompt_id=57)
     tablet.get_by_role("button", name="I have looked").click()
-    tablet.wait_for_timeout(300)
+    acted(tablet, desk)
     desk.show(step=move(), state="running", acts=["confirm"], prompt_id=None, ballbar_attached=False)
     tablet.get_by_role("button", name="Hold").hover()
 
     hold_long_enough(tablet)
-    tablet.wait_for_timeout(300)
 
-    assert [act.get("prompt_id") for act in desk.acts] == [57, None]
+    assert [act.get("prompt_id") for act in acted(tablet, desk, 2)] == [57, None]

@@ -36,7 +36,7 @@ def back(page, wire):
 
 def settled(page, desk, n):
     """Wait until the desk has carried out `n` acts, and a little longer for one too many."""
-    for _ in range(150):
+    for _ in range(500):
         if len(desk.acts) >= n:
             break
         page.wait_for_timeout(20)
@@ -90,7 +90,7 @@ def test_a_tap_whose_answer_was_lost_is_done_once(desk, wired):
     wire.lose_answers()
 
     page.get_by_role("button", name="Store now").click()
-    expect(page.locator("#lost")).to_be_visible(timeout=3000)
+    expect(page.locator("#lost")).to_be_visible(timeout=PATIENCE_MS)
     assert settled(page, desk, 1) == ["store"]
     back(page, wire)
 
