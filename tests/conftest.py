@@ -1,5 +1,6 @@
 """Fixtures that several folders use."""
 
+import asyncio
 import gc
 import os
 from pathlib import Path
@@ -9,6 +10,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.helpers.machine import MEASURED_DATA, what_was_untested
 from tests.helpers.order import spread
+from tests.helpers.simulated_time import SimulatedTimeLoop
 
 _TESTS = Path(__file__).parent
 _OBJECTS_BETWEEN_SEARCHES = 50_000
@@ -23,6 +25,13 @@ def pytest_collection_modifyitems(items):
     files = {item.path: item.path.relative_to(_TESTS).as_posix() for item in items}
     ranks = spread(list(files.values()))
     items.sort(key=lambda item: ranks[files[item.path]])
+
+
+def pytest_asyncio_loop_factories(config, item):
+    """Give a test that is marked `simulated_time` a loop that never waits."""
+    if item.get_closest_marker("simulated_time"):
+        return {"simulated time": SimulatedTimeLoop}
+    return {"time of the wall": asyncio.new_event_loop}
 
 
 def pytest_collection_finish():

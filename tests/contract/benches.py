@@ -49,7 +49,7 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
-    "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=0.5),
+    "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=1.5),
 }
 USB_PORTS: dict[str, Callable[[UsbPort, Clock], object]] = {
     "ballbar_hid": lambda port, clock: HidBallbar(HidOverUsb(port), clock),

@@ -152,7 +152,7 @@ def test_a_simulated_cell_that_ended_is_told_and_not_started_anew(service):
     (child,) = Path(f"/proc/{service.pid}/task/{service.pid}/children").read_text().split()
     os.kill(int(child), signal.SIGKILL)
 
-    for _ in range(100):
+    for _ in range(400):
         health = httpx.get(f"{url}/health").json()
         if health["status"] != "ok":
             break

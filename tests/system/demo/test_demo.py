@@ -5,6 +5,7 @@ import io
 import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -210,10 +211,16 @@ def test_a_demo_that_is_killed_leaves_no_process(tmp_path):
         assert running_after(children, wait_s=20) == []
 
 
+def until_something_is_measured(database):
+    with contextlib.closing(sqlite3.connect(f"file:{database}?mode=ro", uri=True)) as found:
+        while found.execute("SELECT count(*) FROM readings").fetchone() == (0,):
+            time.sleep(0.01)
+
+
 def test_a_cell_that_dies_in_the_middle_is_said_and_its_folder_can_be_used_again(tmp_path):
     with started_demo(tmp_path) as process:
         read_until(process, "measuring calibration")
-        time.sleep(0.5)  # a reading takes some ten milliseconds
+        until_something_is_measured(tmp_path / "sessions.sqlite3")
         (cell,) = named(descendants(process.pid), "--pace")
         os.kill(cell, signal.SIGKILL)
         said = process.communicate(timeout=60)[1]

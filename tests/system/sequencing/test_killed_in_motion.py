@@ -14,6 +14,7 @@ import pytest
 
 from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService
+from truepose.demo.cell.truth import cell_endpoint
 from truepose_drivers.abb_open_abb.protocol import LogReader
 
 DRIVERS = {"robot": "abb_open_abb", "ballbar": "heidenhain_nd", "hands": "cell_hands", "clock": "cell_clock"}
@@ -82,12 +83,10 @@ class Log:
                 self._lines.receive_data(await self._reader.read(4096))
 
     async def until_moved(self, degrees):
-        """Return time and place once the arm has gone so far."""
+        """Return once the arm has gone so far."""
         _, start = await self.next()
-        while True:
-            time_s, here = await self.next()
-            if np.max(np.abs(here - start)) > degrees:
-                return time_s, here
+        while np.max(np.abs((await self.next())[1] - start)) <= degrees:
+            pass
 
     async def until_rest(self):
         """Return when and where the arm was first seen where it still is two seconds later."""
@@ -98,6 +97,11 @@ class Log:
                 since_s, place = time_s, here
             if time_s - since_s > 2.0:
                 return since_s, place
+
+
+async def cell_time_s(endpoint):
+    async with cell_endpoint(endpoint["host"], endpoint["port"]) as clock:
+        return (await clock.ask("now"))["now_s"]
 
 
 async def killed_in_motion(folder, server):
@@ -116,8 +120,9 @@ async def killed_in_motion(folder, server):
                 person = PersonAtTablet(http, created.json()["id"], "tablet-1")
                 session = await person.walk(until=FIRST_MOTION)
                 await person.act("confirm", FIRST_MOTION)
-                killed_s, _ = await log.until_moved(8.0)
+                await log.until_moved(8.0)
                 await service.kill()
+                killed_s = await cell_time_s(endpoints["clock"])
         finally:
             await service.kill()
         rest_s, place = await log.until_rest()

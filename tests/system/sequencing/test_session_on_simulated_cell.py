@@ -232,7 +232,7 @@ async def test_what_a_wire_or_another_program_does_spoils_no_point(kind, said):
 @pytest.mark.parametrize("kind", ["robot_hangs", "robot_refuses"])
 async def test_a_robot_that_says_nothing_waits_for_a_person_and_goes_on(kind):
     async with bench(SCENARIO, seed=19) as opened:
-        impatient = TimeOuts(motion_s=0.3)  # in wall time; the motion itself costs none
+        impatient = TimeOuts(motion_s=2.0)  # in wall time; the motion itself costs none
         robot = OpenAbbRobot(TcpLink(**opened.robot_address), opened.clock, time_outs=impatient)
         opened.cell = replace(opened.cell, robot_controller=robot)
         await opened.ask(op="fault", kind=kind, move=4)

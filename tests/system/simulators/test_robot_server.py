@@ -24,7 +24,7 @@ SILENCE_S = 0.1
 async def robot(*, pace=0, refusal="hang", logger=False):
     """Serve a robot and hand out a way to connect."""
     scenario = replace(load_scenario("irb120-tilted"), arm=ArmSetup(refusal=refusal))
-    cell = Cell(scenario, 1, CellClock(pace))
+    cell = Cell(scenario, 1, CellClock(pace, wall_s=asyncio.get_running_loop().time))
     endpoint = (logger_endpoint if logger else robot_endpoint)(cell, MotionProgram(cell))
     async with connections_to(endpoint) as connect:
         yield connect
@@ -106,6 +106,8 @@ async def test_closing_is_not_answered_and_the_server_listens_again():
         assert await ask(await connect(), b"0 #") == b"0 1 "
 
 
+@pytest.mark.simulated_time
+@pytest.mark.usefixtures("memory_network")
 async def test_in_real_time_the_controller_pauses_half_a_second_before_it_accepts_again():
     async with robot(pace=1) as connect:
         first = await connect()

@@ -38,7 +38,7 @@ async def tablet(client):
     return Tablet(client)
 
 
-async def follow(client, path, until, tablet="tablet-1", within_s=10.0):
+async def follow(client, path, until, tablet="tablet-1", within_s=30.0):
     """Return what came on the stream until `until` holds of it: pairs of kind and document, "" a comment."""
     found, kind = [], ""
     async with (
@@ -62,6 +62,10 @@ def kinds(found):
     return [kind for kind, _ in found]
 
 
+def states(found):
+    return [document["state"] for kind, document in found if kind == "situation"]
+
+
 async def test_the_stream_begins_with_the_session_as_it_is(client, tablet):
     found = await follow(client, tablet.path, lambda found: len(found) >= 1)
 
@@ -79,18 +83,19 @@ async def test_of_a_session_at_rest_a_comment_comes_each_second(client, tablet):
 
 
 async def test_a_session_that_begins_tells_so_and_sends_its_samples(client, tablet):
-    async def begin():
-        await asyncio.sleep(0.2)
-        await tablet.press("start")
+    beginning = []
 
-    beginning = asyncio.create_task(begin())
-    found = await follow(client, tablet.path, lambda found: kinds(found).count("sample") >= 3)
-    await beginning
+    def sampled(found):
+        if not beginning:
+            beginning.append(asyncio.create_task(tablet.press("start")))
+        return kinds(found).count("sample") >= 3
 
-    states = [document["state"] for kind, document in found if kind == "situation"]
+    found = await follow(client, tablet.path, sampled)
+    await beginning[0]
+
     sample = next(document for kind, document in found if kind == "sample")
-    assert states[0] == "planned"
-    assert "running" in states
+    assert states(found)[0] == "planned"
+    assert "running" in states(found)
     assert sample["state"] in {"in_range", "unstable"}
     assert abs(sample["sampled_at_ms"] - time.time() * 1000) < 60_000  # the wall clock, not the cell's
     assert {
@@ -111,16 +116,16 @@ async def test_the_stream_goes_on_while_the_ballbar_of_an_ended_session_is_being
 
     monkeypatch.setattr(FakeBallbar, "close", close_slowly)
 
-    async def end():
-        await tablet.press("start")
-        await asyncio.sleep(0.3)
-        await tablet.press("abort")
+    await tablet.press("start")
+    ending = []
 
-    ending = asyncio.create_task(end())
-    found = await follow(client, tablet.path, lambda found: kinds(found)[-2:] == ["", ""])
-    await ending
+    def outlived(found):
+        if not ending and "sample" in kinds(found):
+            ending.append(asyncio.create_task(tablet.press("abort")))
+        return states(found)[-1:] == ["aborted"] and kinds(found)[-2:] == ["", ""]
 
-    assert [document["state"] for kind, document in found if kind == "situation"][-1] == "aborted"
+    await follow(client, tablet.path, outlived)
+    await ending[0]
 
 
 async def test_tablets_that_follow_are_counted(client, tablet):

@@ -20,13 +20,15 @@ async def client(settings, bench):
             yield opened
 
 
-async def events(client, count=None, last_event_id=None, **query):
-    """Read the stream: so many events, or to its end."""
+async def events(client, count=None, last_event_id=None, opened=None, **query):
+    """Read the stream: so many events, or to its end; tells by `opened` that it has begun."""
     headers = {} if last_event_id is None else {"Last-Event-ID": str(last_event_id)}
     found = []
     async with client.stream("GET", "/api/v1/events", params=query, headers=headers) as stream:
         assert stream.status_code == 200
         assert stream.headers["content-type"].startswith("text/event-stream")
+        if opened is not None:
+            opened.set()
         event = {}
         async for line in stream.aiter_lines():
             name, _, value = line.partition(": ")
@@ -85,8 +87,9 @@ async def test_a_client_that_resumes_misses_nothing_and_hears_nothing_twice(clie
 
 async def test_without_a_record_the_stream_begins_with_what_happens_next(client):
     await planned(client)
-    following = asyncio.create_task(events(client, 1))
-    await asyncio.sleep(0.2)  # the stream is open by then; the event before it must not be heard
+    opened = asyncio.Event()
+    following = asyncio.create_task(events(client, 1, opened=opened))
+    await opened.wait()
 
     second = await planned(client)
 
