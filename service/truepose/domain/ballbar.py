@@ -7,10 +7,12 @@ from typing import Literal, TypeAlias
 from truepose.domain.artefacts import Artefact as Artefact
 from truepose.domain.artefacts import BallbarKit as BallbarKit
 from truepose.domain.artefacts import Bars as Bars
+from truepose.domain.results import Model
 from truepose.domain.robot import FramePlacement
 
 Vector: TypeAlias = tuple[float, float, float]
 Leg: TypeAlias = tuple[int, int]  # base point (1..3 or 4), tool point (1..3)
+BallbarTest: TypeAlias = Literal["sphere"]  # one leg a pose, from cup 1: validates, identifies nothing
 BarSet: TypeAlias = Literal["tool", "base"]  # bars for the tool triangle; for base triangle and legs
 
 
@@ -62,6 +64,8 @@ class BallbarPlan:
 
     placements: tuple[PlannedPlacement, ...]
     precalibrate_after: int = 12  # measured poses after which targets are aimed by what was found
+    test: BallbarTest | None = None  # None: six legs a pose, from which a model is identified
+    model_id: int | None = None  # of a test: the stored model that commands the arm; None: the nominal one
     check_at_end: bool = False  # whether one more pre-calibration tests what was measured since the last
     settle_s: float = 2.0
     stable_s: float = 1.0  # so long a length must stand still before it is stored by itself
@@ -70,6 +74,16 @@ class BallbarPlan:
     tool_speed_mm_s: float = 250.0  # a person is near
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4
     joint_tolerance_rad: float = 0.00035  # reported against commanded; the protocol rounds to 0.01 deg
+
+
+@dataclass(frozen=True, slots=True)
+class SphereWish:
+    """What is wanted of a sphere test."""
+
+    nests: tuple[int, ...] = (1, 2)  # one after the other
+    stops: int = 24  # of each nest
+    model: Model | None = None  # that commands the arm; None: the nominal one
+    model_id: int | None = None  # of the model
 
 
 class StepKind(StrEnum):

@@ -53,7 +53,7 @@ def setups(cell: BallbarCell, fixture: BaseFixture) -> tuple[PlannedSetup, ...]:
 
 def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatArray | None:
     """Return the joints (J,) at which tool nest 1 is at a cup (1-based); None where the arm cannot be."""
-    rotations, tilt = _orientations(cell, fixture.axes[point - 1])
+    rotations, tilt = orientations_facing(cell, fixture.axes[point - 1])
     poses = poses_of(rotations, fixture.cups_mm[point - 1] - rotations @ cell.nests_mm[0])
     joints = all_branches(cell.robot, pose_in_base(cell, poses))
     tilts = np.repeat(tilt, joints.shape[1])
@@ -70,8 +70,8 @@ def setup_joints(cell: BallbarCell, fixture: BaseFixture, point: int) -> FloatAr
     return None
 
 
-def _orientations(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Orientations of the last frame with the tool facing a cup, and how far each is tilted [rad]."""
+def orientations_facing(cell: BallbarCell, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return orientations of the last frame, the tool facing against an axis, and their tilts [rad]."""
     towards = _frame_with_z(-axis) @ rotation_z(np.linspace(0, 2 * np.pi, _SPINS, endpoint=False))
     own = _frame_with_z(tool_normal(cell.nests_mm)).T
     rotations, tilts = [], []
