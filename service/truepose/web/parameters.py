@@ -4,12 +4,17 @@ import hashlib
 from typing import Annotated
 
 from fastapi import Depends, Header, Path, Query, Request
+from pydantic import Field
 
 from truepose.storage.records import Page, RequestKey
 from truepose.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 ModelId = Annotated[int, Query(ge=1, le=NUMBER_LIMIT, description="Number of the model.", examples=[3])]
+ModelIds = Annotated[
+    list[Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]],
+    Query(default_factory=list, max_length=8, description="Numbers of models.", examples=[[3]]),
+]
 Name = Annotated[str, Path(min_length=1, max_length=200, description="Name as the list gives it.")]
 IdempotencyKey = Annotated[
     str | None,

@@ -3,14 +3,21 @@
 from truepose.analysis.workers.tasks import BallbarPlanTask
 from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.errors import ConfigurationError
+from truepose.domain.robot import FramePlacement
 from truepose.planning.ballbar.fixture import base_fixture
 from truepose.planning.ballbar.plan import ballbar_cell, ballbar_plan, plan_at
+from truepose.planning.ballbar.sphere import plan_sphere
 
 
 def plan_ballbar_session(task: BallbarPlanTask) -> BallbarPlan:
     """Return the plan that is asked for; raises as `truepose.planning.ballbar.plan.ballbar_plan`."""
     cell = task.setup.cell
     kit = cell.ballbar or BallbarKit()
+    side_mm = kit.base_bars.nominal_mm
+    if task.sphere is not None:
+        ball = base_fixture(1, _only(task.frames), kit.base_points, side_mm)
+        return plan_sphere(ballbar_cell(cell), ball, task.sphere, seed=task.seed)
     if not task.frames:
         return ballbar_plan(
             cell,
@@ -19,7 +26,14 @@ def plan_ballbar_session(task: BallbarPlanTask) -> BallbarPlan:
             poses=task.n_poses,
             seed=task.seed,
         )
-    side_mm = kit.base_bars.nominal_mm
     numbered = enumerate(task.frames, 1)
     fixtures = [base_fixture(number, frame, kit.base_points, side_mm) for number, frame in numbered]
     return plan_at(ballbar_cell(cell), fixtures, task.n_poses, seed=task.seed)
+
+
+def _only(frames: tuple[FramePlacement, ...]) -> FramePlacement:
+    if len(frames) != 1:
+        raise ConfigurationError(
+            "A sphere test has one ball, in cup 1 of the base fixture: give one placement of the fixture."
+        )
+    return frames[0]

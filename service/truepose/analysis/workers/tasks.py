@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from truepose.analysis.ballbar.assembly import Counting
 from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.correcting import CheckFileTask, CorrectFileTask, FileChecked, FileCorrected
-from truepose.domain.ballbar import BallbarPlan, PreCalibration
+from truepose.domain.ballbar import BallbarPlan, PreCalibration, SphereWish
 from truepose.domain.campaign import Campaign, LegReadings, PointReadings
 from truepose.domain.diagnosis import Diagnosis
 from truepose.domain.results import Identification, Model, Validation
@@ -159,6 +159,7 @@ class BallbarPlanTask:
     n_placements: int  # how many are suggested where no frame is given
     n_poses: int  # of the whole session
     seed: int
+    sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
 
     def perform(self, report: Report) -> BallbarPlan:
         """Return the plan; raises TrueposeError."""

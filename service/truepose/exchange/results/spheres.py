@@ -21,7 +21,7 @@ class SphereFiguresDocument(Document):
     sd_mm: ValueDocument
     rms_mm: ValueDocument
     max_mm: ValueDocument = Field(description="The largest size.")
-    max_config: int = Field(description="Configuration of it.")
+    config: int = Field(description="Configuration with the largest size.")
     range_mm: ValueDocument = Field(description="Largest less smallest.")
 
     @classmethod
@@ -29,7 +29,7 @@ class SphereFiguresDocument(Document):
         """Return the figures of a nest, or of all."""
         names = ("mean_mm", "sd_mm", "rms_mm", "max_mm", "range_mm")
         values = {name: ValueDocument.of_figure(getattr(figures, name)) for name in names}
-        return cls(nest=nest, n=figures.n, max_config=int(sphere.config[figures.max_at]), **values)
+        return cls(nest=nest, n=figures.n, config=int(sphere.config[figures.max_at]), **values)
 
 
 class SphereErrorsDocument(Document):
@@ -92,7 +92,7 @@ class SphereRankDocument(Document):
 
 
 class SphereTestDocument(Document):
-    """What `truepose sphere --json` prints, and `GET /ballbar-sessions/{id}/sphere` shows."""
+    """What `truepose sphere --json` prints, and `GET /sessions/{id}/sphere` shows."""
 
     robot: str
     nominal_mm: Quantity | None = Field(description="Length of the bar.")

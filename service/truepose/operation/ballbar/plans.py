@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, BallbarStep
+from truepose.domain.ballbar import BallbarPlan, BallbarStep, SphereWish
 from truepose.domain.cell import Cell
 from truepose.domain.robot import FramePlacement
 from truepose.operation.errors import NoBallbarError
@@ -27,6 +27,7 @@ class BallbarWish:
     placements: int = 1  # how many are suggested
     poses: int = 24  # of the whole session
     seed: int = 0
+    sphere: SphereWish | None = None  # a sphere test at the one frame; None: six legs a pose
 
 
 def kit_of(setup: SessionSetup) -> BallbarKit:

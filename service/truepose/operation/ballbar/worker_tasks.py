@@ -27,7 +27,7 @@ class BallbarWork:
 
     async def choose(self, setup: SessionSetup, wish: BallbarWish) -> BallbarPlan:
         """Return the plan of a session; cancelling it ends the worker. Raises TrueposeError, BusyError."""
-        task = BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed)
+        task = BallbarPlanTask(setup, wish.frames, wish.placements, wish.poses, wish.seed, wish.sphere)
         async with self._plans.taken():
             return cast(BallbarPlan, await self._perform(task, _nobody))
 

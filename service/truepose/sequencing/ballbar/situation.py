@@ -143,7 +143,7 @@ def situation_of(plan: BallbarPlan, kit: BallbarKit, record: BallbarRecord) -> S
         suspicion=record.suspicion,
         acting=record.acting,
         initialisations=record.initialisations,
-        zero=_zero(step, record),
+        zero=_zero(plan, step, record),
         zero_before=_zero_before(step, record),
         zeroed=_zeroed(record),
         forecast=forecast_of(record.precalibration, step.config if step else None),
@@ -195,12 +195,19 @@ def _present(
     is_of_a_cup = step.base_point is not None and step.kind in {StepKind.MOVE, StepKind.CLAMP_CUP}
     if is_of_a_cup and not record.ball_fitted:
         return _before(step, step_ids.ball(step.id), StepKind.FIT_BALL)
-    if record.zero_lost and step.kind in {StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG}:
+    if _lacks_zero(plan, step, record):
         again = _before(step, step_ids.initialise(step.id), StepKind.INITIALISE)
         return replace(again, artefact=step.artefact or "base")
     if step.kind is not StepKind.MOVE:
         return step
     return replace(step, via_rad=ways(plan, agenda, record.stood_at).between(record.last_stop, step.id))
+
+
+def _lacks_zero(plan: BallbarPlan, step: BallbarStep, record: BallbarRecord) -> bool:
+    """Whether the ballbar is to be put on the calibrator before a length is read."""
+    if step.kind not in {StepKind.MEASURE_SIDE, StepKind.CONNECT_LEG}:
+        return False
+    return record.zero_lost or (plan.test == "sphere" and _zero(plan, step, record) is None)
 
 
 def _before(step: BallbarStep, step_id: str, kind: StepKind) -> BallbarStep:
@@ -242,10 +249,14 @@ def _with_its_stop(step_id: str, record: BallbarRecord) -> str:
     return motion
 
 
-def _zero(step: BallbarStep | None, record: BallbarRecord) -> LengthTaken | None:
+def _zero(plan: BallbarPlan, step: BallbarStep | None, record: BallbarRecord) -> LengthTaken | None:
+    """Return the zero of the stop; of a sphere test, whose stops share one, the last there was."""
     if step is None or step.kind not in READINGS or step.kind is StepKind.INITIALISE:
         return None
-    return record.zeros.get(step_ids.group_of(step.id))
+    own = record.zeros.get(step_ids.group_of(step.id))
+    if own is not None or plan.test != "sphere" or record.last_zero is None:
+        return own
+    return record.last_zero[1]
 
 
 def _zero_before(step: BallbarStep | None, record: BallbarRecord) -> LengthTaken | None:

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 from fastapi import APIRouter, Request, Response, status
 
-from truepose.operation.ballbar.plans import kit_of
+from truepose.operation.ballbar.plans import BallbarWish, kit_of
 from truepose.operation.ballbar.scene import scene_of
 from truepose.storage.records import SessionSetup
-from truepose.web.context import Here
+from truepose.web.context import Context, Here
 from truepose.web.measurement.ballbar_replies import ballbar_session_reply, entry_reply, steps_reply
 from truepose.web.parameters import Id, OptionalKey, PageQuery, RequiredKey
 from truepose.web.presence import while_present
@@ -45,10 +45,16 @@ async def plan_ballbar_session(
     if wanted.base_points is not None:
         kit = replace(kit, base_points=wanted.base_points)
     setup = SessionSetup(replace(here.cell, ballbar=kit))
-    planning = here.ballbar_sessions.plan(wanted.name, setup, wanted_plan(wanted), key)
+    planning = here.ballbar_sessions.plan(wanted.name, setup, await _wish(here, wanted), key)
     number = await while_present(request, planning)
     response.headers["Location"] = f"/api/v1/ballbar-sessions/{number}"
     return ballbar_session_reply(await here.ballbar_sessions.view(number))
+
+
+async def _wish(here: Context, wanted: BallbarSessionRequest) -> BallbarWish:
+    if wanted.plan is None or wanted.plan.model_id is None:
+        return wanted_plan(wanted)
+    return wanted_plan(wanted, (await here.results.model(wanted.plan.model_id)).model)
 
 
 @router.get("/{id}", responses=_READ)

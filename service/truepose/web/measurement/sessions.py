@@ -12,13 +12,15 @@ from truepose.domain.session import Registration, SessionPlan
 from truepose.exchange.results.circles import CircleTestDocument, circle_document
 from truepose.exchange.results.iso9283 import AccuracyDocument, accuracy_document
 from truepose.exchange.results.proofs import ProofDocument, proof_document
+from truepose.exchange.results.spheres import SphereTestDocument, sphere_document
+from truepose.judgement.sphere.judged import sphere_test
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import RequestKey, SessionRecord, SessionSetup
 from truepose.web.context import Context, Here
 from truepose.web.jobs import queued
-from truepose.web.parameters import Id, ModelId, OptionalKey, PageQuery
+from truepose.web.parameters import Id, ModelId, ModelIds, OptionalKey, PageQuery
 from truepose.web.problems import problems
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
@@ -124,6 +126,20 @@ async def get_circles(here: Here, id: Id) -> CircleTestDocument:
     """Say what each joint errs by, by a session that turned one joint at a time."""
     found = await circles_by_session(here.sessions, here.readings, id)
     return circle_document(found, (await here.sessions.setup(id)).cell.robot.name)
+
+
+@router.get("/{id}/sphere", responses=problems(404, 409, 422, 503))
+async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocument:
+    """Say how true the arm holds a ballbar's length to one ball, by a ballbar session, also while it runs.
+
+    Told of are the nominal robot, the models that are asked for, and the one that commanded the arm.
+    """
+    view = await here.ballbar_sessions.view(id)
+    numbers = dict.fromkeys([*model_id, *([view.plan.model_id] if view.plan.model_id else [])])
+    models = {f"model {number}": (await here.results.model(number)).model for number in numbers}
+    campaign = await here.ballbar_sessions.campaign(id)
+    test = await asyncio.to_thread(sphere_test, campaign, models)
+    return sphere_document(test, campaign.robot.name)
 
 
 @router.get("/{id}/accuracy", responses=problems(404, 409, 422, 503))

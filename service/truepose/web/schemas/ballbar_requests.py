@@ -10,8 +10,11 @@ from truepose.domain.ballbar import (
     PlannedPlacement,
     PlannedPose,
     PlannedSetup,
+    SphereWish,
 )
+from truepose.domain.errors import ConfigurationError
 from truepose.domain.people import NAME_PATTERN, tidy_name
+from truepose.domain.results import Model
 from truepose.domain.robot import FramePlacement
 from truepose.operation.ballbar.plans import BallbarWish
 from truepose.sequencing.ballbar.acts import Answer
@@ -85,6 +88,17 @@ class PlacementRequest(Request):
     poses: list[PoseRequest] | None = Field(None, min_length=1, max_length=500)
 
 
+class SphereStops(Request):
+    """Stops all over a sphere about the ball in cup 1, one leg each: the sphere test."""
+
+    method: Literal["sphere"]
+    nests: list[Annotated[int, Field(ge=1, le=3)]] = Field(
+        [1, 2], min_length=1, max_length=3, description="Tool nests, one after the other."
+    )
+    configurations: int = Field(24, ge=6, le=250, description="Of each nest.")
+    model_id: Number | None = Field(None, description="Model that commands the arm; null: the nominal one.")
+
+
 class BallbarSessionRequest(Request):
     """A ballbar session to plan; nothing moves by planning."""
 
@@ -98,6 +112,9 @@ class BallbarSessionRequest(Request):
     poses: int = Field(24, ge=1, le=200, description="Of the whole session, where they are not given.")
     base_points: Literal[3, 4] | None = Field(None, description="Cups of the base; null: as the cell file.")
     seed: int = Field(0, ge=0, le=NUMBER_LIMIT, description="The same seed chooses the same poses.")
+    plan: SphereStops | None = Field(
+        None, description="A test at the one placement; null: six legs a pose, to identify a model."
+    )
 
 
 class ActRequest(Request):
@@ -178,17 +195,24 @@ def act_of(wanted: ActRequest, key: str) -> Act:
     )
 
 
-def wanted_plan(wanted: BallbarSessionRequest) -> BallbarWish:
-    """Return what is wanted of a session."""
+def wanted_plan(wanted: BallbarSessionRequest, model: Model | None = None) -> BallbarWish:
+    """Return what is wanted of a session; `model` is the one that is to command the arm."""
     places = wanted.placements or []
-    given = [_given(number, place) for number, place in enumerate(places, 1)]
+    given = [_given(number, place) for number, place in enumerate(places, 1)] if wanted.plan is None else []
     complete = tuple(place for place in given if place is not None)
     return wanted.into(
         BallbarWish,
-        given=BallbarPlan(complete) if places and len(complete) == len(places) else None,
+        given=BallbarPlan(complete) if given and len(complete) == len(places) else None,
         frames=tuple(place.into(FramePlacement) for place in places),
         placements=wanted.placement_count,
+        sphere=None if wanted.plan is None else _sphere(wanted.plan, places, model),
     )
+
+
+def _sphere(wanted: SphereStops, places: list[PlacementRequest], model: Model | None) -> SphereWish:
+    if any(place.poses or place.setups or place.cups_mm for place in places):
+        raise ConfigurationError("The stops of a sphere test are chosen: give its placement without poses.")
+    return wanted.into(SphereWish, nests=tuple(wanted.nests), stops=wanted.configurations, model=model)
 
 
 def _given(number: int, place: PlacementRequest) -> PlannedPlacement | None:

@@ -333,3 +333,27 @@ async def test_a_tracker_session_moves_nothing_while_the_ballbar_hangs_where_it_
     bench.ballbar.deviation_mm = -17.2  # run to its end
     assert (await client.post(f"{path}/confirm", json={"person": "Ada"})).is_success
     assert (await until(path, "state", "finished", "failed"))["state"] == "finished"
+
+
+_SPHERE = {"name": "sphere", "plan": {"method": "sphere"}}
+
+
+@pytest.mark.parametrize(
+    ("placements", "says"),
+    [
+        (None, "give one placement of the fixture"),
+        ([PLACEMENT], "give its placement without poses"),
+        ([{"x_mm": 1500, "y_mm": 0, "z_mm": 150}], "cannot hold the setting ball"),
+    ],
+)
+async def test_a_sphere_test_without_a_place_for_its_ball_is_refused(client, placements, says):
+    refused = await client.post(SESSIONS, json=_SPHERE | {"placements": placements})
+
+    assert refused.status_code == 422
+    assert says in refused.json()["detail"]
+
+
+async def test_a_sphere_test_by_a_model_that_there_is_not_is_refused(client):
+    wanted = _SPHERE | {"plan": {"method": "sphere", "model_id": 99}}
+
+    assert (await client.post(SESSIONS, json=wanted)).status_code == 404

@@ -30,6 +30,7 @@ from truepose.domain.ballbar import (
 )
 from truepose.sequencing.ballbar.plan import step_ids
 
+STOPS_PER_ZERO: Final = 10  # of a sphere test: the zero walks by 0.003 mm at most, the arm errs by far more
 MAX_ATTEMPTS: Final = 3  # at one pose: planned, aimed anew, and once more with what was learnt meanwhile
 
 
@@ -60,11 +61,26 @@ class _Attempt:
 
 def steps(plan: BallbarPlan, kit: BallbarKit, course: Course | None = None) -> Iterator[BallbarStep]:
     """Yield all steps of a session, those that are done included."""
+    if plan.test == "sphere":
+        yield from _sphere(plan, kit)
+        return
     progress = _Progress(course or Course())
     yield from _triangle(step_ids.TOOL, kit, "tool", None)
     for placement in plan.placements:
-        yield from _opening(placement, kit)
+        yield from _opening(placement)
+        yield from _triangle(step_ids.placement(placement.number), kit, "base", placement.number)
         yield from _Poses(plan, kit, placement, progress).steps()
+
+
+def _sphere(plan: BallbarPlan, kit: BallbarKit) -> Iterator[BallbarStep]:
+    """Yield the steps of a sphere test: nothing but cup 1 is known of its fixture, nor need it be."""
+    for placement in plan.placements:
+        yield from _opening(placement)
+        for number, pose in enumerate(placement.poses):
+            group = step_ids.pose(step_ids.placement(placement.number), pose.config, 1)
+            for step in pose_steps(group, 1, pose, kit, None):
+                if step.kind is not StepKind.INITIALISE or number % STOPS_PER_ZERO == 0:
+                    yield step
 
 
 def sides(n_points: int) -> tuple[tuple[int, int], ...]:
@@ -91,7 +107,7 @@ def _triangle(group: str, kit: BallbarKit, artefact: BarSet, place: int | None) 
     yield BallbarStep(step_ids.detach(group), StepKind.DETACH, place)
 
 
-def _opening(placement: PlannedPlacement, kit: BallbarKit) -> Iterator[BallbarStep]:
+def _opening(placement: PlannedPlacement) -> Iterator[BallbarStep]:
     number = placement.number
     place = step_ids.placement(number)
     yield BallbarStep(f"{place}/place", StepKind.PLACE_BASE, number)
@@ -116,7 +132,6 @@ def _opening(placement: PlannedPlacement, kit: BallbarKit) -> Iterator[BallbarSt
             via_rad=placement.away.via_rad,
         )
     yield BallbarStep(f"{place}/ball-out", StepKind.REMOVE_BALL, number)
-    yield from _triangle(place, kit, "base", number)
 
 
 class _Poses:

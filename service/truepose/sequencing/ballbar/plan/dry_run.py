@@ -8,7 +8,14 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.artefacts import BallbarKit
-from truepose.domain.ballbar import BallbarPlan, BallbarStep, PlannedPlacement, PlannedPose, StepKind
+from truepose.domain.ballbar import (
+    BallbarPlan,
+    BallbarStep,
+    BallbarTest,
+    PlannedPlacement,
+    PlannedPose,
+    StepKind,
+)
 from truepose.domain.robot import JointRange, Robot
 from truepose.sequencing.ballbar.plan.agenda import sides, steps
 from truepose.sequencing.ballbar.plan.pace import remaining_s
@@ -19,6 +26,7 @@ from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.plan_numbers import check_numbers
 
 TOOL_NESTS: Final = 3
+BALL_CUP: Final = 1  # of the base fixture, from which a sphere test measures
 _FULL_POSE: Final = 6  # lengths that fix six degrees of freedom
 _POSITIVE: Final = (
     "precalibrate_after", "stable_s", "stable_mm", "state_age_s", "tool_speed_mm_s",
@@ -71,9 +79,9 @@ def check_structure(plan: BallbarPlan, kit: BallbarKit) -> None:
     _check_numbers(plan, kit)
     _check_numbering(plan)
     for placement in plan.placements:
-        _check_cups(placement, kit)
+        _check_cups(placement, kit, plan.test)
         for pose in placement.poses:
-            check_pose(pose, kit)
+            (check_pose if plan.test is None else _check_stop)(pose, kit)
 
 
 def check_motion(step: BallbarStep, robot: Robot, limits: Sequence[JointRange]) -> None:
@@ -100,6 +108,14 @@ def check_pose(pose: PlannedPose, kit: BallbarKit) -> None:
             raise PlanRefusedError(
                 f"{who} has the leg B{base}-T{tool}; there are {kit.base_points} cups and 3 nests."
             )
+    _check_aims(who, pose, kit)
+
+
+def _check_stop(pose: PlannedPose, kit: BallbarKit) -> None:
+    """Raise PlanRefusedError where a stop of a sphere test has another leg than one from the ball."""
+    who = f"Configuration {pose.config}"
+    if len(pose.legs) != 1 or pose.legs[0][0] != BALL_CUP or not 1 <= pose.legs[0][1] <= TOOL_NESTS:
+        raise PlanRefusedError(f"{who} has the legs {pose.legs}; a sphere test takes one, from base point 1.")
     _check_aims(who, pose, kit)
 
 
@@ -136,9 +152,9 @@ def _check_numbering(plan: BallbarPlan) -> None:
         raise PlanRefusedError(f"Configuration {twice} is in the plan twice; number a revisit anew.")
 
 
-def _check_cups(placement: PlannedPlacement, kit: BallbarKit) -> None:
+def _check_cups(placement: PlannedPlacement, kit: BallbarKit, test: BallbarTest | None) -> None:
     who = f"Placement {placement.number}"
-    wanted = list(range(1, kit.base_points + 1))
+    wanted = list(range(1, kit.base_points + 1)) if test is None else [BALL_CUP]
     if sorted(setup.base_point for setup in placement.setups) != wanted:
         raise PlanRefusedError(f"{who} must have the arm hold the ball once for each cup {wanted}.")
     if len(placement.cups_mm) != kit.base_points:

@@ -61,6 +61,14 @@ def make_plan(*configs: tuple[int, ...], n_cups: int = 3, **changes) -> BallbarP
     return replace(BallbarPlan(placements), **changes)
 
 
+def make_sphere_plan(stops: int, **changes) -> BallbarPlan:
+    """A sphere test at nest 2."""
+    place = make_placement(1, ())
+    poses = tuple(make_pose(config, legs=((1, 2),)) for config in range(1, stops + 1))
+    placed = replace(place, setups=place.setups[:1], poses=poses)
+    return replace(BallbarPlan((placed,), test="sphere"), **changes)
+
+
 def without_away(plan: BallbarPlan) -> BallbarPlan:
     """The plan as it was stored before the arm backed off the cups."""
     return replace(plan, placements=tuple(replace(place, away=None) for place in plan.placements))

@@ -10,6 +10,7 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     joints,
     make_plan,
     make_pose,
+    make_sphere_plan,
     without_away,
 )
 from truepose.domain.ballbar import PoseForecast, StepKind
@@ -219,3 +220,27 @@ def test_a_last_test_comes_once_for_all_placements():
     listed = [name for name in ids(plan) if "precalibrate" in name]
 
     assert listed == ["placement-1/precalibrate-1", "placement-2/precalibrate-1"]
+
+
+def test_a_sphere_test_measures_no_triangle_and_one_leg_a_stop():
+    assert ids(make_sphere_plan(2)) == [
+        "placement-1/place",
+        "placement-1/ball",
+        "placement-1/cup-1/move",
+        "placement-1/cup-1/clamp",
+        "placement-1/away/move",
+        "placement-1/ball-out",
+        "placement-1/pose-1/move",
+        "placement-1/pose-1/initialise",
+        "placement-1/pose-1/leg-1-2",
+        "placement-1/pose-1/detach",
+        "placement-1/pose-2/move",
+        "placement-1/pose-2/leg-1-2",
+        "placement-1/pose-2/detach",
+    ]
+
+
+def test_the_calibrator_is_read_before_every_tenth_stop_of_a_sphere_test():
+    read = [name for name in ids(make_sphere_plan(25)) if name.endswith("initialise")]
+
+    assert [step_ids.group_of(name) for name in read] == [f"placement-1/pose-{k}" for k in (1, 11, 21)]

@@ -4,7 +4,15 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.service.sequencing.ballbar.sessions import CUPS, KIT, KIT_OF_FOUR, LEGS, joints, make_plan
+from tests.unit.service.sequencing.ballbar.sessions import (
+    CUPS,
+    KIT,
+    KIT_OF_FOUR,
+    LEGS,
+    joints,
+    make_plan,
+    make_sphere_plan,
+)
 from tests.unit.service.sequencing.tracker.fakes import IRB120
 from truepose.domain.robot import JointRange
 from truepose.sequencing.ballbar.plan.dry_run import check_plan, dry_run, motion_limits
@@ -18,6 +26,13 @@ def with_pose(**changes):
     placement = plan.placements[0]
     pose = replace(placement.poses[0], **changes)
     return replace(plan, placements=(replace(placement, poses=(pose,)),))
+
+
+def with_stop(**changes):
+    plan = make_sphere_plan(1)
+    placement = plan.placements[0]
+    stop = replace(placement.poses[0], **changes)
+    return replace(plan, placements=(replace(placement, poses=(stop,)),))
 
 
 def with_placement(**changes):
@@ -47,6 +62,11 @@ def with_placement(**changes):
         (with_pose(joints_rad=joints(200)), "joint 1 at 114.59 deg"),
         (with_pose(via_rad=(joints(200),)), "The way to the stop"),
         (with_pose(joints_rad=(0.0,) * 5), "6 finite joint angles"),
+        (with_stop(legs=((2, 2),)), "takes one, from base point 1"),
+        (with_stop(legs=((1, 2), (1, 3))), "takes one, from base point 1"),
+        (with_stop(legs=((1, 4),)), "takes one, from base point 1"),
+        (with_stop(aimed_mm=(301.5,)), "range of the ballbar"),
+        (replace(make_plan((1,)), test="sphere"), "for each cup [1]"),
     ],
 )
 def test_a_plan_that_cannot_be_done_is_refused_with_one_sentence(plan, says):
@@ -70,6 +90,15 @@ def test_a_good_plan_passes_and_says_what_it_amounts_to():
 
     assert (run.poses, run.moves, run.readings) == (39, 43, 4 + 4 + 39 * 7)
     assert run.duration_s < 3600.0  # thesis: under one hour for 39
+
+
+def test_a_sphere_test_passes_and_reads_the_calibrator_now_and_then():
+    plan = make_sphere_plan(39)
+
+    check_plan(plan, KIT, IRB120, LIMITS)
+    run = dry_run(plan, KIT)
+
+    assert (run.poses, run.moves, run.readings) == (39, 41, 39 + 4)
 
 
 def test_nothing_moves_where_no_limits_are_known():

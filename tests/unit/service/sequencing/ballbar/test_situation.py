@@ -8,6 +8,7 @@ from tests.unit.service.sequencing.ballbar.sessions import (
     joints,
     make_plan,
     make_pose,
+    make_sphere_plan,
     without_away,
 )
 from truepose.domain.ballbar import Suspicion
@@ -358,3 +359,39 @@ def test_a_pose_that_is_tried_again_counts_as_skipped_no_more_and_never_twice():
     story.skip()
 
     assert story.now.progress.skipped_poses == 1
+
+
+def test_stops_of_a_sphere_test_count_from_the_last_calibrator():
+    story = Story(make_sphere_plan(11)).until("placement-1/pose-3/leg-1-2")
+
+    assert story.now.zero.initialisation == 1
+    assert story.until("placement-1/pose-11/leg-1-2").now.zero.initialisation == 2
+
+
+def test_a_sphere_test_is_done_without_a_motion_with_the_ballbar_on():
+    story = Story(make_sphere_plan(11))
+
+    while story.now.step is not None:
+        assert not (story.now.attached and story.now.step.id.endswith("/move"))
+        story.do()
+
+    assert "open" not in {outcome.kind for outcome in story.now.outcomes.values()}
+
+
+def test_a_stop_that_was_skipped_at_the_calibrator_leaves_it_to_the_next():
+    story = Story(make_sphere_plan(2)).until("placement-1/pose-1/initialise")
+    story.skip()
+
+    story.until("placement-1/pose-2/leg-1-2/initialise").do()
+
+    assert story.now.step.id == "placement-1/pose-2/leg-1-2"
+    assert story.now.zero.initialisation == 1
+
+
+def test_a_ballbar_without_supply_is_put_on_its_calibrator_in_a_sphere_test_too():
+    story = Story(make_sphere_plan(3)).until("placement-1/pose-2/leg-1-2")
+    story.add("", EntryKind.CONTROL, control=Control.ZERO_LOST)
+
+    assert story.now.step.id == "placement-1/pose-2/leg-1-2/initialise"
+    story.do()
+    assert story.now.zero.initialisation == 2
