@@ -52,7 +52,7 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
 
     model, found = await accuracy_of(here, origin, choice)
     shown = Shown(_address(origin, model, choice), accuracy_document(found.validation, found.test))
-    ending = await traced(here, origin, shown, model)
+    ending = await traced(here, origin, shown, model, words)
     report = ValidationInput(
         found.validation,
         model.model,

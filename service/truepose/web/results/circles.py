@@ -19,7 +19,7 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     test = await circles_by_session(here.sessions, here.readings, number)
     robot = (await here.sessions.setup(number)).cell.robot.name
     shown = Shown(f"/api/v1/sessions/{number}/circles", circle_document(test, robot))
-    ending = await traced(here, origin, shown, None)
+    ending = await traced(here, origin, shown, None, words)
     return await asyncio.to_thread(circle_content, test, ending, words)
 
 

@@ -24,7 +24,7 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     number, model = origin.record.id, await here.results.model(origin.asked[_PROVES])
     proof = await proof_by_session(here.sessions, here.readings, number, model.model)
     shown = Shown(f"/api/v1/sessions/{number}/proof?model_id={model.id}", proof_document(proof))
-    ending = await traced(here, origin, shown, model)
+    ending = await traced(here, origin, shown, model, words)
     warnings = await _warnings(here, model, ending.conditions.robot_serial_number)
     report = ProofInput(proof, words.say("audit.model", number=model.id), ending, warnings)
     return await asyncio.to_thread(proof_content, report, words)

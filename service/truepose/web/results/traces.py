@@ -16,6 +16,7 @@ from truepose.storage.records import ModelRecord, SessionSetup, StateChange
 from truepose.web.context import Context
 from truepose.web.moments import moment
 from truepose.web.results.kinds import Origin
+from truepose.words.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from truepose.reports.audit import Audit
@@ -34,12 +35,14 @@ class Shown:
     document: BaseModel
 
 
-async def traced(here: Context, origin: Origin, shown: Shown, model: ModelRecord | None) -> "Traced":
+async def traced(
+    here: Context, origin: Origin, shown: Shown, model: ModelRecord | None, words: Catalogue
+) -> "Traced":
     """Return what a result of a session ends with."""
     from truepose.reports.traced import Traced
 
     setup = await here.sessions.setup(origin.record.id)
-    conditions = await _conditions(here, origin, setup)
+    conditions = await _conditions(here, origin, setup, words)
     return Traced(setup.cell.robot.name, conditions, await _audit(here, origin, shown, model))
 
 
@@ -65,7 +68,9 @@ def _sha256(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-async def _conditions(here: Context, origin: Origin, setup: SessionSetup) -> "ReportConditions":
+async def _conditions(
+    here: Context, origin: Origin, setup: SessionSetup, words: Catalogue
+) -> "ReportConditions":
     from truepose.reports.conditions import Period, ReportConditions
 
     number, cell = origin.record.id, setup.cell
@@ -80,7 +85,7 @@ async def _conditions(here: Context, origin: Origin, setup: SessionSetup) -> "Re
         written_at=moment(datetime.now(UTC).isoformat()),
         load=cell.conditions.load,
         warm_up=cell.conditions.warm_up,
-        approach=_approach(plan.approach_offset_rad),
+        approach=_approach(plan.approach_offset_rad, words),
         tool_speed_mm_s=plan.tool_speed_mm_s,
         orientation_speed_rad_s=plan.orientation_speed_rad_s,
         settle_s=plan.settle_s,
@@ -124,8 +129,10 @@ def _began(states: Iterable[StateChange]) -> str:
     return next((moment(one.recorded_at) for one in states if one.state is _MOVING), "")
 
 
-def _approach(offset_rad: float | None) -> str:
-    return "mixed directions" if offset_rad is None else f"all joints from {np.degrees(offset_rad):+.3g} deg"
+def _approach(offset_rad: float | None, words: Catalogue) -> str:
+    if offset_rad is None:
+        return words.say("conditions.approach.mixed")
+    return words.say("conditions.approach.from", offset_deg=float(np.degrees(offset_rad)))
 
 
 async def _temperatures(here: Context, session_id: int) -> tuple[float, float] | None:
