@@ -47,6 +47,19 @@ def candidates(
 ) -> Candidates:
     """Return all measurable configurations of a placement with what they say."""
     found = reach(model.cell, fixture, made)
+    return _with_rows(model, fixture, found, setups)
+
+
+def of_candidates(
+    model: ArmModel, offer: Candidates, setups: Sequence[PlannedSetup] | None = None
+) -> Candidates:
+    """Return what the same configurations say by another model of the arm."""
+    return _with_rows(model, offer.fixture, offer.found, setups)
+
+
+def _with_rows(
+    model: ArmModel, fixture: BaseFixture, found: Reached, setups: Sequence[PlannedSetup] | None
+) -> Candidates:
     legs = [assembly.legs for assembly in found.assembly]
     joints = None if setups is None else np.array([setup.joints_rad for setup in setups])
     return Candidates(

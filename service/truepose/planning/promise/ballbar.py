@@ -7,13 +7,14 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.artefacts import BallbarKit
 from truepose.domain.ballbar import BallbarPlan, Leg, PlannedPlacement, PlannedPose
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.results import NotIdentifiable
 from truepose.identification.verdict.identifiability import left_open
-from truepose.planning.ballbar.choice import candidates, known_after, stacked_rows
+from truepose.planning.ballbar.choice import candidates, known_after, of_candidates, stacked_rows
 from truepose.planning.ballbar.fixture import BaseFixture
 from truepose.planning.ballbar.lengths.information import (
     ArmModel,
@@ -21,14 +22,15 @@ from truepose.planning.ballbar.lengths.information import (
     WorkSpaceSample,
     arm_model,
     error_gradient,
+    error_weight,
 )
+from truepose.planning.ballbar.lengths.least_error import least_error_first
 from truepose.planning.ballbar.placements import Wish, suggest
 from truepose.planning.ballbar.plan import ballbar_cell
 from truepose.planning.ballbar.setups import setups
 from truepose.planning.errors import TooFewCandidatesError
 from truepose.planning.promise.curve import MOST, CurvePoint, Errors, curve, knee, sizes
 from truepose.planning.promise.kept_out import because_of, parameters_of
-from truepose.planning.promise.order import most_informative_first
 from truepose.planning.promise.plan import Assumptions, BallbarPoses, PromisedPlan, indices, require_some
 from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.promise.volume import VOLUME_CONFIGURATIONS, WorkVolume, sample
@@ -38,6 +40,7 @@ from truepose.planning.work_volume.work_space import WorkSpace
 
 _DRAWS: Final = 120  # random places of the base fixture: the search takes some seconds
 _MOVES: Final = 50
+_STREAM: Final = 3  # of random numbers: poses are chosen for other places than the promise is computed at
 _USUAL: Final = 40  # poses that a place should offer: the thesis of A. Nubiola has 39 there, section 3.5
 _MOVED_RAD: Final = np.deg2rad(0.5)  # a joint that stays within this has not moved
 
@@ -96,9 +99,13 @@ def promised_at(
     """Plan with the base fixture at given places; all else as `promised_ballbar_session`."""
     rng = np.random.default_rng(seed)
     stop = float(np.hypot(cell.robot.repeatability_mm, discrepancy.per_axis_mm))
-    scatter, limits = Scatter(stop_mm=stop), ballbar_cell(cell)
-    model = arm_model(limits, scatter)
-    choice = _choice(model, fixtures)
+    kit, limits = cell.ballbar or BallbarKit(), ballbar_cell(cell)
+    length_mm = float(np.hypot(kit.reading_u_mm, kit.zero_u_mm))
+    scatter = Scatter(stop, length_mm, kit.setup_u_mm, length_mm, kit.zero_u_mm)
+    certified = [nest.standard_uncertainty_mm or 0.0 for nest in cell.nests]
+    model = arm_model(limits, scatter, certified)
+    weighed = _places(cell, volume or WorkVolume(), model, np.random.default_rng([seed, _STREAM]))
+    choice = _choice(model, fixtures, weighed)
     if n is not None and n > len(choice.rows):
         raise TooFewCandidatesError(
             f"{n} poses were asked for, and the arm can be measured in {len(choice.rows)} from there: ask "
@@ -113,8 +120,8 @@ def promised_at(
     size = advised if n is None else n
 
     def open_without(keep_outs: KeepOuts) -> frozenset[str]:
-        free = arm_model(replace(limits, keep_outs=keep_outs), scatter)
-        return parameters_of(_choice(free, fixtures).left_open(free, size))
+        free = arm_model(replace(limits, keep_outs=keep_outs), scatter, certified)
+        return parameters_of(_choice(free, fixtures, weighed).left_open(free, size))
 
     plan = choice.plan(model, size, points, advised, discrepancy)
     return replace(plan, left_open=because_of(limits.keep_outs, plan.left_open, open_without))
@@ -155,6 +162,8 @@ class _Choice:
     placement: IntArray  # (N,)
     rows: FloatArray  # (N, L, P + 3 C) whitened, per prior width
     known: FloatArray  # (P + 3 C, P + 3 C) information of priors, set-ups and sides
+    erring_rows: FloatArray  # as rows, of readings as they err
+    erring_known: FloatArray  # as known, of readings as they err
     cups_mm: FloatArray  # (C, 3)
     fixtures: tuple[BaseFixture, ...]
 
@@ -164,8 +173,14 @@ class _Choice:
         return np.asarray(self.known + flat.T @ flat)
 
     def root(self, size: int) -> FloatArray:
-        """Return a root of the covariance after so many poses, shape (P + 3 C, P + 3 C)."""
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.information(size))).T)
+        """Return a root of the covariance after so many poses, shape (P + 3 C, P + 3 C).
+
+        Readings are weighed as they are stated and err as they do: with information M and the scatter N of
+        the sums that an identification forms, the covariance is M^-1 N M^-1.
+        """
+        flat = self.erring_rows[:size].reshape(-1, self.erring_rows.shape[2])
+        sums = np.linalg.cholesky(self.erring_known + flat.T @ flat)
+        return np.asarray(np.linalg.solve(self.information(size), sums))
 
     def plan(
         self,
@@ -186,7 +201,7 @@ class _Choice:
             advised=advised,
             measured=0,
             left_open=self.left_open(model, size),
-            observability=indices(self.rows[:size, :, : model.parameters]),
+            observability=indices(self.rows[:size, :, : model.own_parameters]),
             assumptions=Assumptions(
                 reading, model.cell.robot.repeatability_mm, discrepancy, model.cell.keep_outs.names
             ),
@@ -208,11 +223,17 @@ class _Choice:
         return left_open(model.structure, covariance, flat.T / widths[:, None], moved)
 
 
-def _choice(model: ArmModel, fixtures: Sequence[BaseFixture]) -> _Choice:
-    offers = [candidates(model, fixture, setups(model.cell, fixture)) for fixture in fixtures]
-    known = known_after(model, offers, [np.zeros(0, dtype=np.int64)] * len(offers))
+def _choice(model: ArmModel, fixtures: Sequence[BaseFixture], weighed: WorkSpaceSample) -> _Choice:
+    held = [setups(model.cell, fixture) for fixture in fixtures]
+    offers = [candidates(model, fixture, own) for fixture, own in zip(fixtures, held, strict=True)]
+    erring = replace(model, erring=True)
+    true = [of_candidates(erring, offer, own) for offer, own in zip(offers, held, strict=True)]
+    known, erring_known = (
+        known_after(one, own, [np.zeros(0, dtype=np.int64)] * len(own))
+        for one, own in ((model, offers), (erring, true))
+    )
     rows = stacked_rows(model, offers, len(known.matrix))
-    order = most_informative_first(rows, MOST, known.matrix)
+    order = least_error_first(rows, MOST, known.matrix, error_weight(known.cups_mm, weighed))
     legs = [assembly.legs for own in offers for assembly in own.found.assembly]
     return _Choice(
         joints_rad=np.concatenate([own.found.joints_rad for own in offers])[order],
@@ -220,6 +241,8 @@ def _choice(model: ArmModel, fixtures: Sequence[BaseFixture]) -> _Choice:
         placement=np.repeat([own.fixture.number for own in offers], [len(own) for own in offers])[order],
         rows=rows[order],
         known=known.matrix,
+        erring_rows=stacked_rows(erring, true, len(known.matrix))[order],
+        erring_known=erring_known.matrix,
         cups_mm=known.cups_mm,
         fixtures=tuple(fixtures),
     )

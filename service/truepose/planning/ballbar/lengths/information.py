@@ -1,11 +1,11 @@
 r"""How well a ballbar session will know the arm: information of its readings, and error of what is predicted.
 
-Unknown are the geometry and compliances of the arm and the places of the cups; the base is held, as only
-places relative to the cups can be seen. Observed are
+Unknown are the geometry and compliances of the arm and the places of the cups, and of certified nests what
+their certificates allow; the base is held, as only places relative to the cups can be seen. Observed are
 
     legs      |nest_j(q) - cup_i|     scatter: the arm's, common to the legs of a stop, and the ballbar's own
     set-ups   cup_i - nest_1(q_i)     how well a cup sits where the ball was held
-    sides     |cup_i - cup_k|         with the ballbar
+    sides     |cup_i - cup_k|         with the ballbar, those of the tool |nest_j - nest_k| as well
 
 The figure is the root mean square error of nest positions over the work space, in the frame that the cups
 define (the rigid motion that fits predicted to true cups best taken off): what a user of the model sees.
@@ -22,6 +22,8 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.ballbar import Leg
 from truepose.domain.campaign import Campaign, PointReadings, Stops
 from truepose.domain.robot import Nest
+from truepose.effects.tool.tool_certificate import NAME as TOOL_CERTIFICATE
+from truepose.effects.tool.tool_certificate import certificate_specs
 from truepose.identification.model.derivatives import position_jacobian
 from truepose.identification.model.evaluation import Targets, evaluate
 from truepose.identification.model.structure import Structure
@@ -30,6 +32,7 @@ from truepose.kinematics.frames import cross_matrix
 from truepose.planning.ballbar.clear_ways.bodies import BallbarCell
 
 SPACE_POINTS: Final = 200  # configurations over which errors are averaged
+_MEAN_OF_SIX: Final = 3.5  # of the numbers of a pose's readings
 _CUP_WIDTH_MM: Final = 10.0  # nothing worth mentioning is known of a cup beforehand
 
 
@@ -43,6 +46,14 @@ class Scatter:
     leg_mm: float = 0.0016  # of one length: ballbar and its zero
     setup_mm: float = 0.01  # of a clamped cup, per axis
     side_mm: float = 0.0016
+    # Of both lengths, the zero: RMS over six readings after an initialisation. It walks with every snap of
+    # the magnets, so that readings share it, and the first ones are better than the last.
+    zero_mm: float = 0.0
+
+    def walked_mm2(self, lines: int) -> FloatArray:
+        """Return the covariance of the zeros of so many readings after one initialisation."""
+        number = np.arange(1.0, lines + 1.0)
+        return np.asarray(self.zero_mm**2 * np.minimum.outer(number, number) / _MEAN_OF_SIX)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +63,17 @@ class ArmModel:
     cell: BallbarCell
     structure: Structure
     scatter: Scatter
+    erring: bool = False  # rows are of readings as they err, not as an identification weighs them
 
     @property
     def parameters(self) -> int:
-        """Number of the arm's parameters."""
+        """Number of the arm's parameters, those of certified nests included."""
         return len(self.structure.specs)
+
+    @property
+    def own_parameters(self) -> int:
+        """Number of the arm's parameters alone, which come first."""
+        return sum(owner != TOOL_CERTIFICATE for owner in self.structure.owners)
 
     def nests(self, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return nests (n, 3, 3) at configurations (n, J) and their motion per prior width, (n, 3, 3, P)."""
@@ -68,8 +85,13 @@ class ArmModel:
         return state.position_mm.reshape(n, 3, 3), motion.reshape(n, 3, 3, self.parameters)
 
 
-def arm_model(cell: BallbarCell, scatter: Scatter | None = None) -> ArmModel:
-    """Return the arm with geometry, and compliances where its masses are known."""
+def arm_model(
+    cell: BallbarCell, scatter: Scatter | None = None, certified_mm: Sequence[float] = ()
+) -> ArmModel:
+    """Return the arm with geometry, and compliances where its masses are known.
+
+    `certified_mm` says how uncertain each of the tool nests is per axis; empty: they are exact.
+    """
     readings = PointReadings(
         Stops(np.array([1]), np.zeros((1, cell.robot.n_joints))),
         np.array([1]),
@@ -79,7 +101,11 @@ def arm_model(cell: BallbarCell, scatter: Scatter | None = None) -> ArmModel:
     nests = tuple(Nest((float(x), float(y), float(z)), 0.0) for x, y, z in cell.nests_mm)
     campaign = Campaign(cell.robot, cell.base, nests, calibration=readings)
     effects = ("geometry", "compliance") if cell.robot.masses else ("geometry",)
-    return ArmModel(cell, build(campaign, effects).structure, scatter or Scatter())
+    structure, uncertain = build(campaign, effects).structure, dict(enumerate(certified_mm, start=1))
+    nest_specs = certificate_specs(uncertain)
+    if nest_specs:
+        structure = structure.extended(TOOL_CERTIFICATE, nest_specs)
+    return ArmModel(cell, structure, scatter or Scatter())
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +141,7 @@ def pose_rows(
     way = nests[row, nest] - cups_mm[base]
     way /= np.linalg.norm(way, axis=2, keepdims=True)
     way *= there[:, :, None]
-    white = _whitener(model.scatter, way)
+    white = (_erring if model.erring else _whitener)(model.scatter, way)
     arm = white @ np.einsum("nli,nlip->nlp", way, motion[row, nest])
     ends = np.eye(len(cups_mm))[base]  # (n, L, K) the cup of each leg
     cups = -_CUP_WIDTH_MM * (ends[:, :, :, None] * way[:, :, None]).reshape(*base.shape, 3 * len(cups_mm))
@@ -134,25 +160,49 @@ def _padded(legs: Sequence[Sequence[Leg]]) -> tuple[IntArray, IntArray, BoolArra
 
 def _whitener(scatter: Scatter, way: FloatArray) -> FloatArray:
     """Whitens lengths whose nests share one shift of the arm, shape (n, L, L)."""
-    lines = way.shape[1]
-    covariance = scatter.leg_mm**2 * np.eye(lines) + scatter.stop_mm**2 * way @ np.swapaxes(way, 1, 2)
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(_stated_mm2(scatter, way))))
+
+
+def _stated_mm2(scatter: Scatter, way: FloatArray) -> FloatArray:
+    own = scatter.leg_mm**2 * np.eye(way.shape[1])
+    return np.asarray(own + scatter.stop_mm**2 * way @ np.swapaxes(way, 1, 2))
+
+
+def _erring(scatter: Scatter, way: FloatArray) -> FloatArray:
+    """Return F, shape (n, L, L): F'F is the covariance of lengths between two of their stated inverses.
+
+    With derivatives A, A'F'F A is the scatter of the sums A' S^-1 r that an identification forms with the
+    stated covariance S of the readings r, whatever the readings truly scatter by.
+    """
+    stated, lines = _stated_mm2(scatter, way), way.shape[1]
+    true = stated + scatter.walked_mm2(lines) - scatter.zero_mm**2 * np.eye(lines)
+    return np.asarray(np.swapaxes(np.linalg.cholesky(true), 1, 2) @ np.linalg.inv(stated))
 
 
 def setting_information(model: ArmModel, cups_mm: FloatArray, setups_rad: FloatArray | None) -> FloatArray:
     """Return what priors, set-ups (K, J) and sides say of arm and cups, shape (P + 3 K, P + 3 K)."""
     count, cups = model.parameters, len(cups_mm)
-    rows = []
+    sides = []
     for a, b in combinations(range(cups), 2):
         way = (cups_mm[b] - cups_mm[a]) / np.linalg.norm(cups_mm[b] - cups_mm[a])
-        row = np.zeros((1, count + 3 * cups))
-        row[0, count + 3 * a : count + 3 * a + 3] = -way * _CUP_WIDTH_MM / model.scatter.side_mm
-        row[0, count + 3 * b : count + 3 * b + 3] = way * _CUP_WIDTH_MM / model.scatter.side_mm
-        rows.append(row)
+        row = np.zeros(count + 3 * cups)
+        row[count + 3 * a : count + 3 * a + 3] = -way * _CUP_WIDTH_MM
+        row[count + 3 * b : count + 3 * b + 3] = way * _CUP_WIDTH_MM
+        sides.append(row)
+    rows = [_read_in_one_go(model, np.array(sides))]
     if setups_rad is not None:
         rows.append(_setup_rows(model, setups_rad))
     stacked = np.concatenate(rows)
     return np.asarray(np.eye(count + 3 * cups) + stacked.T @ stacked)
+
+
+def _read_in_one_go(model: ArmModel, sides: FloatArray) -> FloatArray:
+    """Return whitened derivatives of sides (k, columns) that are read after one initialisation."""
+    scatter, lines = model.scatter, len(sides)
+    if not model.erring:
+        return np.asarray(sides / scatter.side_mm)
+    true = (scatter.side_mm**2 - scatter.zero_mm**2) * np.eye(lines) + scatter.walked_mm2(lines)
+    return np.asarray(np.linalg.cholesky(true).T @ sides / scatter.side_mm**2)
 
 
 def _setup_rows(model: ArmModel, setups_rad: FloatArray) -> FloatArray:
@@ -174,8 +224,21 @@ class Gathered:
 
 
 def gathered(model: ArmModel) -> Gathered:
-    """Return what is known before anything is measured."""
-    return Gathered(np.eye(model.parameters), np.zeros((0, 3)))
+    """Return what is known before any placement: priors, and the sides of an uncertain tool triangle."""
+    sides = _tool_side_rows(model)
+    return Gathered(np.eye(model.parameters) + sides.T @ sides, np.zeros((0, 3)))
+
+
+def _tool_side_rows(model: ArmModel) -> FloatArray:
+    """Return the whitened derivatives of the sides between tool nests, shape (3, P), wherever the arm is."""
+    if model.own_parameters == model.parameters:
+        return np.zeros((0, model.parameters))
+    (nests,), (motion,) = model.nests(np.zeros((1, model.cell.robot.n_joints)))
+    rows = []
+    for a, b in combinations(range(len(nests)), 2):
+        way = nests[b] - nests[a]
+        rows.append(way @ (motion[b] - motion[a]) / np.linalg.norm(way))
+    return _read_in_one_go(model, np.array(rows))
 
 
 def with_placement(before: Gathered, own: FloatArray, cups_mm: FloatArray) -> Gathered:

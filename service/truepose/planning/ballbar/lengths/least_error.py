@@ -1,4 +1,4 @@
-r"""Exchange of configurations until the predicted error over the work space falls no further.
+r"""Choice of configurations by the predicted error over the work space.
 
 O1 asks how well parameters are known, whichever they are; a user asks how well positions are. With C the
 covariance of all parameters and W the mean square gradient of the positions in them, the figure is tr(W C).
@@ -48,6 +48,27 @@ def exchanged_for_error(
     return np.flatnonzero(member).astype(np.int64)
 
 
+def least_error_first(rows: FloatArray, n: int, known: FloatArray, weight: FloatArray) -> IntArray:
+    """Choose n configurations one after another: every next one lowers the mean square error most.
+
+    Parameters as above; all are taken where there are no more.
+
+    Returns
+    -------
+    ndarray, shape (min(n, N),)
+        Indices in the order of choice.
+    """
+    covariance: FloatArray = np.asarray(np.linalg.inv(known), dtype=float)
+    free = np.ones(len(rows), dtype=bool)
+    order = np.empty(min(n, len(rows)), dtype=np.int64)
+    for place in range(len(order)):
+        gains = np.where(free, _changes(rows, covariance, weight, 1.0), -np.inf)
+        order[place] = best = int(np.argmax(gains))
+        free[best] = False
+        covariance = _with(covariance, rows[best])
+    return order
+
+
 def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: FloatArray) -> bool:
     own = rows[member].reshape(-1, rows.shape[2])
     covariance: FloatArray = np.asarray(np.linalg.inv(own.T @ own + known), dtype=float)
@@ -67,6 +88,11 @@ def _exchange(rows: FloatArray, member: BoolArray, known: FloatArray, weight: Fl
 def _without(covariance: FloatArray, left: FloatArray) -> FloatArray:
     seen = covariance @ left.T
     return np.asarray(covariance + seen @ np.linalg.solve(np.eye(len(left)) - left @ seen, seen.T))
+
+
+def _with(covariance: FloatArray, entered: FloatArray) -> FloatArray:
+    seen = covariance @ entered.T
+    return np.asarray(covariance - seen @ np.linalg.solve(np.eye(len(entered)) + entered @ seen, seen.T))
 
 
 def _changes(rows: FloatArray, covariance: FloatArray, weight: FloatArray, sign: float) -> FloatArray:

@@ -18,7 +18,7 @@ from truepose.planning.ballbar.lengths.information import (
     with_placement,
     work_space_sample,
 )
-from truepose.planning.ballbar.lengths.least_error import exchanged_for_error
+from truepose.planning.ballbar.lengths.least_error import exchanged_for_error, least_error_first
 from truepose.planning.ballbar.setups import setups
 
 CELL, FIXTURE = ballbar_cell(), fixture_before_the_arm()
@@ -149,6 +149,23 @@ def test_an_exchange_ends_where_no_single_one_lowers_the_error_by_a_thousandth()
     ]
     assert figure(chosen) < figure(np.arange(12))
     assert min(neighbours) > figure(chosen) * (1 - 1e-3)
+
+
+def test_one_after_another_each_lowers_the_error_most_of_all_that_are_left():
+    rng = np.random.default_rng(4)
+    rows, half = rng.standard_normal((12, 2, 5)), rng.standard_normal((5, 5))
+    known, weight = np.eye(5), half @ half.T
+
+    def left(chosen):
+        flat = rows[chosen].reshape(-1, 5)
+        return np.sum(weight * np.linalg.inv(known + flat.T @ flat))
+
+    order = least_error_first(rows, 20, known, weight).tolist()
+
+    assert sorted(order) == list(range(12))
+    for place, row in enumerate(order):
+        others = set(range(12)) - set(order[:place])
+        assert row == min(others, key=lambda other: left([*order[:place], other]))
 
 
 def test_more_scatter_is_a_larger_error():
