@@ -39,6 +39,26 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     assert body["role"] == "validation"
 
 
+def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(service, tablet):
+    tablet.goto(f"{service.url}/sessions/new")
+    form = tablet.locator("#sphere")
+
+    form.get_by_role("button", name="Plan it").click()
+    expect(form.get_by_label("Fixture, x")).to_be_focused()  # the browser asks for what is needed
+    for label, value in (("Fixture, x", "350"), ("Fixture, y", "-150"), ("Fixture, z", "150")):
+        form.get_by_label(label).fill(value)
+    made = {"id": 1, "state": "planned"}
+    tablet.route("**/api/v1/ballbar-sessions", lambda route: route.fulfill(json=made))
+    tablet.route("**/sessions/1", lambda route: route.fulfill(body="the session"))
+    with tablet.expect_request("**/api/v1/ballbar-sessions") as asked:
+        form.get_by_role("button", name="Plan it").click()
+    expect(tablet.get_by_text("the session")).to_be_visible()
+
+    place = {"x_mm": 350, "y_mm": -150, "z_mm": 150, "rx_deg": 0, "ry_deg": 0, "rz_deg": 0}
+    assert asked.value.post_data_json["placements"] == [place]
+    assert asked.value.post_data_json["plan"] == {"method": "sphere", "configurations": 24}
+
+
 def test_what_the_service_refuses_is_said_at_the_form(service, chromium):
     refused = ("Failed to load resource",)  # what the browser says of an answer of 422
     with chromium.one(service.url) as page, without_complaint(page, service.url, refused):

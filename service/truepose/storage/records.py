@@ -43,6 +43,7 @@ class SessionRecord:
     measured: int
     skipped: int
     simulated: bool
+    test: str | None = None  # of a session with the ballbar: which; None: it identifies, or is no such
 
 
 @dataclass(frozen=True, slots=True)

@@ -172,6 +172,18 @@ def test_what_was_left_out_is_told_at_the_end_with_its_reason(desk, page, url):
     expect(page.locator(".left-out li")).to_contain_text("Out of range: too long")
 
 
+def test_a_test_that_has_ended_leads_to_its_result_and_a_calibration_has_none(desk, page, url):
+    desk.show(state="finished", step=None, result_url="/sessions/3/result")
+    page.goto(f"{url}/operator/3")
+    expect(page.get_by_role("link", name="Show the result")).to_have_attribute("href", "/sessions/3/result")
+
+    desk.show(state="finished", step=None, result_url=None)
+    page.reload()
+
+    expect(page.get_by_role("link", name="All sessions")).to_be_visible()
+    expect(page.get_by_role("link", name="Show the result")).to_have_count(0)
+
+
 def test_what_was_skipped_and_measured_meanwhile_is_not_left_out_at_the_end(desk, page, url):
     skipped = {"outcome": "skipped", "text": "Out of range: too long"}
     first, second = leg(1, 1), {**leg(1, 1, attempt=2), "id": "placement-1/pose-12/again/leg-1-1"}

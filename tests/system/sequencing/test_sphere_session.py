@@ -1,10 +1,13 @@
 """A sphere test as a session on a simulated cell, over REST: planned, measured, judged."""
 
+import hashlib
+
 import httpx
 import pytest
 
 from tests.studies.interruptions.ballbar_person import PersonAtTablet
 from tests.studies.interruptions.killed_service import KilledService, standing_cell
+from truepose.reports.rounding import rounded
 
 _PLACE = {"x_mm": 350, "y_mm": -150, "z_mm": 150, "ry_deg": -30, "rz_deg": 60}
 _WANTED = {
@@ -37,7 +40,8 @@ async def test_what_a_session_read_is_judged_about_the_ball_that_the_arm_held(se
     session = await person.walk()
 
     assert session["state"] == "finished", session["reason"]
-    test = (await service.get(f"/api/v1/sessions/{number}/sphere")).json()
+    told = await service.get(f"/api/v1/sessions/{number}/sphere")
+    test = told.json()
     (ball,) = test["spheres"]
     steps = (await service.get(f"{person.path}/steps")).json()["steps"]
     measured = [step["id"] for step in steps if "/leg-1-1" in step["id"] and step["outcome"] == "measured"]
@@ -49,3 +53,11 @@ async def test_what_a_session_read_is_judged_about_the_ball_that_the_arm_held(se
     # Lengths near 300 mm of an arm whose errors are some tenths: targets of the nominal arm.
     assert ball["errors"][0]["error_mm"] == pytest.approx(ball["shown_mm"], abs=1e-6)
     assert not ball["errors"][0]["noise_alone"]
+
+    assert session["result_url"] == f"/sessions/{number}/result"
+    page = (await service.get(session["result_url"])).text
+    for one in ball["errors"]:
+        mean = one["figures"][0]["mean_mm"]
+        assert f'<td class="n">{rounded(mean["value"], mean["standard_uncertainty"])}</td>' in page
+    assert hashlib.sha256(told.content).hexdigest() in page
+    assert f'href="/sessions/{number}/result"' in (await service.get("/sessions")).text

@@ -1,10 +1,12 @@
-"""The report of a ballbar sphere test: one HTML file."""
+"""The report of a ballbar sphere test: one HTML file, or the content of a page."""
 
 from pathlib import Path
 
+from markupsafe import Markup
+
 from truepose.judgement.sphere.judged import SphereTest
 from truepose.reports.figures.radial import radial_figure
-from truepose.reports.pages import write_page
+from truepose.reports.pages import rendered, write_page
 from truepose.reports.spheres.sentences import (
     WORDS_OF_ROW,
     order_sentences,
@@ -12,6 +14,7 @@ from truepose.reports.spheres.sentences import (
     sphere_rows,
     sphere_sentences,
 )
+from truepose.reports.traced import Traced, traced_context
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 
@@ -25,6 +28,16 @@ def write_sphere_report(
     UnwritableReportError
         The file cannot be written.
     """
+    write_page(path, "spheres.html", robot=robot, simulated=simulated, traced=None, **_context(test, words))
+
+
+def sphere_content(test: SphereTest, traced: Traced, words: Catalogue) -> Markup:
+    """Return the report without a frame, for a page that has one of its own."""
+    stated = traced_context(traced, words)
+    return rendered("spheres_content.html", traced=traced, **stated, **_context(test, words))
+
+
+def _context(test: SphereTest, words: Catalogue) -> dict[str, object]:
     shown = [
         (
             sphere,
@@ -33,16 +46,12 @@ def write_sphere_report(
         )
         for sphere in test.spheres
     ]
-    write_page(
-        path,
-        "spheres.html",
-        robot=robot,
-        simulated=simulated,
-        heads=sphere_heads(words),
-        names=WORDS_OF_ROW,
-        rows=tuple(sphere_rows(test, words)),
-        order=[words.spoken(sentence) for sentence in order_sentences(test, words)],
-        spheres=shown,
-        words=words,
-        say=words.say,
-    )
+    return {
+        "heads": sphere_heads(words),
+        "names": WORDS_OF_ROW,
+        "rows": tuple(sphere_rows(test, words)),
+        "order": [words.spoken(sentence) for sentence in order_sentences(test, words)],
+        "spheres": shown,
+        "words": words,
+        "say": words.say,
+    }

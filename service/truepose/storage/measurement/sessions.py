@@ -207,6 +207,7 @@ def _records() -> Select[Any]:
             _measured().label("measured"),
             _skipped().label("skipped"),
             simulated_session(),
+            func.json_extract(sessions.c.plan, "$.test").label("test"),
         )
         .join(session_states, session_states.c.session_id == sessions.c.id)
         .where(newest)

@@ -13,7 +13,6 @@ from truepose.exchange.results.circles import CircleTestDocument, circle_documen
 from truepose.exchange.results.iso9283 import AccuracyDocument, accuracy_document
 from truepose.exchange.results.proofs import ProofDocument, proof_document
 from truepose.exchange.results.spheres import SphereTestDocument, sphere_document
-from truepose.judgement.sphere.judged import sphere_test
 from truepose.operation.tracker.plans import judged
 from truepose.sequencing.engine.acts import Act, ActName
 from truepose.storage.errors import ConflictError
@@ -25,6 +24,7 @@ from truepose.web.problems import problems
 from truepose.web.results.accuracy import accuracy_of
 from truepose.web.results.choices import Chosen
 from truepose.web.results.origins import origin_of
+from truepose.web.results.sphere import sphere_of
 from truepose.web.schemas.additions import AdditionReply, AdditionRequest, addition_reply, wanted_stops
 from truepose.web.schemas.identities import identity_reply
 from truepose.web.schemas.jobs import JobReply
@@ -134,12 +134,8 @@ async def get_sphere(here: Here, id: Id, model_id: ModelIds) -> SphereTestDocume
 
     Told of are the nominal robot, the models that are asked for, and the one that commanded the arm.
     """
-    view = await here.ballbar_sessions.view(id)
-    numbers = dict.fromkeys([*model_id, *([view.plan.model_id] if view.plan.model_id else [])])
-    models = {f"model {number}": (await here.results.model(number)).model for number in numbers}
-    campaign = await here.ballbar_sessions.campaign(id)
-    test = await asyncio.to_thread(sphere_test, campaign, models)
-    return sphere_document(test, campaign.robot.name)
+    test, robot = await sphere_of(here, id, model_id)
+    return sphere_document(test, robot)
 
 
 @router.get("/{id}/accuracy", responses=problems(404, 409, 422, 503))

@@ -22,7 +22,7 @@ class Origin:
     @property
     def method(self) -> str:
         """How its stops were planned, as requests name it; empty where no test was asked for."""
-        return str(self.asked.get("method") or "")
+        return str(self.asked.get("method") or self.record.test or "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +43,8 @@ class Entry:
 
     name: str  # in the body of the request; dots lead into it, and several of one name are a list
     label: str  # key of the catalogue
-    kind: Literal["number", "choice", "model"] = "number"
-    value: float | str = ""  # "": it may be left out
+    kind: Literal["number", "choice", "model", "model or none"] = "number"
+    value: float | str | None = ""  # "": it may be left out; None: whoever plans must say it
     least: float | None = None
     most: float | None = None
     choices: tuple[tuple[str, str], ...] = ()  # value, key of the catalogue

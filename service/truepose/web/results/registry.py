@@ -6,8 +6,9 @@ from truepose.web.results.accuracy import ACCURACY, POSE_TEST
 from truepose.web.results.circles import CIRCLES
 from truepose.web.results.kinds import Origin, ResultKind
 from truepose.web.results.proof import PROOF
+from truepose.web.results.sphere import SPHERE
 
-KINDS: Final[tuple[ResultKind, ...]] = (PROOF, POSE_TEST, CIRCLES, ACCURACY)
+KINDS: Final[tuple[ResultKind, ...]] = (PROOF, POSE_TEST, CIRCLES, SPHERE, ACCURACY)
 
 
 def kind_of(origin: Origin) -> ResultKind | None:

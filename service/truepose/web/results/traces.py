@@ -2,15 +2,16 @@
 
 import hashlib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from pydantic import BaseModel
 
+from truepose.domain.ballbar import BallbarPlan
 from truepose.domain.identities import IdentityTaken
-from truepose.domain.session import SessionState
+from truepose.domain.session import SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
 from truepose.storage.records import ModelRecord, SessionSetup, StateChange
 from truepose.web.context import Context
@@ -74,9 +75,9 @@ async def _conditions(
     from truepose.reports.conditions import Period, ReportConditions
 
     number, cell = origin.record.id, setup.cell
-    plan, registration = await here.sessions.plan(number), await here.sessions.registration(number)
+    registration = await here.sessions.registration(number)
     states, identities = await here.sessions.states(number), await here.sessions.identities(number)
-    return ReportConditions(
+    stated = ReportConditions(
         simulated=setup.simulated,
         instruments=tuple(_instruments(here, setup, identities)),
         artefacts=tuple(artefact for artefact in (cell.tool, cell.world) if artefact is not None),
@@ -85,11 +86,6 @@ async def _conditions(
         written_at=moment(datetime.now(UTC).isoformat()),
         load=cell.conditions.load,
         warm_up=cell.conditions.warm_up,
-        approach=_approach(plan.approach_offset_rad, words),
-        tool_speed_mm_s=plan.tool_speed_mm_s,
-        orientation_speed_rad_s=plan.orientation_speed_rad_s,
-        settle_s=plan.settle_s,
-        measure_s=plan.measure_s,
         temperature_c=await _temperatures(here, number),
         sessions=(Period(origin.record.name, _began(states), moment(origin.record.state_since)),),
         two_face_mm=None if registration is None else registration.two_face_mm,
@@ -98,6 +94,26 @@ async def _conditions(
         scale_standard_uncertainty=None if registration is None else registration.scale_standard_uncertainty,
         notes=tuple(await here.sessions.notes(number)),
     )
+    return await _with_plan(here, origin, stated, words)
+
+
+async def _with_plan(
+    here: Context, origin: Origin, stated: "ReportConditions", words: Catalogue
+) -> "ReportConditions":
+    if origin.record.role == "ballbar":
+        by_bar = await here.sessions.ballbar_plan(origin.record.id)
+        return replace(stated, **_speeds(by_bar))
+    plan = await here.sessions.plan(origin.record.id)
+    approach = _approach(plan.approach_offset_rad, words)
+    return replace(stated, approach=approach, measure_s=plan.measure_s, **_speeds(plan))
+
+
+def _speeds(plan: SessionPlan | BallbarPlan) -> dict[str, Any]:
+    return {
+        "tool_speed_mm_s": plan.tool_speed_mm_s,
+        "orientation_speed_rad_s": plan.orientation_speed_rad_s,
+        "settle_s": plan.settle_s,
+    }
 
 
 def _instruments(

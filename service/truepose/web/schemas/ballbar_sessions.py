@@ -99,6 +99,9 @@ class BallbarSessionReply(Reply):
     name: str = Field(examples=["left arm, six legs"])
     state: SessionState
     reason: str = Field(description="Why it is in this state.")
+    result_url: str | None = Field(
+        description="Page of what it came to; null: its readings identify.", examples=["/sessions/3/result"]
+    )
     simulated: bool = Field(description="True: no robot and no instrument take part.")
     robot: str = Field(examples=["ABB IRB 120"])
     question: str | None = Field(description="What a person is asked now.")

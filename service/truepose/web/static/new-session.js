@@ -21,6 +21,7 @@ function bodyOf(form) {
 
 async function plan(form, say) {
   const { path, planning, unreachable } = form.dataset;
+  say(filled(planning, { message: "" }));
   let made = await post(path, bodyOf(form), unreachable);
   while (["queued", "running"].includes(made.state)) {
     say(filled(planning, { message: made.message }));
