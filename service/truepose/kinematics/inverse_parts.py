@@ -1,0 +1,87 @@
+"""What the closed forms share: branches side by side, vectors by components, joint 1, cosines beyond 1.
+
+Arrays have branches first (back, down, flip) and poses last: (2, 2, 2, n) where all branches are asked for.
+"""
+
+from collections.abc import Callable
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from truepose.domain.arrays import FloatArray, IntArray
+from truepose.domain.robot import Robot
+
+STRUCTURE_RAD: Final = 1e-9  # twists this close to a right angle are one; tables are written in whole degrees
+STRUCTURE_MM: Final = 1e-9
+LOCKED: Final = 1e-10  # sine of joint 5 below which two joints turn about the same line
+_STRETCHED: Final = 1e-10  # cosines may pass 1 by rounding where the arm is just stretched: less than 1e-7 mm
+_NEARLY_STRAIGHT: Final = float(np.cos(np.deg2rad(5.0)))  # from a straight arm no step leads inwards
+Vector: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]  # components
+Ratio: TypeAlias = Callable[[FloatArray], FloatArray]  # what to do with cosines and sines beyond 1
+
+
+class Which(NamedTuple):
+    """Branches, 0 or 1 each; of shapes that come together to (back, down, flip, poses)."""
+
+    back: IntArray
+    down: IntArray
+    flip: IntArray
+
+
+class Wanted(NamedTuple):
+    """Poses of the last frame in front of joint 1, row 1 of the table taken off."""
+
+    x_axis: FloatArray  # (3, n)
+    z_axis: FloatArray  # (3, n)
+    wrist_mm: FloatArray  # (3, n) where axis 5 meets axis 6, from the origin of frame 1
+
+
+ALL: Final = Which(*(np.arange(2).reshape(shape) for shape in ((2, 1, 1, 1), (1, 2, 1, 1), (1, 1, 2, 1))))
+
+
+def column(planes: FloatArray) -> Vector:
+    """Return the components (3, n) of vectors, each (1, 1, 1, n)."""
+    x, y, z = (plane[None, None, None] for plane in planes)
+    return x, y, z
+
+
+def turned_back(vector: Vector, alpha_rad: float, theta_rad: FloatArray | float) -> Vector:
+    """Return vectors as a frame sees them that RotX(alpha) RotZ(theta) turned."""
+    x, y, z = vector
+    c, s = float(np.cos(alpha_rad)), float(np.sin(alpha_rad))
+    y, z = c * y + s * z, c * z - s * y
+    cosine, sine = np.cos(theta_rad), np.sin(theta_rad)
+    return cosine * x + sine * y, cosine * y - sine * x, z
+
+
+def column_angle(robot: Robot, wrist: FloatArray, which: Which, ratio: Ratio) -> FloatArray:
+    """Return theta_1, shape (2, 1, 1, n)."""
+    upper, elbow, forearm = robot.joints[1:4]
+    along_axis_2 = upper.d_mm + np.cos(elbow.alpha_rad) * elbow.d_mm
+    along_axis_2 += np.cos(elbow.alpha_rad) * np.cos(forearm.alpha_rad) * forearm.d_mm
+    distance = np.hypot(wrist[0], wrist[1])
+    on_axis = (distance < STRUCTURE_MM) & (abs(along_axis_2) < STRUCTURE_MM)
+    share = np.where(on_axis, 0.0, -along_axis_2 / np.sin(upper.alpha_rad) / distance)
+    aside, direction = np.arcsin(ratio(share)), np.arctan2(wrist[1], wrist[0])
+    return np.asarray(np.where(which.back, direction - np.pi + aside, direction - aside))
+
+
+def same_way(robot: Robot) -> float:
+    """+1 where axes 2 and 3 point the same way, else -1."""
+    return float(np.sign(np.cos(robot.joints[2].alpha_rad)))
+
+
+def positive_side(robot: Robot) -> float:
+    """Sign of sin(theta_5) at a small positive angle of joint 5, its offset included."""
+    row = robot.joints[4]
+    return 1.0 if np.sin(row.theta_offset_rad + row.sign * 1e-6) > 0.0 else -1.0
+
+
+def rounded(ratio: FloatArray) -> FloatArray:
+    """Ratios that pass 1 by rounding alone, brought back to it."""
+    return np.where(np.abs(np.abs(ratio) - 1.0) < _STRETCHED, np.sign(ratio), ratio)
+
+
+def within_reach(ratio: FloatArray) -> FloatArray:
+    """Ratios of reachable poses as they are, others brought to an arm that is nearly straight or folded."""
+    return np.where(np.abs(ratio) < 1.0, ratio, np.sign(ratio) * _NEARLY_STRAIGHT)
