@@ -211,7 +211,7 @@ class Shell:
 class BranchErrors:
     """Errors of the readings in one posture of the arm."""
 
-    branch: str  # "front/up"
+    branch: str  # "front/up/no flip"
     errors: NominalAndIdentified
 
 

@@ -1,7 +1,6 @@
 """Errors by place: how far from where the model was made, how far from axis 1, in which posture."""
 
 from collections.abc import Iterator
-from itertools import product
 from typing import Final
 
 import numpy as np
@@ -11,10 +10,9 @@ from truepose.domain.results import BranchErrors, ErrorsByPlace, MeasuredZone, M
 from truepose.identification.model.zone import DIRECTIONS
 from truepose.identification.verdict.judge import Judged
 from truepose.kinematics.chain import Chain
-from truepose.kinematics.inverse import branch_of, has_closed_form
+from truepose.kinematics.inverse import BRANCH_NAMES, branch_of, has_closed_form
 
 _SHELLS: Final = 8  # at most
-_POSTURES: Final = tuple("/".join(words) for words in product(("front", "back"), ("up", "down")))
 
 
 def errors_by_place(model: Model, judged: Judged) -> ErrorsByPlace:
@@ -86,6 +84,6 @@ def _branches(judged: Judged) -> Iterator[BranchErrors]:
     robot = judged.identified.state.structure.robot
     if not has_closed_form(robot):
         return
-    posture = branch_of(robot, judged.stops.joints_rad) // 2  # the wrist's flip left aside
+    posture = branch_of(robot, judged.stops.joints_rad)
     for number in np.unique(posture):
-        yield BranchErrors(_POSTURES[number], judged.pair(posture == number))
+        yield BranchErrors(BRANCH_NAMES[number], judged.pair(posture == number))

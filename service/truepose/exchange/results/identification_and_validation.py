@@ -196,7 +196,7 @@ class ShellDocument(PairDocument):
 class BranchDocument(PairDocument):
     """Errors of the readings in one posture of the arm."""
 
-    branch: str = Field(examples=["front/up"])
+    branch: str = Field(examples=["front/up/no flip"])
 
 
 class PlacesDocument(Document):
