@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
-from truepose.domain.arrays import FloatArray
+from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.campaign import Campaign, FixedNestReadings, PointReadings, Stops
 from truepose.domain.robot import WorldRegistration
 from truepose.domain.session import FixedNestTaken, PointTaken, Registration
@@ -94,6 +94,7 @@ def point_readings(points: Sequence[PointTaken]) -> PointReadings:
         temperature_c=np.array([p.temperature_c for p in points], dtype=np.float64),
         attachment=np.array([p.attachment for p in points], dtype=np.int64),
         repeat_of=np.array([-1 if p.repeat_of is None else p.repeat_of for p in points], dtype=np.int64),
+        group=_groups(points),
     )
     return PointReadings(
         stops=stops,
@@ -102,6 +103,12 @@ def point_readings(points: Sequence[PointTaken]) -> PointReadings:
         standard_uncertainty_mm=np.array([p.standard_uncertainty_mm for p in points], dtype=np.float64),
         covariance_mm2=_covariances(points),
     )
+
+
+def _groups(points: Sequence[PointTaken]) -> IntArray | None:
+    """Return the group of each reading, shape (n,); None where not every one is in a group."""
+    groups = [p.group for p in points if p.group is not None]
+    return np.array(groups, dtype=np.int64) if points and len(groups) == len(points) else None
 
 
 def _covariances(points: Sequence[PointTaken]) -> FloatArray | None:

@@ -11,6 +11,8 @@ from truepose.domain.cell import Cell, Vector
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Robot
 from truepose.domain.session import SessionPlan
+from truepose.judgement.iso9283.direction_plan import plan_directions
+from truepose.judgement.iso9283.drift_plan import drift_session
 from truepose.judgement.iso9283.plan import Cube, PosePlan, plan_poses
 from truepose.kinematics.frames import rotation_from_quaternion
 from truepose.planning.work_volume.cell_space import space_of_cell
@@ -30,8 +32,25 @@ def plan_pose_session(wanted: "PosePlanTask") -> SessionPlan:
         plan, nest = _usual(wanted)
     else:
         raise ConfigurationError("Give both centre and edge of the cube, or neither: then both are chosen.")
-    cycles = plan.session(nest, wanted.cycles)
-    return replace(wanted.template, stops=cycles.stops, approach_offset_rad=cycles.approach_offset_rad)
+    test = _session(wanted, plan, nest)
+    return replace(
+        wanted.template,
+        stops=test.stops,
+        approach_offset_rad=test.approach_offset_rad,
+        ends_when_settled=test.ends_when_settled,
+    )
+
+
+def _session(wanted: "PosePlanTask", plan: PosePlan, nest: int) -> SessionPlan:
+    match wanted.test:
+        case "poses":
+            return plan.session(nest, wanted.cycles)
+        case "directions":
+            cell = wanted.setup.cell
+            ways = plan_directions(_within_limits(cell), plan, _centre_mm(cell, nest), wanted.approach_mm)
+            return ways.session(nest, wanted.cycles)
+        case "drift":
+            return drift_session(plan, nest, wanted.hours)
 
 
 def _stated(wanted: "PosePlanTask", cube: Cube) -> tuple[PosePlan, int]:

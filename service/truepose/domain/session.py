@@ -1,5 +1,6 @@
 """A session: one run of a plan with fixed artefacts, tool and base placement."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final, Literal
@@ -25,6 +26,15 @@ class SessionState(StrEnum):
 
 Role = Literal["calibration", "validation"]  # of readings of points
 SessionRole = Literal["calibration", "validation", "ballbar"]
+PlaceOf = Literal["work", "approach", "stop"]  # what the arm is somewhere for
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Motions round and round before a stop, by which the arm warms up; one that is late does without."""
+
+    until_s: float  # cell time after the first reading of the session
+    places_rad: tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +45,27 @@ class PlannedStop:
     joints_rad: tuple[float, ...]
     nest: int  # 1-based tool nest that faces the tracker
     repeat_of: int | None = None  # an earlier configuration with the same joints: pure error
+    begin_rad: tuple[float, ...] | None = None  # of the last motion to it; None: as the plan has it
+    group: int | None = None  # of the readings that belong together: one direction, or one hour of warm-up
+    work: Work | None = None
+
+    def approach_rad(self, offset_rad: float | None) -> tuple[float, ...] | None:
+        """Return where the last motion begins; None where the arm comes from wherever it was.
+
+        `offset_rad`: on all joints, where the stop itself does not say.
+        """
+        if self.begin_rad is not None or offset_rad is None:
+            return self.begin_rad
+        return tuple(joint + offset_rad for joint in self.joints_rad)
+
+    def places(self, offset_rad: float | None) -> Iterator[tuple[PlaceOf, tuple[float, ...]]]:
+        """Yield where the arm goes for this stop, in that order."""
+        for place_rad in () if self.work is None else self.work.places_rad:
+            yield "work", place_rad
+        begin_rad = self.approach_rad(offset_rad)
+        if begin_rad is not None:
+            yield "approach", begin_rad
+        yield "stop", self.joints_rad
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +98,7 @@ class SessionPlan:
     joint_tolerance_rad: float = 0.00035  # reported against commanded; the protocol rounds to 0.01 deg
     rms_limit_mm: float = 0.1  # scatter within a reading; the table moves 0.01, the tracker scatters 0.03
     failures_in_a_row: int = 3  # so many configurations without a reading pause the session
+    ends_when_settled: bool = False  # leaves out further groups once drift has become slow
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +122,7 @@ class PointTaken:
     # Of the reading, world frame; None where the instrument states a standard uncertainty only.
     covariance_mm2: tuple[Vector, Vector, Vector] | None = None
     instrument_serial: str = ""  # as the tracker says it; empty where it does not
+    group: int | None = None  # as planned
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from truepose.reports.figures_rows import figures_rows
 from truepose.reports.parameters.rows import is_held_by_prior
 from truepose.reports.rounding import millimetres, rounded, uncertainty
 from truepose.reports.truth import TrueParameter, truth_row
-from truepose.reports.validation.pose_test_rows import pose_test_rows, withheld_sentences
+from truepose.reports.validation.pose_test_rows import drift_sentences, pose_test_rows, withheld_sentences
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
 
 _DECIDED: Final = {
@@ -79,7 +79,8 @@ def pose_test_summary(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Group:
         Text(words.say("pose_test.withheld.line", sentence=sentence))
         for sentence in withheld_sentences(test, words)
     )
-    return Group(table, *withheld, Text(words.spoken(pose_test_caution(test))))
+    drift = (Text(words.spoken(sentence)) for sentence in drift_sentences(test))
+    return Group(table, *withheld, *drift, Text(words.spoken(pose_test_caution(test))))
 
 
 def decision_sentence(validation: Validation) -> Sentence | None:

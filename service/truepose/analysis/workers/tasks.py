@@ -21,7 +21,7 @@ from truepose.storage.columns import is_packed, pack, unpack
 from truepose.storage.records import CampaignSummary, SessionSetup
 
 if TYPE_CHECKING:
-    from truepose.judgement.iso9283.plan import Plane
+    from truepose.judgement.iso9283.plan import Plane, PoseTestKind
 
 Report: TypeAlias = Callable[[float, str], None]  # fraction from 0 to 1, what is being done
 
@@ -136,11 +136,14 @@ class PosePlanTask:
     quaternion: tuple[float, float, float, float] | None  # w first, of the last frame in the base
     nest: int | None
     cycles: int
+    test: "PoseTestKind" = "poses"
+    approach_mm: float = 50.0  # of `directions`
+    hours: float = 8.0  # of `drift`
 
     @property
     def asked(self) -> dict[str, Any]:
         """What was asked for, in words of requests."""
-        return {"method": "iso9283"}
+        return {"method": "iso9283", "test": self.test}
 
     def perform(self, report: Report) -> SessionPlan:
         """Return the plan; raises TrueposeError."""

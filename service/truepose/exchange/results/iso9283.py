@@ -13,6 +13,7 @@ from truepose.exchange.results.document_base import Document, Spoken
 from truepose.exchange.results.identification_and_validation import PairDocument, ValidationDocument
 from truepose.judgement.cautions import pose_test_caution
 from truepose.judgement.iso9283.characteristics import Characteristic
+from truepose.judgement.iso9283.drift import Drift
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
 
 
@@ -63,6 +64,33 @@ class CommandedPoseDocument(Document):
     position_mm: Quantities
 
 
+class DriftPointDocument(Document):
+    """One group of a test of drift; uncertainties are of scatter alone."""
+
+    hours: Quantity = Field(description="After the first group.")
+    visits: int
+    accuracy_mm: Quantity = Field(description="AP of the identified model.")
+    accuracy_uncertainty_mm: Quantity
+    repeatability_mm: Quantity
+    repeatability_uncertainty_mm: Quantity
+    moved_mm: Quantity = Field(description="Way of the barycentre from that of the first group.")
+    moved_uncertainty_mm: Quantity
+
+
+class DriftDocument(Document):
+    """What changed over the hours."""
+
+    hours: Quantity
+    settled: bool = Field(description="The rate of change of the last hour is below a tenth of the first.")
+    walk_mm: Quantity | None = Field(description="Largest way of the barycentre; null where withheld.")
+    curve: list[DriftPointDocument]
+
+    @classmethod
+    def of_drift(cls, drift: Drift) -> Self:
+        """Return the curve of a test."""
+        return cls.of(drift, curve=[DriftPointDocument.of(point) for point in drift.curve])
+
+
 class PoseTestDocument(Document):
     """What `truepose validate --iso9283 --json` adds under `iso9283`."""
 
@@ -77,6 +105,7 @@ class PoseTestDocument(Document):
     )
     claimed_mm: Quantity = Field(description="Mean error that the model itself lets expect of such.")
     sentence: Spoken
+    drift: DriftDocument | None = Field(description="Group by group; null where the test is another one.")
 
     @classmethod
     def of_test(cls, test: PoseTest) -> Self:
@@ -86,6 +115,7 @@ class PoseTestDocument(Document):
             figures=list(_figures(test)),
             withheld=test.identified.withheld,
             sentence=pose_test_caution(test),
+            drift=None if test.drift is None else DriftDocument.of_drift(test.drift),
         )
 
 

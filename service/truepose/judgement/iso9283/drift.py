@@ -5,7 +5,7 @@ largest changes of AP and RP against the first group. The change of AP alone hid
 around the commanded pose, so the largest way of the barycentre is said beside it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
@@ -21,8 +21,14 @@ from truepose.judgement.iso9283.characteristics import (
     Symbol,
     Withheld,
 )
-from truepose.judgement.iso9283.moments import barycentre
+from truepose.judgement.iso9283.moments import (
+    barycentre,
+    barycentre_covariance,
+    mean_and_three_scatters,
+    norm_uncertainty,
+)
 from truepose.judgement.iso9283.pose import one_pose
+from truepose.judgement.iso9283.settling import has_settled
 from truepose.judgement.iso9283.visits import CommandedPose, Visits
 
 LEAST_VISITS: Final = 10  # of a group
@@ -48,12 +54,28 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
+class DriftPoint:
+    """One group beside the first; uncertainties are of scatter, since what the instrument adds cancels."""
+
+    hours: float
+    visits: int
+    accuracy_mm: float  # AP
+    accuracy_uncertainty_mm: float
+    repeatability_mm: float  # RP
+    repeatability_uncertainty_mm: float
+    moved_mm: float  # of the barycentre, from that of the first group
+    moved_uncertainty_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class Drift:
     """What changed over the hours."""
 
     performance: Performance
     walk_mm: float | None  # largest way of the barycentre from where it was first; None where withheld
     hours: float
+    settled: bool  # the rate of change has fallen to less than a tenth
+    curve: tuple["DriftPoint", ...]
 
 
 def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
@@ -68,8 +90,9 @@ def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
     Returns
     -------
     Drift
-        Withheld where the groups do not span eight hours or one of them has fewer than ten visits. What
-        the instrument has in common in two groups cancels, and is not in the uncertainty.
+        Withheld where the groups span less than eight hours and the drift has not become slow either, or
+        where one of them has fewer than ten visits. What the instrument has in common in two groups
+        cancels, and is not in the uncertainty. The curve leaves out groups with fewer than two visits.
 
     Raises
     ------
@@ -80,13 +103,16 @@ def drift(pose: CommandedPose, groups: Sequence[Group]) -> Drift:
     if len(groups) < 2 or any(later <= earlier for earlier, later in pairwise(times)):
         raise ConfigurationError("Drift is a change: give two groups of visits or more, in order of time.")
     hours = (times[-1] - times[0]) / 3600.0
+    curve = tuple(_points(pose, groups))
+    settled = _settled(pose, groups)
     found = [one_pose(pose, _without_instrument(group.visits), LEAST_VISITS) for group in groups]
-    reason = _reason(found, hours)
+    reason = _reason(found, hours, settled=settled)
     if reason is not None:
         withheld = tuple(Withheld(symbol, pose.name, reason) for symbol, _, _ in _OF_POSITION)
-        return Drift(Performance((), withheld), None, hours)
+        return Drift(Performance((), withheld), None, hours, settled, curve)
     figures = [change for kind in _CHANGES if (change := _largest_change(found, *kind)) is not None]
-    return Drift(Performance(tuple(figures), ()), _walk_mm(pose, groups), hours)
+    walk_mm = max(point.moved_mm for point in curve)
+    return Drift(Performance(tuple(figures), ()), walk_mm, hours, settled, curve)
 
 
 def _without_instrument(visits: Visits) -> Visits:
@@ -94,8 +120,38 @@ def _without_instrument(visits: Visits) -> Visits:
     return replace(visits, standard_uncertainty_mm=nothing, rotation_uncertainty_rad=None)
 
 
-def _reason(found: Sequence[Performance], hours: float) -> Sentence | None:
-    if 3600.0 * hours < LEAST_S:
+def _settled(pose: CommandedPose, groups: Sequence[Group]) -> bool:
+    seen = [(group.time_s, group.visits.of_pose(pose.number).position_mm) for group in groups]
+    measured = [(time_s, barycentre(places)) for time_s, places in seen if len(places)]
+    times, places = zip(*measured, strict=True) if measured else ((), ())
+    return len(times) > 0 and has_settled(np.array(times), np.array(places))
+
+
+def _points(pose: CommandedPose, groups: Sequence[Group]) -> Iterator[DriftPoint]:
+    seen = [(group.time_s, _without_instrument(group.visits).of_pose(pose.number)) for group in groups]
+    measured = [(time_s, visits) for time_s, visits in seen if len(visits) > 1]
+    for time_s, visits in measured:
+        yield _point(pose, time_s - groups[0].time_s, visits, measured[0][1])
+
+
+def _point(pose: CommandedPose, since_s: float, visits: Visits, first: Visits) -> DriftPoint:
+    place, away = barycentre(visits.position_mm), barycentre_covariance(visits.position_mm)
+    error, moved = place - np.array(pose.position_mm), place - barycentre(first.position_mm)
+    radius = np.linalg.norm(visits.position_mm - place, axis=1)
+    apart = away + barycentre_covariance(first.position_mm)
+    return DriftPoint(
+        since_s / 3600.0,
+        len(visits),
+        float(np.linalg.norm(error)),
+        norm_uncertainty(error, away),
+        *mean_and_three_scatters(radius),
+        float(np.linalg.norm(moved)),
+        0.0 if visits is first else norm_uncertainty(moved, apart),
+    )
+
+
+def _reason(found: Sequence[Performance], hours: float, *, settled: bool) -> Sentence | None:
+    if 3600.0 * hours < LEAST_S and not settled:
         return said("poses.hours", hours=hours)
     for number, group in enumerate(found, start=1):
         if group.withheld:
@@ -117,8 +173,3 @@ def _largest_change(
     return Characteristic(
         change, component, first.subject, value, u, first.unit, sum(c.visits for c in known)
     )
-
-
-def _walk_mm(pose: CommandedPose, groups: Sequence[Group]) -> float:
-    places = np.array([barycentre(group.visits.of_pose(pose.number).position_mm) for group in groups])
-    return float(np.linalg.norm(places - places[0], axis=1).max())

@@ -18,10 +18,10 @@ from truepose.identification.observations.blocks import BlockResult
 from truepose.identification.verdict.judge import judge
 from truepose.judgement.iso9283.characteristics import Characteristic, Performance
 from truepose.judgement.iso9283.cycles import Cycles, find_cycles
+from truepose.judgement.iso9283.directions import DIRECTIONS, direction_performance
 from truepose.judgement.iso9283.directions import POSES as OF_DIRECTIONS
-from truepose.judgement.iso9283.directions import direction_performance
 from truepose.judgement.iso9283.distance import distance_performance
-from truepose.judgement.iso9283.drift import Group, drift
+from truepose.judgement.iso9283.drift import Drift, Group, drift
 from truepose.judgement.iso9283.moments import barycentre
 from truepose.judgement.iso9283.pose import pose_performance
 from truepose.judgement.iso9283.visits import CommandedPose, Visits
@@ -45,6 +45,7 @@ class PoseTest:
     claimed_mm: float  # mean error that the identified model itself lets expect of such
     commanded: tuple[CommandedPose, ...] = ()  # where the identified model puts them, frame of the readings
     mixed: tuple[str, ...] = ()  # poses that were approached from several directions, where only one is meant
+    drift: Drift | None = None  # of the identified model; None where the test is another one
 
     def figures(self) -> Iterator[tuple[CommandedBy | None, Characteristic]]:
         """Yield every figure once, with the model that commands where it depends on one."""
@@ -78,14 +79,14 @@ def pose_test(model: Model, points: Readings) -> PoseTest:
         raise ConfigurationError("ISO 9283 judges positions: lengths of a ballbar are no attained poses.")
     cycles = find_cycles(points)
     judged = judge(model, points, model.repeatability_mm)
-    figures = _TESTS[len(cycles.poses)]
     nominal, identified = (
-        figures(_Attained(points.stops, cycles, _commanded(cycles, result), _visits(points, cycles, result)))
+        _Attained(points.stops, cycles, _commanded(cycles, result), _visits(points, cycles, result))
         for result in (judged.nominal, judged.identified)
     )
+    figures = _TESTS[len(cycles.poses)]
     return PoseTest(
-        nominal,
-        identified,
+        figures(nominal),
+        figures(identified),
         len(cycles.poses),
         int(cycles.cycle.max()),
         cycles.nest,
@@ -93,6 +94,7 @@ def pose_test(model: Model, points: Readings) -> PoseTest:
         judged.claimed_mm(),
         commanded=_commanded(cycles, judged.identified),
         mixed=tuple(_mixed(points.stops, cycles)),
+        drift=_drift(identified) if len(cycles.poses) == 1 else None,
     )
 
 
@@ -149,10 +151,15 @@ def _of_five(test: _Attained) -> Performance:
 
 
 def _of_three(test: _Attained) -> Performance:
-    direction = test.stops.direction
-    if direction is None:
-        raise ConfigurationError("vAP needs to know from where each visit came: give the columns dir1.. .")
-    came = direction[test.cycles.rows]
+    rows, group, direction = test.cycles.rows, test.stops.group, test.stops.direction
+    if group is not None and len(np.unique(group[rows])) == DIRECTIONS:
+        came = group[rows][:, None]
+    elif direction is not None:
+        came = direction[rows]
+    else:
+        raise ConfigurationError(
+            "vAP needs to know from where each visit came: give its number in the column group, or dir1.. ."
+        )
     return direction_performance(tuple(_approaches(test.visits, came)), test.cycles.poses)
 
 
@@ -173,6 +180,10 @@ def _counted_anew(visits: Visits) -> Visits:
 
 
 def _of_one(test: _Attained) -> Performance:
+    return _drift(test).performance
+
+
+def _drift(test: _Attained) -> Drift:
     rows, group, time_s = test.cycles.rows, test.stops.group, test.stops.time_s
     if group is None or time_s is None or not np.isfinite(time_s[rows]).all():
         raise ConfigurationError(
@@ -180,7 +191,7 @@ def _of_one(test: _Attained) -> Performance:
             "time_s. For AP and RP, measure five poses."
         )
     groups = _groups(test.visits, group[rows], time_s[rows])
-    return drift(test.commanded[0], sorted(groups, key=lambda one: one.time_s)).performance
+    return drift(test.commanded[0], sorted(groups, key=lambda one: one.time_s))
 
 
 def _groups(visits: Visits, member: IntArray, time_s: FloatArray) -> Iterator[Group]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from truepose.domain.arrays import BoolArray, FloatArray
 from truepose.domain.errors import ConfigurationError
@@ -20,6 +21,7 @@ from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, brought_within
 
 Plane = Literal["x+", "x-", "y+", "y-"]
+PoseTestKind = Literal["poses", "directions", "drift"]  # AP RP AD RD; vAP; dAP dRP
 
 FROM_CORNER: Final = 0.10  # of the diagonal; the standard allows 0.08 to 0.12
 _ORDER: Final = (5, 4, 3, 2, 1)
@@ -121,14 +123,28 @@ def _branches(
     robot: Robot, cube: Cube, rotation: FloatArray, nest_mm: tuple[float, float, float]
 ) -> tuple[FloatArray, BoolArray]:
     """Return the joints of each branch, shape (5, 8, J), and whether it reaches, shape (5, 8)."""
-    places = np.array([pose.position_mm for pose in cube.poses]) - rotation @ np.array(nest_mm)
-    wanted = poses_of(np.broadcast_to(rotation, (POSES, 3, 3)), places)
-    return _within_limits(robot, all_branches(robot, wanted))
+    return joints_in_branches(robot, [pose.position_mm for pose in cube.poses], rotation, nest_mm)
 
 
 def _whole(cube: Cube, joints: FloatArray, reached: BoolArray) -> Iterator[PosePlan]:
     for branch in np.flatnonzero(reached.all(axis=0)):
         yield PosePlan(cube.poses, joints[:, branch], int(branch))
+
+
+def joints_in_branches(
+    robot: Robot, places_mm: ArrayLike, rotation: FloatArray, nest_mm: tuple[float, float, float]
+) -> tuple[FloatArray, BoolArray]:
+    """Return how the robot takes (n, 3) places of a nest, and whether it can.
+
+    Returns
+    -------
+    joints_rad : ndarray, shape (n, branches, J)
+    reached : ndarray, shape (n, branches)
+        Within the limits, where they are known.
+    """
+    places = np.asarray(places_mm, dtype=np.float64) - rotation @ np.array(nest_mm)
+    wanted = poses_of(np.broadcast_to(rotation, (len(places), 3, 3)), places)
+    return _within_limits(robot, all_branches(robot, wanted))
 
 
 def _within_limits(robot: Robot, joints: FloatArray) -> tuple[FloatArray, BoolArray]:

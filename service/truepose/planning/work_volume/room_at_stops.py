@@ -8,9 +8,14 @@ from typing import Final
 
 import numpy as np
 
-from truepose.domain.session import PlannedStop
+from truepose.domain.session import PlaceOf, PlannedStop
 from truepose.planning.work_volume.cell_bodies import CellBodies, rooms
 
+THE: Final[dict[PlaceOf, str]] = {
+    "work": "The work before",
+    "approach": "The approach to",
+    "stop": "The stop at",
+}
 _AT_ONCE: Final = 2000  # configurations; keeps the arrays small
 
 
@@ -21,17 +26,14 @@ def what_is_in_the_way(
     *,
     floor_only: bool = False,
 ) -> str | None:
-    """Return one sentence for the first stop, or approach to one, at which something would touch."""
-    offsets = {"The stop at": 0.0}
-    if approach_offset_rad is not None:
-        offsets["The approach to"] = approach_offset_rad
-    for first in range(0, len(stops), _AT_ONCE):
-        some = stops[first : first + _AT_ONCE]
-        joints = np.array([stop.joints_rad for stop in some])
-        found = {what: rooms(bodies, joints + by, floor_only=floor_only) for what, by in offsets.items()}
-        touching = np.array([each.least_mm() < 0.0 for each in found.values()])
+    """Return one sentence for the first place on the way, or stop, at which something would touch."""
+    places = [(stop.config, *place) for stop in stops for place in stop.places(approach_offset_rad)]
+    for first in range(0, len(places), _AT_ONCE):
+        some = places[first : first + _AT_ONCE]
+        found = rooms(bodies, np.array([place_rad for _, _, place_rad in some]), floor_only=floor_only)
+        touching = found.least_mm() < 0.0
         if touching.any():
-            row = int(np.argmax(touching.any(axis=0)))
-            what = list(found)[int(np.argmax(touching[:, row]))]
-            return f"{what} configuration {some[row].config} cannot be: {found[what].what_touches(row)}."
+            row = int(np.argmax(touching))
+            config, what, _ = some[row]
+            return f"{THE[what]} configuration {config} cannot be: {found.what_touches(row)}."
     return None

@@ -12,10 +12,15 @@ from typing import Final
 import numpy as np
 
 from truepose.domain.arrays import FloatArray, IntArray
-from truepose.domain.session import PlannedStop
+from truepose.domain.session import PlaceOf, PlannedStop
 from truepose.planning.work_volume.cell_bodies import CellBodies, rooms
 
 _LOOK_RAD: Final = float(np.radians(2.0))
+_NAMES: Final[dict[PlaceOf, str]] = {
+    "work": "the work before ",
+    "approach": "the approach to ",
+    "stop": "",
+}
 _AT_ONCE: Final = 20_000  # configurations; keeps the arrays small
 
 
@@ -35,11 +40,9 @@ def ways_between(
     targets = [] if here_rad is None else [np.array(here_rad)]
     names = [] if here_rad is None else ["where the arm stands"]
     for stop in stops:
-        if approach_offset_rad is not None:
-            targets.append(np.add(stop.joints_rad, approach_offset_rad))
-            names.append(f"the approach to configuration {stop.config}")
-        targets.append(np.array(stop.joints_rad))
-        names.append(f"configuration {stop.config}")
+        for what, place_rad in stop.places(approach_offset_rad):
+            targets.append(np.array(place_rad))
+            names.append(f"{_NAMES[what]}configuration {stop.config}")
     words = tuple(f"from {a} to {b}" for a, b in pairwise(names))
     joints = np.array(targets)
     return Ways(words, joints[:-1], joints[1:])

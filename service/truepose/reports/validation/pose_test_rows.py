@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from truepose.domain.sentences import Sentence, said
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.iso9283.characteristics import Characteristic, Component, Symbol
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
@@ -110,6 +111,15 @@ def withheld_sentences(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterato
     """Yield what the visits do not give, and why."""
     for one in test.identified.withheld:
         yield words.say("pose_test.withheld.one", symbol=one.symbol, subject=one.subject, reason=one.reason)
+
+
+def drift_sentences(test: PoseTest) -> Iterator[Sentence]:
+    """Yield how far the barycentre went, and whether the robot was warm at the end."""
+    if test.drift is None or not test.drift.curve:
+        return
+    far = max(test.drift.curve, key=lambda point: point.moved_mm)
+    yield said("pose_test.drift.far", far_mm=far.moved_mm, u_mm=far.moved_uncertainty_mm, hours=far.hours)
+    yield said("pose_test.drift.settled" if test.drift.settled else "pose_test.drift.unsettled")
 
 
 def stated_conditions(

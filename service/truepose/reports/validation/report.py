@@ -14,12 +14,14 @@ from truepose.judgement.iso9283.judged import PoseTest
 from truepose.reports.audit import Audit
 from truepose.reports.conditions import ReportConditions
 from truepose.reports.figures.distance_histogram import distance_histogram
+from truepose.reports.figures.drift import drift_figure
 from truepose.reports.figures.histogram import histogram
 from truepose.reports.figures.place_errors import place_errors
 from truepose.reports.pages import rendered, write_page
 from truepose.reports.summary import decision_sentence, verdict_sentence
 from truepose.reports.traced import Traced, traced_context, with_temperature
 from truepose.reports.validation.pose_test_rows import (
+    drift_sentences,
     pose_test_cards,
     pose_test_rows,
     stated_conditions,
@@ -85,6 +87,8 @@ def _context(report: ValidationInput) -> dict[str, object]:
         else distance_histogram(found.distance_errors, words),
         "places": _drawn(found.places, words),
         "pose_test": test,
+        "drift": _drift(test, words),
+        "drift_sentences": () if test is None else tuple(map(words.spoken, drift_sentences(test))),
         "withheld": () if test is None else tuple(withheld_sentences(test, words)),
         "pose_rows": () if test is None else tuple(pose_test_rows(test, words)),
         "pose_cards": () if test is None else tuple(pose_test_cards(test, words)),
@@ -100,6 +104,10 @@ def _traced(report: ValidationInput, words: Catalogue) -> dict[str, object]:
         return {"traced": None}
     traced = Traced(report.model.robot.name, report.conditions, report.audit)
     return {"traced": traced, **traced_context(traced, words)}
+
+
+def _drift(test: PoseTest | None, words: Catalogue) -> object:
+    return None if test is None or test.drift is None else drift_figure(test.drift, words)
 
 
 def _drawn(places: ErrorsByPlace | None, words: Catalogue) -> object:

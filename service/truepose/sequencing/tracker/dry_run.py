@@ -10,12 +10,12 @@ from truepose.domain.arrays import FloatArray
 from truepose.domain.robot import FixedNest, FramePlacement, JointRange, Nest, Robot
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.kinematics.frames import vector_from_rotation
+from truepose.planning.work_volume.room_at_stops import THE
 from truepose.planning.work_volume.work_space import WorkSpace, widened
 from truepose.sequencing.engine.motion.interlocks import joint_outside
 from truepose.sequencing.engine.motion.nominal_arm import nest_centre, nominal_chain
 from truepose.sequencing.errors import PlanRefusedError
 from truepose.sequencing.plan_numbers import check_numbers
-from truepose.sequencing.tracker.plans import visit
 from truepose.sequencing.tracker.situation import steps
 from truepose.sequencing.tracker.steps import (
     MeasurePoint,
@@ -57,7 +57,11 @@ def dry_run(
         configurations=len(plan.stops),
         moves=len(targets),
         readings=sum(_readings(operation) for operation in operations),
-        duration_s=float(motion_s.sum()) + sum(_duration_s(plan, operation) for operation in operations),
+        duration_s=max(
+            float(motion_s.sum()) + sum(_duration_s(plan, operation) for operation in operations),
+            *(stop.work.until_s for stop in plan.stops if stop.work is not None),
+            0.0,
+        ),
     )
 
 
@@ -122,11 +126,12 @@ def check_plan(
 
 
 def _check_motions(plan: SessionPlan, stop: PlannedStop, limits: tuple[JointRange, ...]) -> None:
-    for operation in visit(plan, stop).operations:
-        outside = joint_outside(operation.target_rad, limits) if isinstance(operation, Move) else None
-        if isinstance(operation, Move) and outside is not None:
-            what = "The approach to" if operation.approach else "The stop at"
-            raise PlanRefusedError(f"{what} configuration {stop.config} lies outside the limits: {outside}.")
+    for what, target_rad in stop.places(plan.approach_offset_rad):
+        outside = joint_outside(target_rad, limits)
+        if outside is not None:
+            raise PlanRefusedError(
+                f"{THE[what]} configuration {stop.config} lies outside the limits: {outside}."
+            )
 
 
 def _check_stops(plan: SessionPlan, robot: Robot, nests: tuple[Nest, ...]) -> None:

@@ -1,12 +1,13 @@
 """Performs single operations on the devices; when and whether one is due is the runner's business."""
 
-from typing import assert_never
+from itertools import cycle
+from typing import Final, assert_never
 
 import numpy as np
 
 from truepose.domain.identities import IdentityOf
 from truepose.domain.ledger import EntryKind
-from truepose.domain.session import SessionPlan
+from truepose.domain.session import SessionPlan, Work
 from truepose.sequencing.engine.logbook import Logbook
 from truepose.sequencing.engine.motion.arm import Arm
 from truepose.sequencing.engine.motion.limits import binding_speed, speed_sentence
@@ -19,6 +20,8 @@ from truepose.sequencing.tracker.tool_nests import ToolNests
 from truepose.sequencing.tracker.tracking import CheckedTracker
 from truepose.sequencing.tracker.world_frame.fixed_nests import FixedNests
 from truepose_drivers.api import DeviceIdentity, JointReading, PointTracker, RobotController, motion_guard
+
+_REST_S: Final = 1.0  # between two motions that nobody measures
 
 
 class Execution:
@@ -64,6 +67,8 @@ class Execution:
                 self._fixed_nests.check_references()
             case steps.Move(target_rad):
                 await self._move(target_rad)
+            case steps.KeepWorking(work):
+                await self._work(work)
             case steps.Settle(duration_s):
                 await self._cell.clock.sleep(duration_s)
             case steps.ReadJoints(expected_rad):
@@ -88,6 +93,16 @@ class Execution:
         if robot.connected:  # a link that is down is for a person; the interlocks say so
             await self._identities.meet("robot", robot)
         await self._arm.move(target_rad)
+
+    async def _work(self, work: Work) -> None:
+        clock = self._cell.clock
+        left_s = work.until_s - self._logbook.situation.since_first_s
+        end_s = await clock.now_s() + left_s
+        for place_rad in cycle(work.places_rad):
+            if await clock.now_s() >= end_s:
+                return
+            await self._move(place_rad)
+            await clock.sleep(_REST_S)
 
     async def _note(self, text: str) -> None:
         await self._logbook.write(EntryKind.NOTED, text=text)

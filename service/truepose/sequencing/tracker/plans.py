@@ -12,6 +12,7 @@ from truepose.sequencing.tracker.steps import (
     CheckFaces,
     CheckReferences,
     FindReflector,
+    KeepWorking,
     LocateFixedNests,
     MeasurePoint,
     Move,
@@ -73,15 +74,13 @@ def visit(plan: SessionPlan, stop: PlannedStop) -> Step:
 
 
 def _visit(plan: SessionPlan, stop: PlannedStop) -> Iterator[Operation]:
-    if plan.approach_offset_rad is not None:
-        yield Move(approach_target(stop.joints_rad, plan.approach_offset_rad), approach=True)
-    yield Move(stop.joints_rad, approach=False)
+    if stop.work is not None:
+        yield KeepWorking(stop.work)
+    begin_rad = stop.approach_rad(plan.approach_offset_rad)
+    if begin_rad is not None:
+        yield Move(begin_rad)
+    yield Move(stop.joints_rad)
     yield Settle(plan.settle_s)
     yield ReadJoints(stop.joints_rad)
     yield FindReflector(stop)
     yield MeasurePoint(stop)
-
-
-def approach_target(joints_rad: tuple[float, ...], offset_rad: float) -> tuple[float, ...]:
-    """Return where the last motion to a stop begins, the same offset away on all joints."""
-    return tuple(joint + offset_rad for joint in joints_rad)

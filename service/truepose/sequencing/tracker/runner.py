@@ -43,6 +43,9 @@ _EFFECTS: Final = {
     SessionState.PAUSED: "Paused on request. Is the cell clear, so that it can be resumed?",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
+_SETTLED: Final = (
+    "The drift over the last hour is less than a tenth of that over the first: the test ends here."
+)
 _WAITS_IN: Final = {
     ActName.CONFIRM: SessionState.AWAITING_CONFIRMATION,
     ActName.RESUME: SessionState.PAUSED,
@@ -248,7 +251,8 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
     async def settle(self) -> None:
         """End the session where nothing is left to do."""
         if self.situation.busy and self._halts.wish is None and self.situation.step is None:
-            reason, progress = "Every configuration was measured or skipped.", self._progress("finished")
+            reason = _SETTLED if self.situation.settled else "Every configuration was measured or skipped."
+            progress = self._progress("finished")
             await self._logbook.enter(SessionState.FINISHED, reason, progress=progress)
 
     async def hold(self, reason: str) -> None:

@@ -5,7 +5,7 @@ known, fixed nests that were looked at lately, then the next stop that was neith
 """
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from truepose.domain.ledger import LedgerEntry
@@ -32,6 +32,8 @@ class TrackerSituation:
     failures: int
     paused_before: bool  # the present step made the session pause once
     interruptions: int  # of the present step
+    since_first_s: float  # cell time from the first reading to the last line
+    settled: bool  # what is left was left out, since drift has become slow
     progress: Progress
 
     @property
@@ -57,8 +59,10 @@ def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -
     """Return where a session stands after what is on record."""
     ended = record.measured | record.skipped
     left = tuple(stop for stop in plan.stops if stop.config not in ended)
+    settled = plan.ends_when_settled and _is_settled(record, left)
+    if settled:
+        left = ()
     step = present_step(plan, n_fixed_nests, record, left[0] if left else None)
-    each_s = record.times.median_s([StepKind.MEASURE])
     return TrackerSituation(
         state=record.state,
         reason=record.reason,
@@ -76,10 +80,26 @@ def situation_of(plan: SessionPlan, n_fixed_nests: int, record: TrackerRecord) -
             skipped=len(record.skipped),
             planned=len(plan.stops),
             elapsed_s=record.times.elapsed_s,
-            remaining_s=None if each_s is None else each_s * len(left),
+            remaining_s=_remaining_s(record, left),
             doing=record.doing,
         ),
+        since_first_s=record.since_first_s,
+        settled=settled,
     )
+
+
+def _is_settled(record: TrackerRecord, left: Sequence[PlannedStop]) -> bool:
+    following = left[0].group if left else None
+    return following is not None and record.groups.settled_before(following)
+
+
+def _remaining_s(record: TrackerRecord, left: Sequence[PlannedStop]) -> float | None:
+    """Return how long the rest takes at the pace so far, and at least until the last stop is due."""
+    each_s = record.times.median_s([StepKind.MEASURE])
+    if each_s is None:
+        return None
+    due = [stop.work.until_s - record.since_first_s for stop in left if stop.work is not None]
+    return max([each_s * len(left), *due])
 
 
 def present_step(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from truepose.domain.ledger import Control, EntryKind, LedgerEntry
 from truepose.domain.session import Registration, SessionState, config_of
 from truepose.sequencing.engine.state_so_far import Record
+from truepose.sequencing.tracker.groups import Groups
 from truepose.sequencing.tracker.steps import StepKind
 
 
@@ -30,10 +31,14 @@ class TrackerRecord(Record):
     failures: int = 0  # in a row
     paused_at: set[str] = field(default_factory=set)  # steps that made the session pause
     interruptions: Counter[str] = field(default_factory=Counter)  # by step
+    since_first_s: float = 0.0  # cell time since the first reading, off time included where the clock went on
+    groups: Groups = field(default_factory=Groups)
     _asked: frozenset[int] = frozenset()  # configurations that the open question is about
+    _seen_s: float | None = None  # the last line since the first reading
 
     def take(self, entry: LedgerEntry) -> None:
         """Take what a line says of the steps of the session."""
+        self._pass_time(entry)
         match entry.kind:
             case EntryKind.BEGUN:
                 self.doing = entry.text
@@ -51,6 +56,12 @@ class TrackerRecord(Record):
             case _:
                 pass
 
+    def _pass_time(self, entry: LedgerEntry) -> None:
+        if self._seen_s is not None:
+            self.since_first_s += max(0.0, entry.time_s - self._seen_s)
+        if self._seen_s is not None or entry.point is not None:
+            self._seen_s = entry.time_s
+
     def enter(self, state: SessionState, reason: str) -> None:
         """Enter a state."""
         self.state, self.reason = state, reason
@@ -64,6 +75,8 @@ class TrackerRecord(Record):
         is_measured = entry.kind is EntryKind.MEASURED
         (self.measured if is_measured else self.skipped).add(config)
         self.measured_lately |= is_measured
+        if entry.point is not None:
+            self.groups.take(entry.point)
         self.failures = 0 if is_measured else self.failures + 1
         self.end(StepKind.MEASURE)
 

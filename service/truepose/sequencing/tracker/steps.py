@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final, Literal, TypeAlias
 
-from truepose.domain.session import PlannedStop, stop_id
+from truepose.domain.session import PlannedStop, Work, stop_id
 
 FixedNestPhase: TypeAlias = Literal["registration", "two_face", "reference"]
 
@@ -49,7 +49,13 @@ class Move:
     """Move all joints to a target and come to rest there."""
 
     target_rad: tuple[float, ...]
-    approach: bool  # on the way to a stop, against backlash
+
+
+@dataclass(frozen=True, slots=True)
+class KeepWorking:
+    """Move round and round until a stop is due."""
+
+    work: Work
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +94,7 @@ Operation: TypeAlias = (
     | Register
     | CheckReferences
     | Move
+    | KeepWorking
     | Settle
     | ReadJoints
     | FindReflector
@@ -127,4 +134,7 @@ class Step:
     @property
     def title(self) -> str:
         """What goes on, as the operator reads it."""
-        return _TITLES[self.kind] if self.stop is None else f"measuring configuration {self.stop.config}"
+        if self.stop is None:
+            return _TITLES[self.kind]
+        first = "" if self.stop.work is None else "working on, then "
+        return f"{first}measuring configuration {self.stop.config}"

@@ -106,4 +106,5 @@ class ToolNests:
             repeat_of=stop.repeat_of,
             covariance_mm2=world_covariance_mm2(reading, self._fixed_nests.registration),
             instrument_serial=self._tracker.serial,
+            group=stop.group,
         )

@@ -14,8 +14,14 @@ from truepose.web.context import Context
 from truepose.web.results.kinds import Choice, Entry, Form, Origin, ResultKind
 from truepose.web.results.models import model_for
 from truepose.web.results.traces import Shown, traced
+from truepose.web.schemas.sessions import MOST_STOPS
 from truepose.words.catalogue import Catalogue
 
+_TESTS: Final = (
+    ("poses", "plan_test.iso9283.poses"),
+    ("directions", "plan_test.iso9283.directions"),
+    ("drift", "plan_test.iso9283.drift"),
+)
 _PLANES: Final = (
     ("y+", "plan_test.plane.y_up"),
     ("y-", "plan_test.plane.y_down"),
@@ -75,13 +81,15 @@ def _form(here: Context) -> Form:
     return Form(
         "plan_test.iso9283.meaning",
         (
+            Entry("plan.test", "plan_test.iso9283.test", "choice", choices=_TESTS),
             Entry("plan.edge_mm", "plan_test.edge", least=1, most=10_000),
             Entry("plan.centre_mm", "plan_test.centre_x", least=-100_000, most=100_000),
             Entry("plan.centre_mm", "plan_test.centre_y", least=-100_000, most=100_000),
             Entry("plan.centre_mm", "plan_test.centre_z", least=-100_000, most=100_000),
             Entry("plan.plane", "plan_test.plane", "choice", choices=_PLANES),
             Entry("plan.nest", "plan_test.nest", least=1, most=max(len(here.cell.nests), 1)),
-            Entry("plan.cycles", "plan_test.cycles", value=30, least=1, most=1000),
+            Entry("plan.cycles", "plan_test.cycles", value=30, least=1, most=MOST_STOPS // 9),
+            Entry("plan.hours", "plan_test.hours", value=8, least=1, most=8),
         ),
         {"role": "validation", "plan": {"method": "iso9283"}},
     )

@@ -28,6 +28,7 @@ class JobRequestReply(Reply):
     seed: int | None = None
     proves_model_id: int | None = Field(None, description="Of the plan of a proof move.")
     method: str | None = Field(None, description="Of the plan of a test: `circles`, `iso9283`.")
+    test: str | None = Field(None, description="Of the plan of ISO 9283: `poses`, `directions`, `drift`.")
     file: str | None = Field(None, description="Name of what is corrected.")
     beside: list[str] | None = Field(None, description="Names of the files beside it.")
     frame: str | None = None

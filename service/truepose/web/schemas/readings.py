@@ -20,6 +20,7 @@ class PointReadingReply(Reply):
     rms_mm: Quantity = Field(description="Scatter of the samples.", examples=[0.012])
     samples: int = Field(examples=[1000])
     repeat_of: int | None = Field(description="Earlier configuration with the same joints.")
+    group: int | None = Field(description="Of readings that belong together, as planned.")
 
 
 class FixedNestReadingReply(Reply):

@@ -85,9 +85,12 @@ class CircleStops(Request):
 
 
 class PoseStops(Request):
-    """The five poses of ISO 9283 in a cube, visited in cycles."""
+    """Poses of ISO 9283 in a cube: five in cycles, three from three directions, or one over eight hours."""
 
     method: Literal["iso9283"]
+    test: Literal["poses", "directions", "drift"] = Field(
+        "poses", description="poses: AP, RP, AD, RD. directions: vAP. drift: dAP, dRP, from cold."
+    )
     edge_mm: float | None = Field(
         None,
         gt=0,
@@ -115,7 +118,11 @@ class PoseStops(Request):
     nest: Number | None = Field(
         None, description="Tool nest that stands in the poses; null: the first, or what a chosen cube shows."
     )
-    cycles: int = Field(30, ge=1, le=MOST_STOPS // 5, description="The standard takes 30.")
+    cycles: int = Field(30, ge=1, le=MOST_STOPS // 9, description="The standard takes 30; of each direction.")
+    approach_mm: float = Field(50, gt=0, le=500, description="Length of the last motion, for directions.")
+    hours: float = Field(
+        8, ge=1 / 6, le=8, description="Until the last group, for drift; it ends before where that is slow."
+    )
 
 
 class SessionRequest(Request):
@@ -252,6 +259,7 @@ class StopReply(Reply):
     joints_deg: list[float]
     nest: int
     repeat_of: int | None
+    group: int | None = Field(description="Of stops that belong together: a direction, an hour of drift.")
 
 
 class PlanReply(Reply):

@@ -326,8 +326,13 @@ _CUBE = {"edge_mm": 200, "centre_mm": [370, 0, 400], "cycles": 2}
         (
             {"method": "iso9283", **_CUBE},
             {"centre_mm": (370.0, 0.0, 400.0), "edge_mm": 200.0, "plane": "y+", "nest": 1, "cycles": 2}
-            | {"quaternion": (0.0, 1.0, 0.0, 0.0)},
+            | {"quaternion": (0.0, 1.0, 0.0, 0.0), "test": "poses"},
         ),
+        (
+            {"method": "iso9283", "test": "directions", "approach_mm": 30},
+            {"test": "directions", "approach_mm": 30.0, "cycles": 30, "centre_mm": None},
+        ),
+        ({"method": "iso9283", "test": "drift", "hours": 0.5}, {"test": "drift", "hours": 0.5}),
     ],
 )
 async def test_tests_of_the_trade_are_planned_by_a_job(client, until, worker, plan, understood):

@@ -11,6 +11,7 @@ from truepose.analysis.errors import NothingMeasuredError
 from truepose.analysis.workers.tasks import PlanTask, PosePlanTask, held_out
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.cells.file import simulated_cell
+from truepose.operation.tracker.plans import judged
 from truepose.planning.work_volume.cell_space import space_of_cell
 from truepose.planning.work_volume.work_space import (
     SEEN_WITHIN_RAD,
@@ -122,3 +123,21 @@ def test_poses_that_cannot_be_had_are_refused(wrong, sentence):
 
     with pytest.raises(ConfigurationError, match=sentence):
         PosePlanTask(SessionSetup(cell), wanted, **asked).perform(quiet)
+
+
+@pytest.mark.parametrize(
+    ("test", "stops", "ends_when_settled"),
+    [({"test": "directions", "approach_mm": 30.0}, 9, False), ({"test": "drift", "hours": 0.5}, 40, True)],
+)
+def test_the_other_tests_of_iso_9283_take_the_same_poses(test, stops, ends_when_settled):
+    cell = simulated_cell("irb120-tilted", 0)
+    wanted = dataclasses.replace(make_plan(role="validation"), stops=(), settle_s=7.0)
+
+    plan = PosePlanTask(SessionSetup(cell), wanted, **UNSAID | test).perform(quiet)
+
+    five = PosePlanTask(SessionSetup(cell), wanted, **UNSAID).perform(quiet).stops
+    assert {stop.joints_rad for stop in plan.stops} <= {stop.joints_rad for stop in five}
+    assert {stop.nest for stop in plan.stops} == {stop.nest for stop in five}
+    assert (len(plan.stops), plan.settle_s, plan.approach_offset_rad) == (stops, 7.0, None)
+    assert plan.ends_when_settled is ends_when_settled
+    assert judged(cell, plan) == ""

@@ -192,6 +192,29 @@ def test_three_poses_from_three_directions_give_their_variation():
     assert found.nominal.withheld == ()
 
 
+def test_the_number_of_a_direction_tells_where_joints_cannot():
+    """Two ways along axes of the base may end with the same motions of all joints."""
+    table = from_three_sides()
+    alike = replace(table.stops, direction=np.ones((270, 6), dtype=np.int64), group=np.repeat([1, 2, 3], 90))
+
+    found = pose_test(model(), replace(table, stops=alike))
+
+    assert values(found.identified, "vAP", "p") == pytest.approx(dict.fromkeys(("P1", "P2", "P4"), 0.05))
+
+
+def test_a_lost_visit_of_a_direction_is_named():
+    whole = from_three_sides()
+    numbered = replace(whole, stops=replace(whole.stops, group=np.repeat([1, 2, 3], 90)))
+    lost = 90 + 3 * 6 + 1  # P2, cycle 7 of direction 2
+
+    found = pose_test(model(), numbered.taken(np.delete(np.arange(270), lost))).identified
+
+    assert [w.subject for w in found.withheld] == ["P2"]
+    assert "from direction 2, P2 was measured in 29 cycles (cycle 7 is missing)" in english(
+        found.withheld[0].reason
+    )
+
+
 def test_three_poses_without_directions_are_refused():
     table = from_three_sides()
 
@@ -218,6 +241,49 @@ def test_one_pose_in_groups_gives_its_drift():
 
     assert values(found, "dAP", "p") == pytest.approx({"P1": 0.32}, abs=1e-9)
     assert values(found, "dRP", "l") == pytest.approx({"P1": 0.0}, abs=1e-9)
+
+
+def test_the_curve_of_drift_has_every_group():
+    found = pose_test(model(), of_one_pose(8)).drift
+
+    assert [point.hours for point in found.curve] == pytest.approx(np.arange(33) / 4.0)
+    assert [point.moved_mm for point in found.curve] == pytest.approx(0.01 * np.arange(33), abs=1e-9)
+    assert [point.accuracy_mm for point in found.curve] == pytest.approx(0.1 + 0.01 * np.arange(33))
+    assert {point.visits for point in found.curve} == {10}
+    assert not found.settled
+    assert found.walk_mm == pytest.approx(0.32)
+
+
+def test_a_robot_that_is_warm_before_eight_hours_has_figures():
+    table = of_one_pose(4)
+    group = table.stops.group
+    table.position_mm[:, 2] += 0.01 * (np.minimum(group, 6) - group)  # no further after an hour and a half
+
+    found = pose_test(model(), table)
+
+    assert found.drift.settled
+    assert found.drift.hours == pytest.approx(4.0)
+    assert values(found.identified, "dAP", "p") == pytest.approx({"P1": 0.06}, abs=1e-9)
+
+
+def test_a_robot_that_still_drifts_after_four_hours_has_none():
+    found = pose_test(model(), of_one_pose(4))
+
+    assert found.identified.characteristics == ()
+    assert english(found.identified.withheld[0].reason).startswith("the groups span 4 h")
+    assert len(found.drift.curve) == 17
+
+
+def test_a_group_with_a_lost_visit_is_named():
+    table = of_one_pose(8)
+
+    found = pose_test(model(), table.taken(np.delete(np.arange(len(table)), 44))).identified
+
+    assert english(found.withheld[0].reason).startswith("in group 5, P1 was measured in 9 cycles")
+
+
+def test_other_tests_have_no_curve():
+    assert pose_test(model(), cycles()).drift is None
 
 
 def test_one_pose_alone_is_refused():
