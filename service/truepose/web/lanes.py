@@ -26,7 +26,7 @@ _URGENT: Final = re.compile(
 )
 _STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live")
 _DRAWN: Final = re.compile(
-    r"/diagnoses/[^/]+|/plan|/sessions/[^/]+/result"
+    r"/diagnoses/[^/]+|/corrections/[^/]+|/plan|/sessions/[^/]+/result"
     r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|accuracy)"
 )
 

@@ -13,6 +13,7 @@ from fastapi.responses import FileResponse, HTMLResponse
 from starlette.exceptions import HTTPException
 
 from truepose.web import diagnosis_pages, plan_page
+from truepose.web.calibration import correction_pages
 from truepose.web.context import Here
 from truepose.web.rendering import page
 from truepose.web.results import pages as session_pages
@@ -21,6 +22,7 @@ router = APIRouter(include_in_schema=False)
 router.include_router(diagnosis_pages.router)
 router.include_router(plan_page.router)
 router.include_router(session_pages.router)
+router.include_router(correction_pages.router)
 _SHOWN: Final = 20
 _MEDIA: Final = {".css": "text/css", ".js": "text/javascript"}
 _STATIC: Final = Path(__file__).parent / "static"

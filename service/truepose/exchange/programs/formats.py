@@ -81,5 +81,5 @@ def format_of(name: str) -> Format:
             return known
     listed = ", ".join(f"{known.name} ({' '.join(known.suffixes)})" for known in FORMATS)
     raise UnreadableFileError(
-        f"the ending of the name is that of no known program; known are {listed}", file=name
+        f"the ending of the name is that of no known program; known are tables (.csv), {listed}", file=name
     )

@@ -4,7 +4,7 @@ import asyncio
 import hashlib
 from dataclasses import dataclass, replace
 from pathlib import PureWindowsPath
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, get_args
 from urllib.parse import quote
 
 from fastapi import APIRouter, HTTPException, Query, Request, Response, status
@@ -14,6 +14,7 @@ from starlette.datastructures import UploadFile
 from truepose.analysis.workers.correcting import MOST_TARGETS, TargetsFile
 from truepose.domain.errors import ConfigurationError
 from truepose.exchange.corrections.asked import Asked, branch_named, frame_defined
+from truepose.exchange.programs.forms import Order
 from truepose.exchange.programs.understood import Meant
 from truepose.kinematics.inverse import BRANCH_NAMES
 from truepose.web.context import Here
@@ -69,9 +70,8 @@ Branch = Annotated[
         json_schema_extra={"enum": list(BRANCH_NAMES)},
     ),
 ]
-Angles = Annotated[
-    Literal["xyz", "zyx", "fixed xyz"] | None, Query(description="Of G-code: axes of A, B, C.")
-]
+ANGLES: Final = get_args(Order)
+Angles = Annotated[Order | None, Query(description="Of G-code: axes of A, B, C.")]
 After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List targets behind this one.")]
 Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many targets.")]
 
@@ -172,10 +172,15 @@ async def list_targets(here: Here, id: Id, after: After = 0, limit: Limit = 100)
 async def download_corrected(here: Here, id: Id) -> Response:
     """Download the corrected file: of a program all but the numbers of its targets is as it came."""
     record = await here.corrections.get(id)
-    name = PureWindowsPath(record.name)
-    saved_as = quote(f"{name.stem}-corrected{name.suffix}")
+    saved_as = quote(corrected_name(record.name))
     headers = {"Content-Disposition": f"attachment; filename*=UTF-8''{saved_as}"}
     return Response(await here.corrections.file(id), media_type="application/octet-stream", headers=headers)
+
+
+def corrected_name(name: str) -> str:
+    """Return how a corrected file is called."""
+    path = PureWindowsPath(name)
+    return f"{path.stem}-corrected{path.suffix}"
 
 
 async def _received(request: Request) -> _Sent:

@@ -4,17 +4,13 @@ import asyncio
 import csv
 import hashlib
 import io
-from dataclasses import replace
 
 import pytest
 
-from tests.helpers.domain.builders import make_identification
-from tests.helpers.domain.robots import IRB_120
-from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.web.clients import made
+from tests.helpers.web.pages import Page
+from tests.integration.web.calibration.stored_models import store_model
 from truepose.analysis.workers.uploads import Uploads
-from truepose.storage.calibration.campaigns import NewCampaign
-from truepose.storage.records import CampaignSummary, JobKind
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 PROGRAM = (
@@ -38,15 +34,8 @@ async def perform_here(task, told):
 
 @pytest.fixture
 async def model_id(app):
-    here = app.state.context
-    here.campaign_desk.uploads = Uploads(perform_here)
-    plain = model_of(IRB_120, *plain_parameters(IRB_120))
-    model = replace(plain, nominal_base=plain.base)
-    summary = CampaignSummary(50, 0, 0, 0, 0)
-    campaign_id = await here.campaigns.add(NewCampaign("left arm", "ABB IRB 120", summary, b""))
-    job_id = await here.jobs.add(JobKind.IDENTIFICATION, {})
-    await here.results.keep_identification(job_id, campaign_id, make_identification(model=model))
-    return (await here.results.newest_models(1))[0].id
+    app.state.context.campaign_desk.uploads = Uploads(perform_here)
+    return await store_model(app.state.context)
 
 
 @pytest.fixture
@@ -204,3 +193,66 @@ async def test_a_name_of_another_alphabet_comes_back(client, send):
 
     assert (await client.get(path)).json()["name"] == "сварка.mod"
     assert file.headers["content-disposition"].endswith("%D1%81%D0%B2%D0%B0%D1%80%D0%BA%D0%B0-corrected.mod")
+
+
+def links(reply):
+    return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
+
+
+async def test_the_page_of_a_correction_says_what_became_of_each_target(client, send):
+    number = (await made(client, await send("weld.mod", PROGRAM))).rsplit("/", 1)[1]
+
+    page, french = (
+        await client.get(f"/corrections/{number}"),
+        await client.get(f"/corrections/{number}?language=fr"),
+    )
+
+    assert page.status_code == 200
+    assert "1 of 1 targets corrected. 1 places of the program are left alone" in page.text
+    assert "its place is computed when the program runs" in page.text
+    assert "sa place est calculée à l" in french.text
+    assert "Shifts of the targets, from above and from the front" in page.text
+    assert {f"/api/v1/corrections/{number}/file", "/sessions/new#prove"} <= set(links(page))
+    assert "/sessions/new?language=fr#prove" in links(french)
+
+
+async def test_a_correction_that_reached_nothing_draws_nothing_and_proves_nothing(client, send):
+    number = (await made(client, await send("t.csv", TABLE.replace(b"350", b"9350")))).rsplit("/", 1)[1]
+
+    page = await client.get(f"/corrections/{number}")
+
+    assert "0 of 2 targets corrected." in page.text
+    assert "<svg" not in page.text.split("<h1>")[1]
+    assert "/sessions/new#prove" not in links(page)
+
+
+async def test_many_targets_are_shown_some_hundred_at_a_time(client, send):
+    rows = TABLE.splitlines()
+    table = b"\n".join([rows[0], *[rows[1]] * 201])
+    number = (await made(client, await send("t.csv", table, frame="base"))).rsplit("/", 1)[1]
+
+    first, rest = (
+        await client.get(f"/corrections/{number}"),
+        await client.get(f"/corrections/{number}?after=200"),
+    )
+
+    assert f"/corrections/{number}?after=200" in links(first)
+    assert [text.text.count("<th>near</th>") for text in (first, rest)] == [200, 1]
+
+
+async def test_the_form_offers_the_models_and_the_list_leads_to_what_was_corrected(client, send, model_id):
+    number = (await made(client, await send("weld.mod", PROGRAM))).rsplit("/", 1)[1]
+
+    page = await client.get(f"/corrections?model_id={model_id}")
+
+    assert f'<option value="{model_id}" selected>' in page.text
+    assert f"/corrections/{number}" in links(page)
+
+
+async def test_without_a_model_there_is_no_form_and_no_correction_has_no_page(client):
+    page, none = await client.get("/corrections"), await client.get("/corrections/none")
+
+    assert "There is no model yet" in page.text
+    assert "<form" not in page.text
+    assert none.status_code == 404
+    assert "There is no such correction" in none.text

@@ -1,0 +1,114 @@
+"""Corrections for people: a form that takes a program, and what each came to, at its own address."""
+
+import asyncio
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Annotated, Final
+
+from fastapi import APIRouter, Query
+from fastapi.responses import HTMLResponse
+from markupsafe import Markup
+
+from truepose.analysis.workers.correcting import MOST_TARGETS
+from truepose.domain.corrections import CorrectedTargets
+from truepose.kinematics.inverse import BRANCH_NAMES
+from truepose.storage.errors import NotFoundError
+from truepose.storage.records import CorrectionRecord
+from truepose.web.calibration.corrections import ANGLES, corrected_name
+from truepose.web.context import Context, Here
+from truepose.web.languages import Kept, Words
+from truepose.web.parameters import number_of
+from truepose.web.rendering import spoken_page
+from truepose.web.schemas.base import NUMBER_LIMIT
+from truepose.words.catalogue import Catalogue
+
+router = APIRouter(prefix="/corrections", include_in_schema=False)
+_SHOWN: Final = 50
+_ROWS: Final = 200
+Wanted = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which model corrects.")]
+After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Show targets behind this one.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What the page shows of a correction."""
+
+    sentences: tuple[str, ...]
+    cautions: tuple[str, ...]
+    left_alone: tuple[tuple[str, str, str], ...]  # place, what, why
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    picture: Markup | None
+    caption: str
+    following: int | None  # behind which target the next rows stand
+
+
+@router.get("", response_class=HTMLResponse)
+async def corrections_page(here: Here, words: Words, kept: Kept, model_id: Wanted = None) -> HTMLResponse:
+    """Show the form that takes a program, and the latest corrections."""
+    return spoken_page(
+        words,
+        "corrections.html",
+        here=here,
+        kept=kept,
+        models=await here.results.newest_models(_SHOWN),
+        wanted=model_id,
+        branches=BRANCH_NAMES,
+        angles=ANGLES,
+        most=MOST_TARGETS,
+        records=await here.corrections.newest(_SHOWN),
+        shown=_SHOWN,
+    )
+
+
+@router.get("/{id}", response_class=HTMLResponse)
+async def correction_page(here: Here, id: str, words: Words, kept: Kept, after: After = 0) -> HTMLResponse:
+    """Show what a file came to, with its targets."""
+    record = await _record(here, id)
+    if record is None:
+        return spoken_page(words, "no_correction.html", HTTPStatus.NOT_FOUND, here=here, kept=kept)
+    targets = await here.corrections.targets(record.id)
+    shown = await asyncio.to_thread(_shown, record, targets, words, after)
+    return spoken_page(
+        words,
+        "correction.html",
+        here=here,
+        kept=kept,
+        record=record,
+        shown=shown,
+        saved_as=corrected_name(record.name),
+    )
+
+
+async def _record(here: Context, id: str) -> CorrectionRecord | None:
+    """Return the correction of that number; None where an address names none."""
+    number = number_of(id)
+    if number is None:
+        return None
+    try:
+        return await here.corrections.get(number)
+    except NotFoundError:
+        return None
+
+
+def _shown(record: CorrectionRecord, targets: CorrectedTargets, words: Catalogue, after: int) -> Shown:
+    from truepose.reports.corrected_targets import target_heads, target_rows
+    from truepose.reports.corrections import correction_sentences
+    from truepose.reports.figures.shift_map import shift_map
+
+    found, drawn = record.correction, shift_map(targets, words)
+    following = after + _ROWS
+    return Shown(
+        sentences=tuple(map(words.spoken, correction_sentences(found.totals))),
+        cautions=tuple(map(words.spoken, found.cautions)),
+        left_alone=tuple(
+            (words.spoken(one.place), one.what, words.spoken(one.reason)) for one in found.left_alone
+        ),
+        heads=target_heads(words),
+        rows=tuple(target_rows(targets, words, after, _ROWS)),
+        picture=None if drawn is None else drawn.picture,
+        caption=""
+        if drawn is None
+        else words.say("shifts.caption", times=drawn.exaggeration, shown=drawn.shown, total=drawn.total),
+        following=following if following < len(targets.names) else None,
+    )

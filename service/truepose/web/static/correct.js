@@ -1,0 +1,60 @@
+// The form that takes a program: what it asks is the API's own, and the page of the correction comes next.
+
+import { answered, filled } from "./api.js";
+
+const POLL_MS = 500;
+const form = document.querySelector("#correct");
+
+function addressOf(fields) {
+  const options = new URLSearchParams();
+  for (const option of fields.querySelectorAll("[data-option]")) {
+    if (option.value) options.append(option.name, option.value);
+  }
+  for (const line of fields.elements.define.value.split("\n")) {
+    if (line.trim()) options.append("define", line.trim());
+  }
+  return `/api/v1/models/${fields.elements.model_id.value}/corrections?${options}`;
+}
+
+function filesOf(fields) {
+  const files = new FormData();
+  for (const name of ["file", "beside"]) {
+    for (const file of fields.elements[name].files) files.append(name, file);
+  }
+  return files;
+}
+
+async function correct(say) {
+  const { working, unreachable } = form.dataset;
+  say(filled(working, { percent: 0, message: "" }));
+  let job = await answered(addressOf(form), { method: "POST", body: filesOf(form) }, unreachable);
+  while (["queued", "running"].includes(job.state)) {
+    say(filled(working, { percent: Math.round(100 * job.fraction), message: job.message }));
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    job = await answered(`/api/v1/jobs/${job.id}`, {}, unreachable);
+  }
+  if (job.state !== "succeeded") throw new Error(job.message);
+  const language = new URLSearchParams(location.search).get("language");
+  const kept = language ? `?language=${encodeURIComponent(language)}` : "";
+  location.assign(`/corrections/${job.result_id}${kept}`);
+}
+
+if (form) {
+  const said = form.querySelector("output");
+  const button = form.querySelector("button");
+  const say = (sentence, bad = false) => {
+    said.textContent = sentence;
+    said.classList.toggle("bad", bad);
+  };
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    button.disabled = true;
+    try {
+      await correct(say);
+    } catch (error) {
+      say(error.message, true);
+    } finally {
+      button.disabled = false;
+    }
+  });
+}
