@@ -95,7 +95,9 @@ Simulated = Annotated[
 
 
 def whole(value: object) -> object:
-    """Return a number without fraction as an integer, anything else as it is."""
+    """Return a number without fraction as an integer, in lists too; anything else as it is."""
+    if isinstance(value, list):
+        return [whole(entry) for entry in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
