@@ -281,6 +281,34 @@ class Identification:
 
 
 @dataclass(frozen=True, slots=True)
+class FigureUncertainty:
+    """Standard uncertainties of statistics, each of the figure of that name [mm]."""
+
+    mean_mm: float
+    rms_mm: float
+    sd_mm: float
+    max_mm: float
+    signed_mean_mm: float | None = None  # of the mean with sign; None where no signs are told
+
+
+@dataclass(frozen=True, slots=True)
+class UncertaintyPair:
+    """Uncertainties of the same figures for the nominal model and the identified one."""
+
+    nominal: FigureUncertainty
+    identified: FigureUncertainty
+
+
+@dataclass(frozen=True, slots=True)
+class ValidationUncertainty:
+    """How well the figures of a validation are known."""
+
+    position: UncertaintyPair | None = None
+    relative: UncertaintyPair | None = None
+    distance: UncertaintyPair | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Validation:
     """A model against points it was not made from."""
 
@@ -296,3 +324,4 @@ class Validation:
     places: ErrorsByPlace | None = None  # None: of a program that did not tell it yet
     decision: Decision | None = None  # None without a limit
     relative: NominalAndIdentified | None = None  # after the best rigid alignment; None of lengths
+    uncertainty: ValidationUncertainty | None = None  # None: of a program that did not tell it yet

@@ -1,4 +1,4 @@
-"""Whether errors stay within a limit, with the uncertainty of the instrument counted.
+"""Whether errors stay within a limit, with the uncertainty of measuring them counted.
 
 ISO 14253-1:2017: conformity is proved where the value stays within the limit by more than the guard band,
 nonconformity where it lies beyond the limit by more than that; in between nothing is proved. The guard band
@@ -12,18 +12,21 @@ import numpy as np
 from truepose.domain.arrays import FloatArray
 from truepose.domain.results import Decision, DecisionRule, Verdict
 from truepose.identification.verdict.judge import Judged
+from truepose.judgement.uncertainty import PICOMETRES, Known
 
 _COVERAGE: Final = 1.65
 
 
-def decide(judged: Judged, limit_mm: float, rule: DecisionRule) -> Decision:
+def decide(judged: Judged, known: Known, limit_mm: float, rule: DecisionRule) -> Decision:
     """Decide whether all errors of the identified model stay within a limit.
 
     Parameters
     ----------
     judged : Judged
-        n >= 1 readings. What counts of their uncertainty is that of the instrument: scatter of the arm and
-        errors of the model are what is judged.
+        n >= 1 readings.
+    known : Known
+        What counts of their uncertainty: the instrument's, and that of where the robot stands. Scatter of
+        the arm and errors of the model are what is judged.
     limit_mm : float
     rule : DecisionRule
         `simple` leaves the uncertainty out, so that something is always decided.
@@ -34,7 +37,7 @@ def decide(judged: Judged, limit_mm: float, rule: DecisionRule) -> Decision:
         With the guard band of the reading that decides.
     """
     errors = np.linalg.norm(judged.identified_mm, axis=1)
-    guard = np.zeros_like(errors) if rule == "simple" else _COVERAGE * _uncertainty_mm(judged, errors)
+    guard = np.zeros_like(errors) if rule == "simple" else _COVERAGE * _uncertainty_mm(judged, known, errors)
     beyond, within = errors - guard, errors + guard
     if beyond.max() > limit_mm:
         return _decided("does not conform", beyond, errors, guard, limit_mm, rule)
@@ -54,9 +57,10 @@ def _decided(
     return Decision(rule, limit_mm, float(errors[row]), float(guard[row]), verdict)
 
 
-def _uncertainty_mm(judged: Judged, errors_mm: FloatArray) -> FloatArray:
-    """Return the instrument's standard uncertainty along each error; of no error, along the worst way."""
-    covariance = judged.block.covariance()
+def _uncertainty_mm(judged: Judged, known: Known, errors_mm: FloatArray) -> FloatArray:
+    """Return the standard uncertainty along each error; of no error, along the worst way."""
+    covariance = known.of_single()
     unit = judged.identified_mm / np.where(errors_mm > 0.0, errors_mm, 1.0)[:, None]
     along = np.einsum("ni,nij,nj->n", unit, covariance, unit)
-    return np.sqrt(np.where(errors_mm > 0.0, along, np.linalg.eigvalsh(covariance)[:, -1]))
+    own = np.sqrt(np.where(errors_mm > 0.0, along, np.linalg.eigvalsh(covariance)[:, -1]))
+    return np.asarray(np.round(own, PICOMETRES))

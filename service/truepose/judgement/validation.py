@@ -8,6 +8,7 @@ from truepose.identification.verdict.relative import relative_errors
 from truepose.judgement.decision import decide
 from truepose.judgement.distances import distances
 from truepose.judgement.places import errors_by_place
+from truepose.judgement.uncertainty import figure_uncertainty, known
 
 _BEYOND_CLAIM = 3.0  # times the claimed mean error: drift and other zones of the work space stay within it
 
@@ -43,7 +44,7 @@ def validate(
     found = judge(model, readings, model.repeatability_mm)
     pair, claimed = found.pair(), found.claimed_mm()
     passed = _passes(pair, limit_mm, claimed)
-    apart = distances(found)
+    apart, relative = distances(found), relative_errors(found)
     return Validation(
         readings.quantity,
         pair,
@@ -53,8 +54,9 @@ def validate(
         claimed,
         distance_errors=None if apart is None else apart.errors,
         places=errors_by_place(model, found),
-        relative=relative_errors(found),
-        decision=None if limit_mm is None else decide(found, limit_mm, rule),
+        relative=relative,
+        decision=None if limit_mm is None else decide(found, known(model, found), limit_mm, rule),
+        uncertainty=figure_uncertainty(model, found, apart, aligned=relative is not None),
     )
 
 

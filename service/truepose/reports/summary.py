@@ -8,7 +8,16 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from truepose.domain.results import Identification, NominalAndIdentified, Outlier, Validation
+from truepose.domain.results import (
+    FigureUncertainty,
+    Identification,
+    NominalAndIdentified,
+    Outlier,
+    Statistics,
+    UncertaintyPair,
+    Validation,
+    ValidationUncertainty,
+)
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.cautions import pose_test_caution
@@ -53,11 +62,12 @@ def validation_summary(validation: Validation, words: Catalogue = IN_ENGLISH) ->
     positions = validation.quantity == "position"
     table = _error_table(_title(validation), words)
     label = words.say("validation.positions" if positions else "validation.lengths")
-    _add_pair(table, label, validation.position, words)
+    known = validation.uncertainty or ValidationUncertainty()
+    _add_pair(table, label, validation.position, words, known.position)
     if validation.relative is not None:
-        _add_pair(table, words.say("validation.relative"), validation.relative, words)
+        _add_pair(table, words.say("validation.relative"), validation.relative, words, known.relative)
     if validation.distance is not None:
-        _add_pair(table, words.say("validation.distances"), validation.distance, words)
+        _add_pair(table, words.say("validation.distances"), validation.distance, words, known.distance)
     told = verdict_sentence(validation), decision_sentence(validation)
     return Group(table, *(Text(words.spoken(sentence)) for sentence in told if sentence))
 
@@ -133,11 +143,26 @@ def _error_table(title: str, words: Catalogue) -> Table:
     return table
 
 
-def _add_pair(table: Table, label: str, pair: NominalAndIdentified, words: Catalogue) -> None:
+def _add_pair(
+    table: Table,
+    label: str,
+    pair: NominalAndIdentified,
+    words: Catalogue,
+    known: UncertaintyPair | None = None,
+) -> None:
     nominal, identified = words.say("model.nominal"), words.say("model.identified")
-    for first, model, figures in ((label, nominal, pair.nominal), ("", identified, pair.identified)):
-        values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)
-        table.add_row(first, model, str(figures.n), *(millimetres(value) for value in values))
+    _add_figures(table, (label, nominal), pair.nominal, None if known is None else known.nominal)
+    _add_figures(table, ("", identified), pair.identified, None if known is None else known.identified)
+
+
+def _add_figures(
+    table: Table, names: tuple[str, str], figures: Statistics, known: FigureUncertainty | None
+) -> None:
+    values = (figures.mean_mm, figures.rms_mm, figures.sd_mm, figures.max_mm, figures.noise_mm)
+    table.add_row(*names, str(figures.n), *map(millimetres, values))
+    if known is not None:
+        each = (known.mean_mm, known.rms_mm, known.sd_mm, known.max_mm)
+        table.add_row("", "", "u", *map(uncertainty, each), style="dim")
 
 
 def _parameter_table(identification: Identification, words: Catalogue) -> Table:

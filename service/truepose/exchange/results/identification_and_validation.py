@@ -243,8 +243,33 @@ class DecisionDocument(Document):
     rule: DecisionRule
     limit_mm: Quantity
     error_mm: Quantity
-    guard_mm: Quantity = Field(description="1.65 standard uncertainties of the instrument; 0 by simple rule.")
+    guard_mm: Quantity = Field(description="1.65 standard uncertainties of measuring it; 0 by simple rule.")
     verdict: Verdict
+
+
+class FigureUncertaintyDocument(Document):
+    """Standard uncertainty of each figure of that name, to first order (GUM)."""
+
+    mean_mm: Quantity = Field(examples=[0.002])
+    rms_mm: Quantity = Field(examples=[0.002])
+    sd_mm: Quantity = Field(examples=[0.001])
+    max_mm: Quantity = Field(examples=[0.008])
+    signed_mean_mm: Quantity | None = Field(None, description="Of distances: of the mean with sign.")
+
+
+class UncertaintyPairDocument(Document):
+    """The same for the nominal model and the identified one."""
+
+    nominal: FigureUncertaintyDocument
+    identified: FigureUncertaintyDocument
+
+
+class ValidationUncertaintyDocument(Document):
+    """How well the figures of `position`, `relative` and `distance` are known."""
+
+    position: UncertaintyPairDocument | None
+    relative: UncertaintyPairDocument | None
+    distance: UncertaintyPairDocument | None
 
 
 class ValidationDocument(Document):
@@ -260,6 +285,9 @@ class ValidationDocument(Document):
         None, description="All pairs, with sign and histogram; null where there are no pairs."
     )
     places: PlacesDocument | None = Field(None, description="Null: of a program that did not tell it yet.")
+    uncertainty: ValidationUncertaintyDocument | None = Field(
+        None, description="Null: of a program that did not tell it yet."
+    )
     limit_mm: Quantity
     decision: DecisionDocument | None = Field(None, description="Null without a limit.")
     passed: bool = Field(validation_alias=AliasChoices("passed", "pass"), serialization_alias="pass")

@@ -83,7 +83,7 @@ def shortfall_variance(short: Shortfall, state: State, jacobian: FloatArray) -> 
     if not short.functions:
         return np.full(len(state.targets), short.rest_mm**2)
     own, _ = function_columns(tuple(map(_function, short.functions)), state)
-    left = own.reshape(len(own), -1) - short.absorbed.T @ jacobian.reshape(len(jacobian), -1)
+    left = own.reshape(len(own), -1) - short.absorbed.T @ jacobian.reshape(len(jacobian), own[0].size)
     known = np.array([one.value for one in short.functions])
     spread = mean_variance(left.reshape(own.shape), short.covariance + np.outer(known, known))
     return np.asarray(spread + short.rest_mm**2)

@@ -59,6 +59,12 @@ class Judged:
         return self.identified.state.position_mm
 
     @property
+    def places_mm(self) -> FloatArray:
+        """Places of the nests as they were read, world frame, shape (n, 3); of lengths there are none."""
+        places = self.block.place_mm
+        return np.zeros((0, 3)) if places is None else places
+
+    @property
     def noise_variance(self) -> FloatArray:
         """Variance per component of each reading as stated, the arm's scatter included, shape (n,)."""
         return np.asarray(self.block.component_variance() + self.block.scatter_mm**2)

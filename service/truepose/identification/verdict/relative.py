@@ -47,8 +47,21 @@ def relative_statistics(wanted_mm: FloatArray, places_mm: FloatArray, noise_mm: 
     """
     if len(places_mm) < _FEWEST or _on_a_line(places_mm):
         return None
+    return statistics(aligned_errors(wanted_mm, places_mm), noise_mm)
+
+
+def aligned_errors(wanted_mm: FloatArray, places_mm: FloatArray) -> FloatArray:
+    """Return what the best rigid alignment leaves of errors, shape (n, 3) [mm]."""
     rotation, translation = rigid_alignment(wanted_mm, places_mm)
-    return statistics(places_mm - (wanted_mm @ rotation.T + translation), noise_mm)
+    return np.asarray(places_mm - (wanted_mm @ rotation.T + translation))
+
+
+def rigid_motions(places_mm: FloatArray) -> FloatArray:
+    """Return how places move with shifts and small turns about their middle, shape (3 n, 6)."""
+    arms = places_mm - places_mm.mean(axis=0)
+    turns = np.cross(np.eye(3)[:, None], arms) / max(float(np.abs(arms).max()), 1.0)
+    shifts = np.broadcast_to(np.eye(3)[:, None], turns.shape)
+    return np.concatenate([shifts, turns]).reshape(6, -1).T
 
 
 def _on_a_line(places_mm: FloatArray) -> bool:
