@@ -16,7 +16,9 @@ from truepose.web.door.hosts import AllowedHosts, AskedHost, asked_host
 Headers: TypeAlias = Sequence[tuple[bytes, bytes]]
 
 # Where a link on somebody else's page may lead; whatever is not here can only be asked by our own pages.
-PAGES: Final = re.compile(r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan")
+PAGES: Final = re.compile(
+    r"/|/docs|/operator(/[^/]+)?|/diagnoses(/[^/]+)?|/corrections(/[^/]+)?|/plan|/sessions(/[^/]+(/result)?)?"
+)
 _READING: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 _FRAMES: Final = frozenset({"iframe", "frame", "fencedframe", "embed", "object", "portal"})
 _OURS: Final = frozenset({"same-origin", "none"})  # none: typed in, or from the bookmarks
