@@ -105,11 +105,12 @@ class _Search:
         """
         directions = _lattice(self.around.fixture.axes[BALL_CUP - 1], _DIRECTIONS * self.wish.stops)
         joints, row = self._candidates(nest, directions)
+        joints = self._aimed(nest, joints)
         found: list[FloatArray] = []
         for direction in self._spread(directions, np.unique(row)):
             if len(found) == self.wish.stops:
                 break
-            found += self._usable(nest, joints[row == direction])
+            found += self._usable(joints[row == direction])
         if len(found) < _FEWEST:
             raise TooFewCandidatesError(
                 f"The arm can hold nest {nest} a bar's length from the ball at {len(found)} stops; {_FEWEST} "
@@ -118,7 +119,7 @@ class _Search:
         return np.array(found)
 
     def _candidates(self, nest: int, directions: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Return measurable configurations, those far inside their ranges first, and their directions."""
+        """Return measurable configurations, in each direction a few far inside their ranges, and which."""
         cell, fixture = self.around.cell, self.around.fixture
         poses = np.concatenate(list(self._poses(nest, directions)))
         joints = all_branches(cell.robot, pose_in_base(cell, poses))
@@ -132,7 +133,9 @@ class _Search:
         )
         turned, row = turned[free], row[free]
         order = np.argsort(-inside(cell.ranges, turned), kind="stable")
-        return turned[order], row[order]
+        few = [order[row[order] == direction][:_TRIES] for direction in np.unique(row)]
+        tried = np.concatenate([order[:0], *few])
+        return turned[tried], row[tried]
 
     def _poses(self, nest: int, directions: FloatArray) -> Iterator[FloatArray]:
         cell, ball = self.around.cell, self.around.fixture.cups_mm[BALL_CUP - 1]
@@ -151,9 +154,9 @@ class _Search:
             nearest[chosen] = np.inf
             yield int(rows[chosen])
 
-    def _usable(self, nest: int, joints_rad: FloatArray) -> list[FloatArray]:
-        """Return the first configuration that can be approached, once it is aimed; none where none can."""
-        for joints in self._aimed(nest, joints_rad[:_TRIES]):
+    def _usable(self, joints_rad: FloatArray) -> list[FloatArray]:
+        """Return the first configuration that can be approached, none where none can."""
+        for joints in joints_rad:
             if is_clear_along(self.around, between(joints - _APPROACH_RAD, joints)):
                 return [joints]
         return []
@@ -161,7 +164,7 @@ class _Search:
     def _aimed(self, nest: int, joints_rad: FloatArray) -> FloatArray:
         """Return configurations (m, J) in which the model that commands has the nest on the sphere."""
         model, cell = self.wish.model, self.around.cell
-        if model is None:
+        if model is None or not len(joints_rad):
             return joints_rad
         ball = predict(model, _stops(self.held_rad[None]), np.array([_BALL_NEST]))[0]
         nominal_ball = self.around.fixture.cups_mm[BALL_CUP - 1]
