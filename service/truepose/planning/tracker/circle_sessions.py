@@ -2,6 +2,11 @@
 
 Angles are whole steps from 0, as far as limits, table and column allow and the same nest faces the tracker:
 of all nests the one with the longest unbroken row of stops, of several such the one farthest from the axis.
+
+All others stand at 0 where the nest is seen over the whole interval there. A reflector is seen within 29 deg
+of where it faces, so that an axis across the line of sight leaves an arc of 58 deg at most. An axis that
+points at the tracker leaves any arc, and where the other joints stand does not matter to a circle: of many
+postures the one is taken in which the nest is seen longest.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,12 +19,15 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.session import PlannedStop, SessionPlan, Turn
 from truepose.planning.work_volume.candidates import has_room
+from truepose.planning.work_volume.cell_bodies import bodies_in
+from truepose.planning.work_volume.room_on_ways import Ways, touching
 from truepose.planning.work_volume.sight import cosines_in_sight, is_seen
 from truepose.planning.work_volume.work_space import (
     WorkSpace,
     nest_places,
     nominal_chain,
     require_consistent,
+    within,
 )
 
 _MOST_STOPS: Final = 5000  # two days and nights of measuring
@@ -27,6 +35,9 @@ _FEWEST: Final = 5  # angles; four determine a circle, and one may be lost
 _SHORTEST_RAD: Final = float(np.radians(20.0))  # on shorter arcs the axis is as uncertain as joints err
 _BESIDE_AXIS_MM: Final = 20.0  # nearer, a tracker's reading tells angles to less than 0.05 deg
 _ROUNDING: Final = 1e-9  # rad, and of a step
+_POSTURES: Final = 2000  # of which the best is taken; twice as many see a joint over few degrees more
+_COARSE: Final = 31  # angles at which a posture is looked at first
+_LOOKED_AT: Final = 20  # postures at every angle, and on the way there
 
 
 def usual_turns(n_joints: int) -> tuple[Turn, ...]:
@@ -39,7 +50,7 @@ def usual_turns(n_joints: int) -> tuple[Turn, ...]:
 
 
 def plan_circles(space: WorkSpace, template: SessionPlan, turns: Sequence[Turn] = ()) -> SessionPlan:
-    """Fill the stops of a template with sweeps of the joints, all others at 0.
+    """Fill the stops of a template with sweeps of the joints, all others at rest.
 
     Parameters
     ----------
@@ -61,12 +72,13 @@ def plan_circles(space: WorkSpace, template: SessionPlan, turns: Sequence[Turn] 
     wanted = turns or usual_turns(space.robot.n_joints)
     for turn in wanted:
         _require_possible(space, turn)
-    sweeps = [_sweep(space, turn) for turn in wanted]
+    sweeps = [_best_sweep(space, turn) for turn in wanted]
     kept = [sweep for sweep in sweeps if sweep.is_enough]
     lost = [sweep.joint for sweep in sweeps if not sweep.is_enough]
     if not kept or (turns and lost):
         raise ConfigurationError(_refused(lost))
-    stops = tuple(_stops(kept))
+    at_rest = tuple(0.0 for _ in space.robot.joints)
+    stops = tuple(_stops(kept, at_rest if within(space.motion_limits, np.array([at_rest]))[0] else None))
     if len(stops) > _MOST_STOPS:
         raise ConfigurationError(
             f"These are {len(stops)} stops, {_MOST_STOPS} are the most: take larger steps."
@@ -96,17 +108,60 @@ def _require_possible(space: WorkSpace, turn: Turn) -> None:
         raise ConfigurationError(f"Joint {turn.joint} is turned from below to above, in steps above 0.")
 
 
-def _sweep(space: WorkSpace, turn: Turn) -> _Sweep:
+def _best_sweep(space: WorkSpace, turn: Turn) -> _Sweep:
+    angles, at_rest = _angles(turn), np.zeros(space.robot.n_joints)
+    best = _sweep(space, turn, at_rest)
+    if len(best.joints_rad) == len(angles):
+        return best
+    sweeps = [_sweep(space, turn, posture) for posture in _promising(space, turn)]
+    longer = [sweep for sweep in sweeps if len(sweep.joints_rad) > len(best.joints_rad)]
+    ranked = sorted(longer, key=lambda sweep: -len(sweep.joints_rad))
+    begins = np.array([sweep.joints_rad[0] for sweep in ranked]).reshape(-1, at_rest.size)
+    ways = Ways((), np.broadcast_to(at_rest, begins.shape), begins)
+    blocked = set(touching(bodies_in(space), ways).tolist())
+    return next((sweep for row, sweep in enumerate(ranked) if row not in blocked), best)
+
+
+def _promising(space: WorkSpace, turn: Turn) -> FloatArray:
+    """Return the postures in which some nest is seen at most of a few angles in a row, best first."""
+    low, high = np.array([(limit.lower_rad, limit.upper_rad) for limit in space.ranges]).T
+    drawn = np.random.default_rng(0).random((_POSTURES, low.size))  # the same test gets the same plan
+    postures = low + (high - low) * drawn
     angles = _angles(turn)
-    joints = np.zeros((len(angles), space.robot.n_joints))
-    joints[:, turn.joint - 1] = angles
-    chain = nominal_chain(space, joints)
-    away = nest_places(space, chain) - chain.origin[turn.joint - 1]
-    radius = np.linalg.norm(np.cross(away, chain.z[turn.joint - 1]), axis=2)
-    seen = has_room(space, joints, chain) & is_seen(cosines_in_sight(space, chain))
-    rows = [_longest(row) for row in seen & (radius >= _BESIDE_AXIS_MM)]
+    few = angles[np.unique(np.linspace(0, len(angles) - 1, _COARSE).round().astype(np.int64))]
+    _, seen, _ = _look(space, turn, postures, few)
+    row, longest = np.zeros(seen.shape[:2], dtype=np.int64), np.zeros(seen.shape[:2], dtype=np.int64)
+    for at_angle in np.moveaxis(seen, 2, 0):
+        row = np.where(at_angle, row + 1, 0)
+        longest = np.maximum(longest, row)
+    most = longest.max(axis=0)
+    best = np.argsort(-most, kind="stable")[:_LOOKED_AT]
+    return np.asarray(postures[best[most[best] > 1]])
+
+
+def _sweep(space: WorkSpace, turn: Turn, posture_rad: FloatArray) -> _Sweep:
+    joints, seen, radius = _look(space, turn, posture_rad[None], _angles(turn))
+    rows = [_longest(row) for row in seen[:, 0]]
     best = max(range(len(rows)), key=lambda nest: (len(rows[nest]), float(radius[nest].mean())))
-    return _Sweep(turn.joint, joints[rows[best]], best + 1)
+    return _Sweep(turn.joint, joints[0, rows[best]], best + 1)
+
+
+def _look(
+    space: WorkSpace, turn: Turn, postures_rad: FloatArray, angles_rad: FloatArray
+) -> tuple[FloatArray, BoolArray, FloatArray]:
+    """Turn a joint through angles (m,), the others as in postures (p, J).
+
+    Returns the joints (p, m, J), which of K nests are seen off the axis, and how far off, both (K, p, m).
+    """
+    p, m, axis = len(postures_rad), len(angles_rad), turn.joint - 1
+    joints = np.repeat(postures_rad, m, axis=0)
+    joints[:, axis] = np.tile(angles_rad, p)
+    chain = nominal_chain(space, joints)
+    away = nest_places(space, chain) - chain.origin[axis]
+    radius = np.linalg.norm(np.cross(away, chain.z[axis]), axis=2)
+    seen = has_room(space, joints, chain) & is_seen(cosines_in_sight(space, chain))
+    shown, shape = seen & (radius >= _BESIDE_AXIS_MM), (len(space.nests), p, m)
+    return joints.reshape(p, m, -1), shown.reshape(shape), radius.reshape(shape)
 
 
 def _angles(turn: Turn) -> FloatArray:
@@ -126,17 +181,20 @@ def _longest(seen: BoolArray) -> IntArray:
     return np.arange(starts[longest], ends[longest])
 
 
-def _stops(sweeps: Sequence[_Sweep]) -> Iterator[PlannedStop]:
+def _stops(sweeps: Sequence[_Sweep], at_rest: tuple[float, ...] | None) -> Iterator[PlannedStop]:
+    """Yield the stops; between two sweeps the arm goes to rest, from where all ways were found clear."""
     config = 0
     for sweep in sweeps:
+        begin_rad = at_rest
         for joints in (*sweep.joints_rad, *sweep.joints_rad[-2::-1]):
             config += 1
-            yield PlannedStop(config, tuple(joints.tolist()), sweep.nest)
+            yield PlannedStop(config, tuple(joints.tolist()), sweep.nest, begin_rad=begin_rad)
+            begin_rad = None
 
 
 def _refused(joints: Sequence[int]) -> str:
     listed = ", ".join(map(str, joints))
     return (
-        f"Joint {listed}, all others at 0, shows the tracker no nest over 20 deg and {_FEWEST} angles in a "
-        "row, within limits and clear of the table: take a smaller step, or a nest that is seen longer."
+        f"Joint {listed} shows the tracker no nest over 20 deg and {_FEWEST} angles in a row, wherever the "
+        "others stand, within limits and off the table: take a smaller step, or a nest that is seen longer."
     )

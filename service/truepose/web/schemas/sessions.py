@@ -76,7 +76,7 @@ class TurnRequest(Request):
 
 
 class CircleStops(Request):
-    """One joint turned at a time, up and down, all others at 0: the single-axis circle test."""
+    """One joint turned at a time, up and down, all others at rest: the single-axis circle test."""
 
     method: Literal["circles"]
     turns: list[TurnRequest] = Field(

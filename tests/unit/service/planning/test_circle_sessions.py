@@ -23,6 +23,12 @@ def planned(cell=_SEEN_CELL, turns=()):
     return plan_circles(space_to_measure(cell, None), _TEMPLATE, turns)
 
 
+@pytest.fixture(scope="module")
+def facing_plan():
+    """Of the cell whose reflectors face where they face."""
+    return planned(_CELL)
+
+
 def joints_deg(plan):
     return np.degrees([stop.joints_rad for stop in plan.stops])
 
@@ -64,18 +70,51 @@ def test_the_nest_on_the_axis_is_not_the_one_that_is_measured():
     assert 1 not in {stop.nest for stop in stops}
 
 
-def test_a_reflector_that_faces_away_ends_the_arc():
-    plan = planned(_CELL)
+def sweeps_deg(plan):
+    """Which joint is turned, through which angles, at which nest, where the others stand."""
+    joints, nests = joints_deg(plan), [stop.nest for stop in plan.stops]
+    begins = [row for row, stop in enumerate(plan.stops) if stop.begin_rad is not None]
+    for first, last in zip(begins, [*begins[1:], len(joints)], strict=True):
+        moved = np.flatnonzero(np.ptp(joints[first:last], axis=0) > 1e-9)
+        assert len(moved) == 1
+        assert len(set(nests[first:last])) == 1
+        turned = joints[first:last, moved[0]]
+        yield int(moved[0]) + 1, float(turned.min()), float(turned.max()), np.delete(joints[first], moved)
 
-    far = np.ptp(joints_deg(plan)[:, 0])
-    assert 20.0 <= far < 120.0
-    for joint in range(6):
-        assert len({stop.nest for stop in plan.stops if abs(stop.joints_rad[joint]) > 1e-9}) <= 1
+
+def test_where_the_others_stand_keeps_a_reflector_in_sight(facing_plan):
+    """At 0 the nests of this cell are seen over 25, 11, 10, 0, 55 and 21 deg."""
+    found = {joint: (low, high) for joint, low, high, _ in sweeps_deg(facing_plan)}
+    arcs = {joint: high - low for joint, (low, high) in found.items()}
+    assert found[2] == found[3] == pytest.approx((-40.0, 40.0))
+    assert found[4] == pytest.approx((-155.0, 155.0))
+    assert arcs[1] >= 45.0  # the axis is across the line of sight: 58 deg at most
+    assert arcs[5] >= 120.0
+    assert arcs[6] >= 75.0
+    assert judged(_CELL, facing_plan) == ""
+
+
+def test_joints_that_are_seen_at_0_are_tested_there():
+    assert all(not others.any() for _, _, _, others in sweeps_deg(planned()))
+
+
+def test_between_two_sweeps_the_arm_goes_to_rest(facing_plan):
+    begins = [stop.begin_rad for stop in facing_plan.stops if stop.begin_rad is not None]
+
+    assert begins == [(0.0,) * 6] * 6
+
+
+def test_the_same_cell_gets_the_same_test(facing_plan):
+    assert planned(_CELL, (turn(4, -155, 155, 5),)).stops[0].joints_rad in {
+        stop.joints_rad for stop in facing_plan.stops
+    }
 
 
 def test_a_joint_that_was_asked_for_and_shows_no_nest_is_named():
-    with pytest.raises(ConfigurationError, match="Joint 2, all others at 0, shows the tracker no nest"):
-        planned(_CELL, (turn(1, -60, 60, 5), turn(2, -40, 40, 1)))
+    backwards = replace(_CELL, tracker_position_mm=(0.0, 0.0, -3000.0))  # below the table
+
+    with pytest.raises(ConfigurationError, match="Joint 2 shows the tracker no nest over 20 deg"):
+        planned(backwards, (turn(2, -40, 40, 1),))
 
 
 def test_no_joint_in_sight_is_said():
