@@ -37,6 +37,10 @@ def plan_command(
             help="Volumes that the arm must not enter: boxes, cylinders, half spaces (TOML or JSON)."
         ),
     ] = None,
+    one_sided: Annotated[
+        bool,
+        typer.Option("--one-sided", help="Keep the gears that carry the arm loaded from one side (masses)."),
+    ] = False,
     ballbar: Annotated[bool, typer.Option("--ballbar", help="Lengths of a ballbar, no tracker.")] = False,
     reading_mm: Annotated[
         float | None, typer.Option(help="Standard uncertainty of a reading per axis; else a usual tracker's.")
@@ -56,7 +60,7 @@ def plan_command(
     Example: truepose plan abb-irb-120 --n 40 --out plan.csv
     """
     require_folders(out)
-    asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed)
+    asked = _Asked(subject, n, volume, keep_out, _size(reading_mm, "--reading-mm"), seed, one_sided)
     lacking_mm = _size(discrepancy_mm, "--discrepancy-mm")
     made = _for_ballbar(asked, lacking_mm) if ballbar else _for_tracker(asked, lacking_mm)
     if out is not None:
@@ -81,6 +85,7 @@ class _Asked:
     keep_out: Path | None
     reading_mm: float | None
     seed: int
+    one_sided: bool
 
     @property
     def is_campaign(self) -> bool:
@@ -118,8 +123,18 @@ def _for_tracker(asked: _Asked, discrepancy_mm: float | None) -> _Made:
     subject = _subject(asked, discrepancy_mm)
     space, knowns = subject.space, subject.knowns
     volume = asked.work_volume(space.robot)
+    if asked.one_sided and not space.robot.masses:
+        raise ConfigurationError(
+            f"--one-sided goes by masses, and nobody states those of {space.robot.name}."
+        )
     plan = promised_session(
-        space, asked.n, knowns=knowns, volume=volume, measured=subject.measured, seed=asked.seed
+        space,
+        asked.n,
+        knowns=knowns,
+        volume=volume,
+        measured=subject.measured,
+        seed=asked.seed,
+        one_sided=asked.one_sided,
     )
     return _Made(space.robot, plan, minutes_of(session_plan(plan), space, len(knowns.fixed_nests)))
 
@@ -156,8 +171,10 @@ def _for_ballbar(asked: _Asked, discrepancy_mm: float | None) -> _Made:
 
     if asked.is_campaign:
         raise ConfigurationError("--ballbar plans for a robot or a cell file, not for a campaign; give one.")
-    if asked.reading_mm is not None:
-        raise ConfigurationError("--reading-mm is of positions; leave it out with --ballbar.")
+    if asked.reading_mm is not None or asked.one_sided:
+        raise ConfigurationError(
+            "--reading-mm and --one-sided are of positions; leave them out with --ballbar."
+        )
     cell = cell_given(asked.subject).keeping_out(asked.keep_outs())
     lack = expected_discrepancy(cell) if discrepancy_mm is None else Discrepancy(discrepancy_mm)
     volume = asked.work_volume(cell.robot)

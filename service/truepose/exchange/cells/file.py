@@ -37,6 +37,7 @@ _KEYS = frozenset({
 })  # fmt: skip
 _TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
 _ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
+_USUAL_TOOL_OF: Final = "abb-irb-120"
 SCENARIO_PREFIXES: Final = tuple(_ROBOT_OF_SCENARIOS)  # that say which robot stands in a simulated cell
 
 
@@ -78,7 +79,9 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
 
 
 def cell_on_usual_table(robot: str) -> Cell:
-    """Return the cell of a robot with the table, tool and tracker of simulated cells.
+    """Return the cell of a robot with the table and tracker of simulated cells.
+
+    A robot whose file describes no tool gets the triangular one.
 
     Parameters
     ----------
@@ -91,7 +94,8 @@ def cell_on_usual_table(robot: str) -> Cell:
         The robot file cannot be used, or no shipped robot has that name.
     """
     root = _template()
-    return _read(replace(root, value={**root.entries(), "robot": robot}), Path())
+    cell = _read(replace(root, value={**root.entries(), "robot": robot}), Path())
+    return cell if cell.nests else replace(cell, nests=load_robot_with_tool(_USUAL_TOOL_OF).nests)
 
 
 def _template() -> Node:

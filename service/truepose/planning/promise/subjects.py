@@ -16,7 +16,7 @@ from truepose.planning.promise.accuracy import TrackerAccuracy, stated
 from truepose.planning.promise.knowledge import Knowns
 from truepose.planning.promise.spread import NONE, Discrepancy
 from truepose.planning.promise.tracker import Measured
-from truepose.planning.work_volume.cell_space import space_to_measure
+from truepose.planning.work_volume.cell_space import space_of_cell, space_to_measure
 from truepose.planning.work_volume.work_space import TABLE_CLEARANCE_MM, WorkSpace
 
 # 0.146 mm on average were left of a small arm (A. Nubiola, thesis, 2014, section 2.5), 0.022 mm of it the
@@ -49,13 +49,25 @@ class Subject:
 def of_cell(cell: Cell) -> Subject:
     """Return a cell before anything is measured.
 
+    Where nothing says in which ranges configurations are chosen, they are chosen in the joint limits,
+    once round at most.
+
     Raises
     ------
     ConfigurationError
-        Neither the cell nor its robot says in which ranges configurations are chosen.
+        Neither the cell nor its robot says how far the joints turn.
     """
     knowns = Knowns(fixed_nests=cell.fixed_nests, discrepancy=expected_discrepancy(cell))
-    return Subject(space_to_measure(cell, APPROACH_RAD), knowns)
+    if cell.limits.calibration or cell.robot.calibration_ranges:
+        return Subject(space_to_measure(cell, APPROACH_RAD), knowns)
+    limits = cell.limits.joints or cell.robot.joint_limits
+    if limits is None:
+        raise ConfigurationError(
+            f"Neither the cell nor {cell.robot.name} says how far the joints turn; enter `calibration_deg` "
+            "under [limits] of the cell file, or `joint_limits_deg` in the robot file."
+        )
+    once_round = tuple(JointRange(max(one.lower_rad, -np.pi), min(one.upper_rad, np.pi)) for one in limits)
+    return Subject(space_of_cell(cell, once_round, APPROACH_RAD), knowns)
 
 
 def expected_discrepancy(cell: Cell) -> Discrepancy:

@@ -10,6 +10,7 @@ from truepose.domain.arrays import FloatArray, IntArray
 from truepose.domain.keep_outs import KeepOuts
 from truepose.domain.results import NotIdentifiable
 from truepose.domain.session import PlannedStop, SessionPlan
+from truepose.planning.errors import NoWayError, TooFewCandidatesError
 from truepose.planning.promise.curve import CurvePoint, Errors, curve, knee, sizes
 from truepose.planning.promise.kept_out import because_of, parameters_of
 from truepose.planning.promise.knowledge import ArmKnowledge, Knowns, Told
@@ -20,6 +21,8 @@ from truepose.planning.tracker.clear_ways import clear_order
 from truepose.planning.tracker.mended_ways import clear_tour, mended, pool_of
 from truepose.planning.tracker.session_plans import N_CANDIDATES, short_tour
 from truepose.planning.work_volume.candidates import Candidates, draw_candidates
+from truepose.planning.work_volume.keep_outs import look_at
+from truepose.planning.work_volume.torque_signs import are_loaded_one_way
 from truepose.planning.work_volume.work_space import WorkSpace
 
 _STREAM: Final = 2  # of random numbers, apart from those of sessions
@@ -44,6 +47,7 @@ def promised_session(
     measured: Measured | None = None,
     seed: int = 0,
     n_candidates: int = N_CANDIDATES,
+    one_sided: bool = False,
 ) -> PromisedPlan:
     """Choose configurations for a tracker session and say what accuracy they promise.
 
@@ -61,6 +65,8 @@ def promised_session(
     seed : int
     n_candidates : int
         Random candidates to choose from.
+    one_sided : bool
+        Only configurations in which the gears that carry the arm are loaded from one side.
 
     Returns
     -------
@@ -78,7 +84,14 @@ def promised_session(
     require_some(n)
     rng = np.random.default_rng([seed, _STREAM])
     knowns, measured = knowns or Knowns(), measured or Measured(*_none(space), 0)
-    choice = _Choice(space, draw_candidates(space, max(n or 0, n_candidates), rng), knowns, measured)
+    choice = _Choice(
+        space, _drawn(space, max(n or 0, n_candidates), rng, one_sided=one_sided), knowns, measured
+    )
+    if n is not None and n > choice.offered:
+        raise TooFewCandidatesError(
+            f"{n} configurations were asked for, and of {n_candidates} that can be measured {choice.offered} "
+            f"leave the arm room: ask for fewer.{look_at(space.keep_outs)}"
+        )
     before = measured.configurations
     numbers = sizes(None if n is None else before + n, before + choice.offered, before)
     choice.add(numbers[-1] - before)
@@ -91,12 +104,21 @@ def promised_session(
 
     def open_without(keep_outs: KeepOuts) -> frozenset[str]:
         free, again = replace(space, keep_outs=keep_outs), np.random.default_rng([seed, _STREAM])
-        other = _Choice(free, draw_candidates(free, choice.offered, again), knowns, measured)
+        other = _Choice(free, _drawn(free, n_candidates, again, one_sided=one_sided), knowns, measured)
         other.add(total - before)
         return parameters_of(other.left_open(total))
 
     left_open = because_of(space.keep_outs, choice.left_open(total), open_without)
     return choice.plan(points, advised, total, left_open)
+
+
+def _drawn(space: WorkSpace, n: int, rng: np.random.Generator, *, one_sided: bool) -> Candidates:
+    """Draw n candidates and keep those at which, and at whose approach, no bodies touch."""
+    drawn = draw_candidates(space, n, rng)
+    fit = pool_of(space, drawn.joints_rad).stand(np.arange(len(drawn)), 0.0)
+    if one_sided:
+        fit &= are_loaded_one_way(space, drawn.joints_rad)
+    return drawn.subset(np.flatnonzero(fit))
 
 
 def _none(space: WorkSpace) -> tuple[FloatArray, IntArray]:
@@ -211,8 +233,6 @@ def _visits(space: WorkSpace, joints_rad: FloatArray, wanted: IntArray, order: I
         return wanted
     pool, tour = pool_of(space, joints_rad), wanted[short_tour(joints_rad[wanted])]
     tour = tour[clear_order(space, joints_rad[tour])]
-    if space.keep_outs:  # of which `clear_order` does not know
-        tour = clear_tour(pool, tour)
 
     def instead(present: Sequence[int], at: int) -> IntArray:
         away = np.abs(joints_rad - joints_rad[present[at]]).max(axis=1)
@@ -221,4 +241,10 @@ def _visits(space: WorkSpace, joints_rad: FloatArray, wanted: IntArray, order: I
         ranked = ranked[np.sort(first)]
         return np.asarray(ranked[~np.isin(ranked, present)])
 
-    return mended(pool, tour, instead)
+    tours = [tour, clear_tour(pool, tour)]
+    if space.keep_outs:  # of which `clear_order` does not know
+        tours.reverse()
+    try:
+        return mended(pool, tours[0], instead)
+    except NoWayError:
+        return mended(pool, tours[1], instead)

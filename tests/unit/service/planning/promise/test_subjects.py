@@ -10,6 +10,8 @@ from tests.helpers.identification.synthetic import leg_campaign, measured, nomin
 from truepose.domain.cell import DeviceEntry, SimulatedCell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import Nest
+from truepose.exchange.cells.given import cell_given
+from truepose.exchange.robots.shipped import list_robots
 from truepose.identification import identify
 from truepose.planning.promise.spread import NONE
 from truepose.planning.promise.subjects import TYPICAL, of_campaign, of_cell
@@ -26,6 +28,25 @@ def test_a_cell_without_real_devices_is_taken_to_be_what_its_parameters_say():
     assert of_cell(real).knowns.discrepancy == TYPICAL
     simulated = replace(real, simulated=SimulatedCell("irb120-tilted", 0))  # as a service has it
     assert of_cell(simulated).knowns.discrepancy == NONE
+
+
+@pytest.mark.parametrize("robot", list_robots())
+def test_every_robot_of_the_catalogue_can_be_planned_for_by_its_name(robot):
+    subject = of_cell(cell_given(robot))
+
+    plan = promised_session(subject.space, 20, knowns=subject.knowns, n_candidates=1500)
+
+    assert len(plan.joints_rad) == 20
+    assert plan.promised.n == 20
+    assert np.all(np.abs(plan.joints_rad) <= np.pi)
+
+
+def test_a_robot_of_which_nobody_says_how_far_it_turns_is_refused_in_one_sentence():
+    cell = domain_cell(IRB_120, tracker_position_mm=TRACKER_MM)
+    robot = replace(cell.robot, calibration_ranges=None, joint_limits=None)
+
+    with pytest.raises(ConfigurationError, match="says how far the joints turn; enter `calibration_deg`"):
+        of_cell(replace(cell, robot=robot))
 
 
 def test_sizes_that_are_given_count():
