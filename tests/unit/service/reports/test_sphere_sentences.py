@@ -1,0 +1,47 @@
+"""What a sphere test says: models in their order, those that lengths do not tell apart, what is withheld."""
+
+from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
+from tests.helpers.identification.models import IRB_120, model_of, parameters_of
+from truepose.domain.results import NestCentre
+from truepose.judgement.sphere.judged import sphere_test
+from truepose.reports.spheres.sentences import order_sentences, sphere_rows, sphere_test_sentences
+from truepose.words.catalogue import IN_ENGLISH, catalogue, english
+
+
+def model(by_mm):
+    nests = tuple(NestCentre(number, centre) for number, centre in enumerate(NESTS_MM, start=1))
+    return model_of(IRB_120, *parameters_of("geometry", [("a_3", by_mm, "mm")]), nests=nests)
+
+
+def test_models_that_the_lengths_do_not_tell_apart_are_named():
+    campaign = sphere_campaign(longer(), noise=1.0, per_nest=15)
+
+    test = sphere_test(campaign, {"first": model(0.2), "second": model(0.201), "third": model(0.1)})
+
+    said = [english(sentence) for sentence in order_sentences(test, IN_ENGLISH)]
+    assert said[0].startswith("Accuracy, best first: ")
+    (alike,) = said[1:]
+    assert {"first", "second"} == set(
+        alike.removeprefix("The lengths do not tell ").removesuffix(" apart.").split(" and ")
+    )
+
+
+def test_one_model_has_no_order():
+    assert list(order_sentences(sphere_test(sphere_campaign(per_nest=8)), IN_ENGLISH)) == []
+
+
+def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
+    test = sphere_test(sphere_campaign(per_nest=4, nests=(1,)))
+
+    assert list(sphere_rows(test, IN_ENGLISH)) == []
+    said = [english(sentence) for sentence in sphere_test_sentences(test, IN_ENGLISH)]
+    assert said[0] == "Placement 1, base point 1: There are 4 lengths to this ball; six are needed."
+
+
+def test_the_nominal_arm_has_its_word_in_every_language():
+    test = sphere_test(sphere_campaign(per_nest=8), {"laser": model(0.0)})
+
+    rows = list(sphere_rows(test, catalogue("fr")))
+
+    assert {row[2] for row in rows} == {"nominal", "laser"}
+    assert {row[3] for row in rows} == {"appris", "meilleur"}
