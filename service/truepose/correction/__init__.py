@@ -3,6 +3,7 @@
 from truepose.correction.corrections import ANY_BRANCH, Corrections, Status, joined
 from truepose.correction.goals import FLANGE, Goals, of_poses
 from truepose.correction.joint_targets import correct, in_world, meant_by_joints, shifted_by, tool_nests_mm
+from truepose.correction.mistakes import likely_mistake
 from truepose.correction.summary import Summary
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "correct",
     "in_world",
     "joined",
+    "likely_mistake",
     "meant_by_joints",
     "of_poses",
     "shifted_by",

@@ -50,8 +50,8 @@ def correct(model: Model, goals: Goals, branch: IntArray | None = None) -> Corre
     """
     asked = np.full(len(goals), ANY_BRANCH) if branch is None else branch
     check_targets(model, Targets(goals.stops, np.where(goals.nest == FLANGE, 1, goals.nest)))
-    estimate = _with_flange(identified_estimate(model))
-    stops, nest = told_moves(goals.stops), _numbered(model, goals.nest)
+    estimate = with_flange(identified_estimate(model))
+    stops, nest = told_moves(goals.stops), numbered_nests(model, goals.nest)
     numbered = replace(goals, stops=stops, nest=nest)
     rows = np.arange(len(goals))
     parts = [
@@ -96,20 +96,21 @@ def shifted_by(model: Model, goals: Goals, joints_rad: FloatArray) -> tuple[Floa
     shift_mm : ndarray, shape (n, 3)
         From there to where the controller believes that origin to be with these joints; NaN as these.
     """
-    arm = NominalArm(_with_flange(identified_estimate(model)))
-    numbered = replace(goals, nest=_numbered(model, goals.nest))
+    arm = NominalArm(with_flange(identified_estimate(model)))
+    numbered = replace(goals, nest=numbered_nests(model, goals.nest))
     place = arm.flange(numbered)[:, :3, 3]
     return place, nominal_chain(model.robot, joints_rad).end_origin - place
 
 
-def _with_flange(estimate: Estimate) -> Estimate:
+def with_flange(estimate: Estimate) -> Estimate:
     """Return an estimate with one more nest, the origin of the last frame."""
     structure = estimate.structure
     nests = np.vstack([structure.nests_mm, np.zeros(3)])
     return replace(estimate, structure=replace(structure, nests_mm=nests))
 
 
-def _numbered(model: Model, nest: IntArray) -> IntArray:
+def numbered_nests(model: Model, nest: IntArray) -> IntArray:
+    """Return nests of goals as `with_flange` numbers them, shape (n,)."""
     return np.where(nest == FLANGE, len(model.nests) + 1, nest)
 
 

@@ -152,7 +152,7 @@ def correct(
     summary = Summary()
     for part, rows in corrected_rows(data, *named_data(targets, "targets"), Asked(Meant(frame))):
         if not parts:
-            remarks += map(english, table_cautions(data, part, rows))
+            remarks += map(english, table_cautions(data, part, rows, Meant(frame)))
         names += rows.names
         parts.append(rows.found)
         summary.add(rows.names, rows.found)

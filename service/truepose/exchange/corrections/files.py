@@ -6,7 +6,15 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import BinaryIO, Final, TypeAlias
 
-from truepose.correction import Corrections, Goals, Summary, correct, in_world, meant_by_joints
+from truepose.correction import (
+    Corrections,
+    Goals,
+    Summary,
+    correct,
+    in_world,
+    likely_mistake,
+    meant_by_joints,
+)
 from truepose.domain.arrays import IntArray
 from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
@@ -109,7 +117,7 @@ def _correct_table(model: Model, name: str, data: bytes, asked: Asked, out: Bina
     writer = CorrectionWriter(text)
     for part, rows in corrected_rows(model, name, data, asked):
         if not begun:
-            answer.cautions, begun = table_cautions(model, part, rows), True
+            answer.cautions, begun = table_cautions(model, part, rows, asked.meant), True
         writer.write(rows.names, rows.found, part.own)
         answer.summary.add(rows.names, rows.found)
         seen(rows)
@@ -117,9 +125,14 @@ def _correct_table(model: Model, name: str, data: bytes, asked: Asked, out: Bina
     return answer
 
 
-def table_cautions(model: Model, part: Targets, rows: Rows) -> tuple[Sentence, ...]:
-    """Return what was not understood of a table, and what its predictions do not contain."""
-    return *part.ignored, *prediction_cautions(model, rows.goals.at(rows.found.joints_rad))
+def table_cautions(model: Model, part: Targets, rows: Rows, meant: Meant | None) -> tuple[Sentence, ...]:
+    """Return what was not understood of a table, or wrongly, and what its predictions do not contain."""
+    mistake = part.poses and likely_mistake(model, part.poses, in_base=meant is Meant.BASE)
+    return (
+        *([mistake] if mistake else []),
+        *part.ignored,
+        *prediction_cautions(model, rows.goals.at(rows.found.joints_rad)),
+    )
 
 
 def _parts(model: Model, name: str, data: TableData, asked: Asked) -> Iterator[Targets]:

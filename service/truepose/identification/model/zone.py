@@ -41,10 +41,16 @@ def outside(zone: MeasuredZone, robot: Robot, joints_rad: FloatArray) -> tuple[F
     angle_rad : ndarray, shape (n, J)
         Of each joint from its range; 0 within.
     """
-    beyond_mm = (_along(robot, joints_rad) - np.array(zone.extents_mm)).max(axis=1)
+    place_mm = nominal_chain(robot, joints_rad).end_origin
     low, high = (np.array([getattr(r, end) for r in zone.joint_ranges]) for end in ("lower_rad", "upper_rad"))
     beyond_rad = np.maximum(low - joints_rad, joints_rad - high)
-    return np.maximum(beyond_mm, 0.0), np.maximum(beyond_rad, 0.0)
+    return beyond_zone_mm(zone, place_mm), np.maximum(beyond_rad, 0.0)
+
+
+def beyond_zone_mm(zone: MeasuredZone, place_mm: FloatArray) -> FloatArray:
+    """Return how far places (n, 3) of the last frame in the robot's base are outside, at least, (n,)."""
+    beyond = (place_mm @ DIRECTIONS.T - np.array(zone.extents_mm)).max(axis=1)
+    return np.asarray(np.maximum(beyond, 0.0))
 
 
 def _along(robot: Robot, joints_rad: FloatArray) -> FloatArray:
