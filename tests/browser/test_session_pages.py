@@ -35,7 +35,8 @@ def test_a_test_is_planned_started_and_followed_to_its_result(service, tablet):
     expect(tablet.get_by_role("button")).to_have_count(0)
     expect(tablet.get_by_role("link", name="Show the result")).to_be_visible()
     body = asked.value.post_data_json
-    assert body["plan"] == {"method": "iso9283", "plane": "y+", "cycles": 30}  # what is empty is left out
+    whole = {"method": "iso9283", "test": "poses", "plane": "y+", "cycles": 30, "hours": 8}
+    assert body["plan"] == whole  # what is empty is left out
     assert body["role"] == "validation"
 
 

@@ -26,6 +26,8 @@ _WORST: Final[tuple[tuple[Symbol, Component, str], ...]] = (
     ("AP", "p", "pose_test.card.AP"),
     ("RP", "l", "pose_test.card.RP"),
     ("AD", "p", "pose_test.card.AD"),
+    ("vAP", "p", "pose_test.card.vAP"),
+    ("dAP", "p", "pose_test.card.dAP"),
 )
 _ROBOT: Final = "robot controller"
 _MODELS: dict[CommandedBy, str] = {"nominal": "model.nominal", "identified": "model.identified"}
@@ -70,7 +72,7 @@ def pose_test_cards(test: PoseTest, words: Catalogue = IN_ENGLISH) -> Iterator[t
 
 
 def _remark(worst: Characteristic, u: str, words: Catalogue) -> str:
-    if worst.symbol == "RP":  # of the attained poses alone
+    if worst.symbol in {"RP", "vAP"}:  # of the attained poses alone
         return words.say("pose_test.card.remark", subject=worst.subject, u=u)
     return words.say("pose_test.card.remark.model", subject=worst.subject, u=u)
 

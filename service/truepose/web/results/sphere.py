@@ -48,7 +48,8 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
     test, robot = await sphere_of(here, number, models)
     asked = "&".join(f"model_id={model}" for model in models)
     shown = Shown(f"/api/v1/sessions/{number}/sphere?{asked}".rstrip("?"), sphere_document(test, robot))
-    ending = await traced(here, origin, shown, None, words)
+    judged = await here.results.model(models[0]) if models else None
+    ending = await traced(here, origin, shown, judged, words)
     return await asyncio.to_thread(sphere_content, test, ending, words)
 
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from pydantic import BaseModel
 
+from truepose.domain.artefacts import Artefact
 from truepose.domain.ballbar import BallbarPlan
+from truepose.domain.cell import Cell
 from truepose.domain.identities import IdentityTaken
 from truepose.domain.session import SessionPlan, SessionState
 from truepose.exchange.models.file import model_text
@@ -80,7 +82,7 @@ async def _conditions(
     stated = ReportConditions(
         simulated=setup.simulated,
         instruments=tuple(_instruments(here, setup, identities)),
-        artefacts=tuple(artefact for artefact in (cell.tool, cell.world) if artefact is not None),
+        artefacts=tuple(_artefacts(cell, by_bar=origin.record.role == "ballbar")),
         robot_serial_number=cell.robot_serial_number,
         person=", ".join(_people(states)),
         written_at=moment(datetime.now(UTC).isoformat()),
@@ -134,6 +136,12 @@ def _instruments(
             firmware=known.firmware if known else "",
             certificate=papers.get(serial, ""),
         )
+
+
+def _artefacts(cell: Cell, *, by_bar: bool) -> Iterator[Artefact]:
+    if by_bar and cell.ballbar is not None:
+        yield from (cell.ballbar.instrument, cell.ballbar.calibrator)
+    yield from (artefact for artefact in (cell.tool, cell.world) if artefact is not None)
 
 
 def _people(states: Iterable[StateChange]) -> Iterator[str]:
