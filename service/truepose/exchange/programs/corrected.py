@@ -162,7 +162,7 @@ def _found(
 def _goals(model: Model, targets: Sequence[ProgramTarget], meant: Meant) -> Goals:
     n, joints = len(targets), model.robot.n_joints
     near = np.array([_near(target, joints) for target in targets]).reshape(n, joints)
-    flange = np.array([_flange(model, target) for target in targets]).reshape(n, 4, 4)
+    flange = _flanges(model, targets)
     goals = Goals(Stops(np.arange(n), near), np.full(n, FLANGE), flange[:, :3, 3], flange[:, :3, :3])
     return goals if meant is Meant.WORLD else in_world(model, goals)
 
@@ -178,13 +178,22 @@ def _branch(target: ProgramTarget, understood: Understood) -> int:
     return ANY_BRANCH if found is None else found
 
 
-def _flange(model: Model, target: ProgramTarget) -> FloatArray:
-    """Return where a target has the controller's flange, in the frame that it is meant in."""
+def _flanges(model: Model, targets: Sequence[ProgramTarget]) -> FloatArray:
+    """Return where targets have the controller's flange, in the frame that they are meant in, (n, 4, 4)."""
+    found = np.array([_placed_flange(target) for target in targets]).reshape(len(targets), 4, 4)
+    told = [row for row, target in enumerate(targets) if isinstance(target.value, Configuration)]
+    if told:
+        joints = np.array([targets[row].known_rad(model.robot.n_joints) for row in told])
+        found[told] = _nominal_flange(model, joints)
+    return found
+
+
+def _placed_flange(target: ProgramTarget) -> FloatArray:
+    """Return where a pose has the flange; of a configuration nothing yet."""
     if isinstance(target.value, Configuration):
-        return np.asarray(_nominal_flange(model, np.array([target.value.joints_rad]))[0])
+        return np.eye(4)
     tool, work_object = _frames(target)
-    flange: FloatArray = work_object @ _matrix(target.value) @ np.linalg.inv(tool)
-    return flange
+    return np.asarray(work_object @ _matrix(target.value) @ np.linalg.inv(tool))
 
 
 def _frames(target: ProgramTarget) -> tuple[FloatArray, FloatArray]:

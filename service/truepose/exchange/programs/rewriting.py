@@ -1,6 +1,6 @@
 """A program with other numbers in its targets; every other byte as it was."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import hypot, isfinite
 from typing import Final, TypeAlias
 
@@ -45,10 +45,17 @@ def rewritten(program: Program, values: Mapping[int, Value]) -> bytes:
         for index, value in values.items()
         for replacement in _replacements(program.targets[index], value)
     ]
-    data = bytearray(program.data)
-    for number, text in sorted(replaced, key=lambda entry: entry[0].start, reverse=True):
-        data[number.start : number.end] = text
-    return bytes(data)
+    return b"".join(_pieces(program.data, sorted(replaced, key=lambda entry: entry[0].start)))
+
+
+def _pieces(data: bytes, replaced: Sequence[_Replacement]) -> Iterator[bytes]:
+    """Yield the text between the numbers and the numbers, in their order."""
+    at = 0
+    for number, text in replaced:
+        yield data[at : number.start]
+        yield text
+        at = number.end
+    yield data[at:]
 
 
 def _replacements(target: ProgramTarget, value: Value) -> Iterator[_Replacement]:
