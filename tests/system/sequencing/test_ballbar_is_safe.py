@@ -16,8 +16,8 @@ from collections import Counter
 import pytest
 
 from tests.unit.service.sequencing.ballbar.fakes import Bench, turns
-from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan
-from truepose.domain.ballbar import StepKind
+from tests.unit.service.sequencing.ballbar.sessions import LEGS, joints, make_plan, make_sphere_plan
+from truepose.domain.ballbar import BallbarPlan, StepKind
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import SessionState
 from truepose.sequencing.ballbar.acts import Answer
@@ -30,24 +30,31 @@ from truepose_drivers.errors import ConnectionLostError, NoReplyError, TargetRef
 SESSIONS = 1000
 GROUPS = 20  # of sessions, so that a failure names few
 DEEDS = 14  # of a person in each session
+SPHERES = 100  # more, of a sphere test
 PLAN = make_plan((1, 2), precalibrate_after=1, stable_s=0.1, settle_s=0.0)
+SPHERE = make_sphere_plan(12, stable_s=0.1, settle_s=0.0)
 SEEN_S = 0.16  # three samples: a ballbar attached that shortly before, from out of a hand, cannot be told
 NEEDS_IT_OFF = {StepKind.DETACH, StepKind.MOVE}
 NEWS = frozenset(EntryKind) - {EntryKind.CONTROL}
 HALTS = frozenset({ActName.PAUSE, ActName.STOP, ActName.ABORT})
 
 
-@pytest.fixture(scope="module")
-def whole() -> tuple[LedgerEntry, ...]:
-    """The ledger of a session in which all went well."""
+def went_well(plan: BallbarPlan) -> tuple[LedgerEntry, ...]:
+    """Return the ledger of a session in which all went well."""
 
     async def run() -> tuple[LedgerEntry, ...]:
-        async with Bench(PLAN) as bench:
+        async with Bench(plan) as bench:
             await bench.start()
             await bench.until(None)
             return tuple(bench.disk.entries)
 
     return asyncio.run(run())
+
+
+@pytest.fixture(scope="module")
+def whole() -> tuple[LedgerEntry, ...]:
+    """Of the six-leg session."""
+    return went_well(PLAN)
 
 
 class Guard:
@@ -259,10 +266,10 @@ class Crowd:
         await self.send(act)
 
 
-async def random_session(whole: tuple[LedgerEntry, ...], seed: int) -> Guard:
+async def random_session(plan: BallbarPlan, whole: tuple[LedgerEntry, ...], seed: int) -> Guard:
     rng = random.Random(seed)
     begun = whole[: rng.randrange(len(whole))] if seed % 10 else ()
-    bench = Bench(PLAN, begun)
+    bench = Bench(plan, begun)
     guard = Guard(bench)
     bench.robot.motion_s = 0.1
     arrived = [entry.arrival for entry in begun if entry.arrival is not None]
@@ -310,9 +317,19 @@ def doubled(entries: list[LedgerEntry]) -> list[str]:
 
 @pytest.mark.parametrize("group", range(GROUPS))
 def test_nothing_moves_that_must_not_and_no_reading_is_lost_or_doubled(whole, group):
+    seeds = range(group * SESSIONS // GROUPS, (group + 1) * SESSIONS // GROUPS)
+
+    require_safe(PLAN, whole, seeds)
+
+
+def test_nor_in_a_sphere_test():
+    require_safe(SPHERE, went_well(SPHERE), range(SPHERES))
+
+
+def require_safe(plan: BallbarPlan, whole: tuple[LedgerEntry, ...], seeds: range) -> None:
     motions = lies = 0
-    for seed in range(group * SESSIONS // GROUPS, (group + 1) * SESSIONS // GROUPS):
-        guard = asyncio.run(random_session(whole, seed))
+    for seed in seeds:
+        guard = asyncio.run(random_session(plan, whole, seed))
 
         assert guard.wrong == [], f"seed {seed}"
         assert lost(guard) == [], f"seed {seed}"
