@@ -28,6 +28,18 @@ _OWN_BODY: Final = 0.1  # of the length of all links: nearer to its origin the r
 _NEARLY_ALL: Final = 0.95
 _SOME: Final = 0.25  # of the targets that another reading explains: more are not left unexplained by chance
 _LENGTHS: Final = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 1e-3}
+_MEANT: Final = {
+    "metres": "corrections.mistake.metres",
+    "inches": "corrections.mistake.inches",
+    "centimetres": "corrections.mistake.centimetres",
+    "micrometres": "corrections.mistake.micrometres",
+    "world": "corrections.mistake.world",
+    "base": "corrections.mistake.base",
+    "scalar_last": "corrections.mistake.scalar_last",
+    "turned_back": "corrections.mistake.turned_back",
+    "inverse": "corrections.mistake.inverse",
+    "mirrored": "corrections.mistake.mirrored",
+}
 _MIRROR: Final = np.diag([1.0, -1.0, 1.0])
 
 
@@ -53,7 +65,7 @@ def likely_mistake(model: Model, goals: Goals, *, in_base: bool) -> Sentence | N
     shares = {name: work.share(other, in_base=base) for name, other, base in _readings(looked_at, in_base)}
     name = max(shares, key=lambda one: shares[one])
     if _explains(shares[name], now):
-        return said(f"corrections.mistake.{name}", now=now, then=shares[name])
+        return said(_MEANT[name], now=now, then=shares[name])
     away_mm = work.away_mm(looked_at, in_base=in_base)
     return None if now or not away_mm else said("corrections.mistake.elsewhere", away_mm=away_mm)
 
