@@ -16,7 +16,6 @@ from truepose.domain.errors import ConfigurationError
 from truepose.judgement.iso9283.plan import Cube, Plane, PosePlan, possible_plans
 from truepose.kinematics.frames import rotation_x, rotation_y, rotation_z
 from truepose.planning.work_volume.work_space import (
-    SEEN_WITHIN_RAD,
     WorkSpace,
     cosines_to_tracker,
     is_clear,
@@ -78,5 +77,5 @@ def _rotations() -> Sequence[FloatArray]:
 
 def _is_measurable(space: WorkSpace, plan: PosePlan, nest: int) -> bool:
     chain = nominal_chain(space, plan.joints_rad)
-    seen = cosines_to_tracker(space, chain)[nest - 1] >= np.cos(SEEN_WITHIN_RAD)
+    seen = cosines_to_tracker(space, chain)[nest - 1] >= np.cos(space.seen_within_rad)
     return bool(seen.all() and is_clear(space, chain).all())

@@ -72,6 +72,7 @@ class CellLimits:
     )
     floor_z_mm: float | None = None  # of floor or table, world; None: the world's z = 0, or the robot's foot
     keep_outs: KeepOuts = field(default_factory=KeepOuts)  # that nothing of the arm enters
+    seen_within_rad: float | None = None  # of where a nest faces; None: as a corner cube is, 29 deg
     reference_mm: float = 0.1  # a fixed nest that moved further pauses the session
     tool_speed_mm_s: float = 500.0  # thesis section 2.4
     orientation_speed_rad_s: float = 0.349  # 20 deg/s, thesis section 2.4

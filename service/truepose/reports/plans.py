@@ -5,12 +5,14 @@ from typing import Final
 
 from rich.table import Table
 
+from truepose.domain.results import NotIdentifiable
 from truepose.domain.sentences import Sentence, said
 from truepose.planning.promise.curve import STEP, gains_mm
 from truepose.planning.promise.plan import PromisedPlan
 from truepose.words.catalogue import Catalogue
 
 _MOST_SAID: Final = 3  # combinations that are left open; a plan of a few configurations leaves dozens
+_MOST_NAMED: Final = 8  # parameters of one of them; documents have all
 _HEADS: Final = (
     "plans.head.n",
     "plans.head.mean",
@@ -62,10 +64,17 @@ def _worth_of_more(plan: PromisedPlan) -> Iterator[Sentence]:
 
 def _left_open(plan: PromisedPlan) -> Iterator[Sentence]:
     for group in plan.left_open[:_MOST_SAID]:
-        yield said("plans.open", parameters=", ".join(group.parameters), reason=group.reason)
+        yield _open(group)
     more = len(plan.left_open) - _MOST_SAID
     if more > 0:
         yield said("plans.open.more", more=more)
+
+
+def _open(group: NotIdentifiable) -> Sentence:
+    first, more = ", ".join(group.parameters[:_MOST_NAMED]), len(group.parameters) - _MOST_NAMED
+    if more > 0:
+        return said("plans.open.many", parameters=first, more=more, reason=group.reason)
+    return said("plans.open", parameters=first, reason=group.reason)
 
 
 def _assumptions(plan: PromisedPlan) -> Iterator[Sentence]:

@@ -37,6 +37,7 @@ _EFFECT: Final = [
     Key("from_s", "from_s", number(least=0.0), absent=0.0),
 ]
 _ADDRESSES = ("host", "serial", "usb")
+_QUARTER_DEG = 90.0
 _LAST_PORT = 65535
 _ROUNDING_RAD = 1e-9  # limits come from degrees
 
@@ -149,9 +150,19 @@ def limits_of(robot: Robot) -> Form:
         Key("calibration_deg", "calibration", within, absent=None),
         Key(KEEP_OUT, "keep_outs", Form(read_keep_outs), absent=default.keep_outs),
         *_defaulted(default, {"floor_z_mm": NUMBER, "reference_mm": _LENGTH, "tool_speed_mm_s": _LENGTH}),
+        Key("seen_within_deg", "seen_within_rad", Form(_read_cone), absent=None),
         Key("orientation_speed_deg_s", "orientation_speed_rad_s", turning, default.orientation_speed_rad_s),
     ]
     return _sealed(CellLimits, keys)
+
+
+def _read_cone(node: Node) -> float:
+    angle_deg = node.number(above=0.0)
+    if angle_deg >= _QUARTER_DEG:
+        node.fail(
+            f"{angle_deg:g} deg is no cone; a corner cube is seen within 30 deg, a flat artefact within 15"
+        )
+    return math.radians(angle_deg)
 
 
 def _read_within(node: Node, robot: Robot) -> tuple[JointRange, ...]:

@@ -157,7 +157,7 @@ def _unseen(
     space: WorkSpace, joints_rad: FloatArray, nests: Sequence[int], wanted: Sequence[WantedStop]
 ) -> list[str | None]:
     cosines = cosines_in_sight(space, nominal_chain(space, joints_rad))
-    seen = [is_seen(cosines[nest - 1, row]) for row, nest in enumerate(nests)]
+    seen = [is_seen(space, cosines[nest - 1, row]) for row, nest in enumerate(nests)]
     return [
         None
         if sees

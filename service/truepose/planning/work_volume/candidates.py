@@ -101,12 +101,12 @@ def judge(space: WorkSpace, joints_rad: FloatArray, rng: np.random.Generator) ->
         1-based nest that faces the tracker best, whether it is seen or not.
     """
     chain = nominal_chain(space, joints_rad)
-    feasible = is_seen(cosines_to_tracker(space, chain).max(axis=0))
+    feasible = is_seen(space, cosines_to_tracker(space, chain).max(axis=0))
     feasible[feasible] = _have_room(space, joints_rad[feasible])
     cosines = cosines_in_sight(space, chain, feasible)
     shuffled = rng.permutation(len(cosines))
     best = shuffled[np.argmax(cosines[shuffled], axis=0)]
-    feasible &= is_seen(np.max(cosines, axis=0))
+    feasible &= is_seen(space, np.max(cosines, axis=0))
     return feasible, (best + 1).astype(np.int64)
 
 

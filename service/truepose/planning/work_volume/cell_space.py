@@ -3,7 +3,7 @@
 from truepose.domain.cell import Cell
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.robot import JointRange
-from truepose.planning.work_volume.work_space import WorkSpace
+from truepose.planning.work_volume.work_space import SEEN_WITHIN_RAD, WorkSpace
 
 
 def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_rad: float | None) -> WorkSpace:
@@ -18,6 +18,7 @@ def space_of_cell(cell: Cell, ranges: tuple[JointRange, ...], approach_offset_ra
         table_z_mm=0.0 if cell.limits.floor_z_mm is None else cell.limits.floor_z_mm,
         approach_offset_rad=approach_offset_rad,
         keep_outs=cell.limits.keep_outs,
+        seen_within_rad=cell.limits.seen_within_rad or SEEN_WITHIN_RAD,
     )
 
 

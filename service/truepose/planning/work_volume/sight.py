@@ -15,7 +15,6 @@ from truepose.planning.ballbar.clear_ways.capsules import Capsules, smallest_gap
 from truepose.planning.work_volume.cell_bodies import bodies_in
 from truepose.planning.work_volume.keep_outs import gaps_mm, signed_mm
 from truepose.planning.work_volume.work_space import (
-    SEEN_WITHIN_RAD,
     WorkSpace,
     cosines_to_tracker,
     nest_places,
@@ -33,16 +32,16 @@ def cosines_in_sight(space: WorkSpace, chain: Chain, among: BoolArray | None = N
     cosines = cosines_to_tracker(space, chain)
     if space.tracker_position_mm is None:
         return cosines
-    looked_at = is_seen(cosines) if among is None else is_seen(cosines) & among
+    looked_at = is_seen(space, cosines) if among is None else is_seen(space, cosines) & among
     nest, row = np.nonzero(looked_at)
     hidden = _is_hidden(space, chain, nest, row, np.array(space.tracker_position_mm))
     cosines[nest[hidden], row[hidden]] = -np.inf
     return cosines
 
 
-def is_seen(cosines: FloatArray) -> BoolArray:
+def is_seen(space: WorkSpace, cosines: FloatArray) -> BoolArray:
     """Whether reflectors with these cosines return the beam."""
-    seen: BoolArray = cosines >= np.cos(SEEN_WITHIN_RAD)
+    seen: BoolArray = cosines >= np.cos(space.seen_within_rad)
     return seen
 
 

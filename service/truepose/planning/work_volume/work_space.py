@@ -42,6 +42,7 @@ class WorkSpace:
     table_z_mm: float = 0.0  # world; nothing goes near it
     approach_offset_rad: float | None = None
     keep_outs: KeepOuts = field(default_factory=KeepOuts)
+    seen_within_rad: float = SEEN_WITHIN_RAD  # of where a nest faces
 
     @property
     def motion_limits(self) -> tuple[JointRange, ...]:

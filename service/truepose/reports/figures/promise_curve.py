@@ -2,12 +2,15 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
 from markupsafe import Markup
 
 from truepose.planning.promise.plan import PromisedPlan
 from truepose.reports.figures.canvas import Colours, Drawing, new_figure, on_page, plain
 from truepose.words.catalogue import IN_ENGLISH, Catalogue
+
+_STEEP: Final = 20.0  # times the error at the end: what follows would lie on the axis
 
 
 def promise_curve(plan: PromisedPlan, words: Catalogue = IN_ENGLISH) -> Markup:
@@ -33,8 +36,15 @@ def _drawn(plan: PromisedPlan, say: Callable[[str], str], colours: Colours) -> D
     worst = [point.worst_mm for point in plan.curve]
     axes.plot(numbers, worst, "--", color=colours.before, label=say("plans.head.worst"))
     axes.axvline(plan.total, color=colours.ink, linewidth=1.0, label=say("plans.figure.planned"))
+    if plan.advised != plan.total:
+        axes.axvline(
+            plan.advised, color=colours.ink, linewidth=1.0, linestyle=":", label=say("plans.figure.knee")
+        )
     axes.set_xlabel(say("plans.head.n"))
     axes.set_ylabel("mm")
-    axes.set_ylim(bottom=0.0)
+    if means[0] > _STEEP * means[-1]:
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0.0)
     axes.legend()
     return figure

@@ -38,6 +38,8 @@ async def test_the_page_shows_sentences_the_curve_and_every_number(client):
     assert "<svg" in reply.text
     assert 'href="/plan?n=50"' in reply.text
     assert "*30" in reply.text
+    assert "The star marks what is planned" in reply.text
+    assert "knee: ten more gain less than a tenth" in reply.text  # where it is not what is planned
 
 
 async def test_the_page_speaks_french_where_it_is_asked_to(client):

@@ -1,5 +1,6 @@
 """Files of keep-out volumes: what they say, and what is refused with its place."""
 
+import numpy as np
 import pytest
 
 from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOuts
@@ -39,6 +40,20 @@ def test_a_cell_file_has_them_under_its_limits(tmp_path):
     cell = read_cell(written(tmp_path, '[simulated]\nscenario = "irb120-tilted"\n' + sections, "cell.toml"))
 
     assert cell.limits.keep_outs == READ
+
+
+@pytest.mark.parametrize(("said", "meant"), [("", None), ("seen_within_deg = 15", np.radians(15.0))])
+def test_a_cell_file_says_within_which_angle_the_artefact_is_seen(tmp_path, said, meant):
+    text = f'[simulated]\nscenario = "irb120-tilted"\n[limits]\n{said}\n'
+
+    assert read_cell(written(tmp_path, text, "cell.toml")).limits.seen_within_rad == meant
+
+
+def test_an_angle_that_is_no_cone_is_refused(tmp_path):
+    text = '[simulated]\nscenario = "irb120-tilted"\n[limits]\nseen_within_deg = 120\n'
+
+    with pytest.raises(InputFileError, match="is no cone"):
+        read_cell(written(tmp_path, text, "cell.toml"))
 
 
 def test_a_stored_cell_keeps_them():

@@ -106,10 +106,21 @@ def test_a_volume_between_tracker_and_reflector_hides_it_and_one_beside_the_beam
     beside = Box("beside", (1200.0, 1500.0, -500.0), (1250.0, 2000.0, 2000.0))
 
     def seen(volume):
-        return is_seen(cosines_in_sight(replace(SPACE, keep_outs=KeepOuts((volume,))), chain)).any(axis=0)
+        space = replace(SPACE, keep_outs=KeepOuts((volume,)))
+        return is_seen(space, cosines_in_sight(space, chain)).any(axis=0)
 
     assert not seen(screen).any()
     assert seen(beside).all()
+
+
+def test_a_flat_artefact_is_planned_for_within_its_own_cone():
+    flat = replace(SPACE, seen_within_rad=np.radians(15.0))
+
+    drawn = draw_candidates(flat, 100, rng())
+
+    cosines = cosines_to_tracker(SPACE, nominal_chain(SPACE, drawn.joints_rad))
+    facing = cosines[drawn.nest - 1, np.arange(100)]
+    assert np.all(np.degrees(np.arccos(facing)) <= 15.0)
 
 
 def test_a_forearm_between_tracker_and_reflector_hides_it():
@@ -118,9 +129,9 @@ def test_a_forearm_between_tracker_and_reflector_hides_it():
     at_its_end = replace(everywhere, tracker_position_mm=(3000.0, 0.0, 600.0))
     behind_and_above = replace(everywhere, tracker_position_mm=(-2000.0, 0.0, 640.0))
 
-    assert is_seen(cosines_in_sight(at_its_end, level)).all()
-    assert is_seen(cosines_to_tracker(behind_and_above, level)).any()  # above the column
-    assert not is_seen(cosines_in_sight(behind_and_above, level)).all()
+    assert is_seen(SPACE, cosines_in_sight(at_its_end, level)).all()
+    assert is_seen(SPACE, cosines_to_tracker(behind_and_above, level)).any()  # above the column
+    assert not is_seen(SPACE, cosines_in_sight(behind_and_above, level)).all()
 
 
 def test_no_way_of_a_plan_leads_through_a_volume_and_each_stop_is_approached_from_below():
