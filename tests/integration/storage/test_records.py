@@ -2,10 +2,12 @@
 
 import functools
 import json
+from dataclasses import replace
 
 import pytest
 from sqlalchemy import text
 
+from tests.helpers.ballbar.sessions import make_ballbar_plan
 from tests.helpers.domain.tracker_sessions import (
     entered,
     fixed_nest_taken,
@@ -18,6 +20,7 @@ from tests.helpers.domain.tracker_sessions import (
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.session import PlannedStop, Progress, SessionState, StopSkipped
 from truepose.storage.calibration.jobs import JobRepository
+from truepose.storage.calibration.results import ResultRepository
 from truepose.storage.errors import ConflictError, KeyReusedError, NotFoundError
 from truepose.storage.events import EventRepository
 from truepose.storage.measurement.added_stops import AddedStopsRepository
@@ -149,6 +152,41 @@ async def test_a_running_job_says_how_far_it_is(database):
     record = await jobs.get(number)
 
     assert (record.fraction, record.message) == (0.4, "exchanging configurations")
+
+
+async def test_a_session_knows_what_its_plan_was_asked_for(sessions, database):
+    jobs, results = JobRepository(database), ResultRepository(database)
+    given = await sessions.add("given", make_setup(), make_plan())
+    asked = {"method": "iso9283", "role": "validation"}
+    job = await jobs.add(JobKind.PLAN, asked)
+    identified = await jobs.add(JobKind.IDENTIFICATION, {"campaign_id": 1})
+    chosen = await results.keep_plan(job, "chosen", make_setup(), make_plan())
+    await jobs.change_state(identified, JobState.CANCELLED, "not wanted")
+
+    assert await jobs.plans_of([given, chosen]) == {chosen: asked}
+    assert await jobs.plans_of([]) == {}
+
+
+async def test_only_a_test_with_the_ballbar_is_named_so(sessions):
+    identifies = await sessions.add("first", make_setup(), make_ballbar_plan())
+    sphere = await sessions.add("second", make_setup(), replace(make_ballbar_plan(), test="sphere"))
+    tracker = await sessions.add("third", make_setup(), make_plan())
+
+    tests = [(await sessions.get(number)).test for number in (identifies, sphere, tracker)]
+
+    assert tests == [None, "sphere", None]
+
+
+async def test_the_head_of_a_chain_moves_with_its_own_session_alone(sessions, keep):
+    other = await sessions.add("other", make_setup(), make_plan())
+    first, second = [await sessions.chain_head(number) for number in (1, other)]
+
+    await keep(entered(SessionState.RUNNING, "started", "Ada"))
+
+    assert len(first) == 64
+    assert await sessions.chain_head(1) != first
+    assert await sessions.chain_head(other) == second
+    assert await sessions.chain_head(99) == ""
 
 
 async def test_what_is_not_there_is_named(sessions, readings):
