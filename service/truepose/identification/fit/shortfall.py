@@ -151,7 +151,8 @@ class _Tried:
     def found(self, variance: FloatArray, noise: float) -> _Found:
         """Return the functions of given variances beside given noise."""
         root = np.sqrt(variance)
-        unit = np.linalg.inv(self.squares * np.outer(root, root) / noise + np.eye(len(root)))
+        both = np.linalg.inv(self.squares * np.outer(root, root) / noise + np.eye(len(root)))
+        unit = (both + both.T) / 2.0  # what the parameters take over leaves 8 digits of its symmetry
         covariance = unit * np.outer(root, root)
         mean = covariance @ self.towards / noise
         told = 1.0 - np.diag(unit)

@@ -65,6 +65,13 @@ def test_a_gap_that_the_model_lacks_is_found_with_its_size():
     assert found.rest_mm < NOISE_MM
 
 
+def test_the_covariance_of_what_is_lacking_is_symmetric_to_the_last_digit():
+    found = identify(robot(gap_2=GAP_RAD, gap_3=GAP_RAD)[0], MODEL).model.shortfall
+
+    assert len(found.functions) > 1
+    assert (found.covariance == found.covariance.T).all()
+
+
 def test_a_model_that_lacks_nothing_says_next_to_nothing():
     read, *_ = robot()
     model = identify(read, MODEL).model
