@@ -39,6 +39,12 @@ def validate_command(
     report: Annotated[Path | None, typer.Option(help="Write a self-contained HTML report here.")] = None,
     load: Annotated[str, typer.Option(help="Load during the test, for the report.")] = "",
     speed_mm_s: Annotated[float | None, typer.Option(help="Speed of the tool, for the report.")] = None,
+    speed_percent: Annotated[
+        float | None, typer.Option(help="Speed as a share of the rated one, for the report.")
+    ] = None,
+    settle_s: Annotated[
+        float | None, typer.Option(help="Time between motion and measurement, for the report.")
+    ] = None,
     warm_up: Annotated[str, typer.Option(help="How the robot was warmed up, for the report.")] = "",
     instrument: Annotated[str, typer.Option(help="What measured, for the report.")] = "",
     language: Language = ENGLISH,
@@ -65,7 +71,12 @@ def validate_command(
     if report is not None:
         devices = (Instrument("instrument", model=instrument),) if instrument else ()
         conditions = ReportConditions(
-            load=load, warm_up=warm_up, tool_speed_mm_s=speed_mm_s, instruments=devices
+            load=load,
+            warm_up=warm_up,
+            tool_speed_mm_s=speed_mm_s,
+            speed_percent=speed_percent,
+            settle_s=settle_s,
+            instruments=devices,
         )
         judged = ValidationInput(answer, identified, readings, cautions, test, conditions, language)
         write_validation_report(report, judged)

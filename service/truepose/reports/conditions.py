@@ -52,6 +52,7 @@ class ReportConditions:
     approach: str = ""
     tool_speed_mm_s: float | None = None
     orientation_speed_rad_s: float | None = None
+    speed_percent: float | None = None  # of the rated one
     settle_s: float | None = None
     measure_s: float | None = None
     temperature_c: tuple[float, float] | None = None  # lowest, highest of the air; None: from the readings
@@ -77,6 +78,7 @@ def condition_rows(conditions: ReportConditions, words: Catalogue = IN_ENGLISH) 
     yield say("conditions.warm_up"), conditions.warm_up or unstated
     yield say("conditions.approach"), conditions.approach or unstated
     yield say("conditions.tool_speed"), _quantity(conditions.tool_speed_mm_s, "mm/s", words)
+    yield say("conditions.speed_percent"), _quantity(conditions.speed_percent, "%", words)
     yield say("conditions.orientation_speed"), _quantity(conditions.orientation_speed_rad_s, "rad/s", words)
     yield say("conditions.settling"), _quantity(conditions.settle_s, "s", words)
     yield say("conditions.duration"), _quantity(conditions.measure_s, "s", words)

@@ -76,7 +76,7 @@ def test_the_errors_of_every_joint_are_as_large_as_in_the_table(circles):
             np.degrees(one.backlash_rad.value) / backlash_deg,
         )
         # Another arm of the same type: of one size means within a factor of three. Joint 6 of this one has
-        # a wave of its own, on top of the springs of joints 4 and 6 (see the test of a sagging arm).
+        # errors of its own, on top of the springs of joints 4 and 6 (see the test of a sagging arm).
         most = 5.0 if joint == 6 else 3.0
         assert all(1.0 / 3.0 < ratio < most for ratio in seen), (joint, seen)
 

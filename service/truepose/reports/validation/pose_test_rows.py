@@ -7,7 +7,9 @@ from typing import Final
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.models.document import file_factor, file_unit
 from truepose.judgement.iso9283.characteristics import Characteristic, Component, Symbol
+from truepose.judgement.iso9283.cube import cube_of
 from truepose.judgement.iso9283.judged import CommandedBy, PoseTest
+from truepose.judgement.iso9283.pose import POSES
 from truepose.judgement.iso9283.visits import CommandedPose
 from truepose.reports.conditions import NOT_STATED, ReportConditions, condition_rows
 from truepose.reports.rounding import millimetres, rounded, uncertainty
@@ -120,8 +122,29 @@ def drift_sentences(test: PoseTest) -> Iterator[Sentence]:
     if test.drift is None or not test.drift.curve:
         return
     far = max(test.drift.curve, key=lambda point: point.moved_mm)
-    yield said("pose_test.drift.far", far_mm=far.moved_mm, u_mm=far.moved_uncertainty_mm, hours=far.hours)
+    way, u = rounded(far.moved_mm, far.moved_uncertainty_mm), uncertainty(far.moved_uncertainty_mm)
+    yield said("pose_test.drift.far", far=way, u=u, hours=far.hours)
     yield said("pose_test.drift.settled" if test.drift.settled else "pose_test.drift.unsettled")
+
+
+def _cycles(test: PoseTest) -> Sentence:
+    if test.drift is not None:
+        visits = sum(point.visits for point in test.drift.curve)
+        return said("pose_test.cycles.drift", groups=len(test.drift.curve), visits=visits)
+    return said("pose_test.cycles.value", poses=test.poses, cycles=test.cycles)
+
+
+def _cube(test: PoseTest, words: Catalogue) -> Iterator[tuple[str, str]]:
+    if test.poses != POSES:
+        return
+    cube = cube_of(test.commanded)
+    centre = "" if cube is None else " ".join(f"{x:.0f}" for x in cube.centre_mm)
+    yield (
+        words.say("pose_test.cube"),
+        words.say("pose_test.cube.none")
+        if cube is None
+        else words.say("pose_test.cube.value", edge=f"{cube.edge_mm:.0f}", centre=centre),
+    )
 
 
 def stated_conditions(
@@ -135,7 +158,8 @@ def stated_conditions(
     instruments = ", ".join(device.model or words.name(device.role) for device in measuring)
     return (
         (say("pose_test.standard"), "ISO 9283:1998"),
-        (say("pose_test.cycles"), say("pose_test.cycles.value", poses=test.poses, cycles=test.cycles)),
+        (say("pose_test.cycles"), words.spoken(_cycles(test))),
+        *_cube(test, words),
         (say("pose_test.commanded"), ", ".join(map(_place, test.commanded))),
         (say("pose_test.point"), say("pose_test.point.value", nest=test.nest)),
         (say("pose_test.instrument"), instruments or say(NOT_STATED)),

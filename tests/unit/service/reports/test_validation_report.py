@@ -202,3 +202,49 @@ def test_the_terminal_says_the_same(points, capsys):
     assert "By simple acceptance it conforms; the uncertainty is not counted." in text
     assert "Withheld: AP of P3: P3 was measured in 29 cycles" in text
     assert "Five poses do not prove accuracy" in text
+
+
+def test_the_conditions_name_the_cube_and_the_share_of_the_rated_speed(tmp_path, points):
+    test = pose_test(_MODEL, points)
+
+    _, text = written(tmp_path, points, pose_test=test, conditions=ReportConditions(speed_percent=50.0))
+
+    assert "Cube of the poses edge 150 mm, centre (300 0 250) in the frame of the readings" in text
+    assert "Share of rated speed 50 %" in text
+    assert "Drift from cold" not in text
+
+
+def warming(hours):
+    """P1 ten times a group, every half hour; it goes 0.1 mm upwards and stops after an hour."""
+    group = np.repeat(np.arange(int(2 * hours) + 1), 10)
+    n = len(group)
+    joints = np.tile(_PLAN.joints_rad[0], (n, 1))
+    seen = nominal_chain(IRB_120, joints).points(np.array(NESTS[0]))
+    seen += 0.001 * np.random.default_rng(6).standard_normal(seen.shape)
+    seen[:, 2] += 0.05 * np.minimum(group, 2)
+    stops = Stops(
+        np.ones(n, dtype=np.int64),
+        joints,
+        group=group,
+        time_s=1800.0 * group + np.tile(np.arange(10.0), n // 10),
+    )
+    return PointReadings(stops, np.ones(n, dtype=np.int64), seen, np.full(n, 0.002))
+
+
+@pytest.mark.parametrize(
+    ("hours", "said", "withheld"),
+    [(4, "is less than a tenth of that over the first", False), (1, "the robot may drift further", True)],
+)
+def test_a_test_of_drift_is_drawn_with_what_its_hours_tell(tmp_path, hours, said, withheld):
+    seen = warming(hours)
+    test = pose_test(_MODEL, seen)
+
+    page, text = written(tmp_path, seen, pose_test=test)
+
+    assert "way of the barycentre" in page
+    assert re.search(r"The mean position went 0\.10\d+ mm \(u 0\.000\d+ mm\)", text)
+    assert said in text
+    assert ("ISO 9283 asks for 8 h of work from cold" in text) == withheld
+    assert f"one pose, {20 * hours + 10} visits in {2 * hours + 1} groups" in text
+    document = pose_test_document(test)["drift"]
+    assert (len(document["curve"]), document["settled"]) == (2 * hours + 1, not withheld)
