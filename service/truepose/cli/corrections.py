@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, BinaryIO
@@ -49,6 +50,12 @@ def correct_command(
         str | None,
         typer.Option(help="Of a program: branch of poses that do not say theirs, e.g. front/up/no flip."),
     ] = None,
+    coupled: Annotated[
+        bool,
+        typer.Option(
+            help="Of FANUC: joint 3 is counted from the horizontal; its joint targets are corrected."
+        ),
+    ] = False,
     angles: Annotated[
         str | None, typer.Option(help="Of G-code: axes of A, B, C: xyz, zyx or fixed xyz.")
     ] = None,
@@ -67,7 +74,8 @@ def correct_command(
 
     require_folders(out)
     words, identified = catalogue(language), read_model(model)
-    answer = _corrected(identified, targets, out, _asked(frame, define or [], branch, angles, beside or []))
+    asked = replace(_asked(frame, define or [], branch, angles, beside or []), coupled=coupled)
+    answer = _corrected(identified, targets, out, asked)
     remark(map(words.spoken, answer.cautions))
     totals, left = answer.summary.totals, answer.left_alone
     if json:

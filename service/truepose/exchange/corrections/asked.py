@@ -19,6 +19,7 @@ class Asked:
 
     meant: Meant | None = None  # None: a table in the world of the readings, a program in the base
     defined: Mapping[str, Pose] = field(default_factory=dict)
+    coupled: bool = False
     branch: int | None = None
     angles: str | None = None
     beside: Mapping[str, bytes] = field(default_factory=dict)
@@ -27,7 +28,7 @@ class Asked:
     @property
     def understood(self) -> Understood:
         """What of it concerns a program."""
-        return Understood(self.meant or Meant.BASE, self.defined, self.branch)
+        return Understood(self.meant or Meant.BASE, self.defined, self.coupled, self.branch)
 
 
 def branch_named(words: str, option: str) -> int:

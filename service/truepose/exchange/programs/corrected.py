@@ -21,6 +21,7 @@ from truepose.domain.corrections import LeftAlone
 from truepose.domain.results import Model
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.branches import branch_of_words
+from truepose.exchange.programs.coupled_joints import can_be_coupled, from_horizontal, uncoupled
 from truepose.exchange.programs.lists.target_rows import nest_frame
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
@@ -88,8 +89,16 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
         The program is of an arm with another number of joints, or the model needs measured torques.
     """
     program = _with_frames(program, _nests(model) | dict(understood.defined))
+    counted = program.format == _COUNTS_FROM_THE_HORIZONTAL
+    coupled = counted and understood.coupled and can_be_coupled(model.robot)
+    written = program
+    if coupled:
+        program = uncoupled(model.robot, program)
     reasons = {
-        index: _reason_against(program, target, understood) for index, target in enumerate(program.targets)
+        index: _COUPLED
+        if counted and not coupled and isinstance(target.value, Configuration)
+        else _reason_against(target, understood)
+        for index, target in enumerate(program.targets)
     }
     rows = tuple(index for index, reason in reasons.items() if reason is None)
     goals, found = _found(model, program, rows, understood)
@@ -98,11 +107,11 @@ def corrected_program(model: Model, program: Program, understood: Understood = _
         for index, reason in reasons.items()
         if reason is not None
     )
-    values = _values(model, program, rows, found)
+    values = _values(model, program, rows, found, coupled=coupled)
     everything = sorted((*program.left_alone, *left), key=lambda one: one.line)
     cautions = tuple(prediction_cautions(model, goals.at(found.joints_rad))) if rows else ()
-    data = rewritten(program, values)
-    return CorrectedProgram(program, rows, goals, found, tuple(everything), cautions, data)
+    data = rewritten(written, values)
+    return CorrectedProgram(written, rows, goals, found, tuple(everything), cautions, data)
 
 
 def _nests(model: Model) -> dict[str, Pose]:
@@ -128,10 +137,10 @@ def _with_frames(program: Program, defined: Mapping[str, Pose]) -> Program:
     )
 
 
-def _reason_against(program: Program, target: ProgramTarget, understood: Understood) -> Sentence | None:
+def _reason_against(target: ProgramTarget, understood: Understood) -> Sentence | None:
     """Say why a target cannot be corrected; None where it can."""
     if isinstance(target.value, Configuration):
-        return _COUPLED if program.format == _COUNTS_FROM_THE_HORIZONTAL else None
+        return None
     if target.tool is None or target.work_object is None:
         return said("left.tool_unsaid") if target.tool is None else said("left.object_unsaid")
     if target.tool.pose is None:
@@ -235,14 +244,17 @@ def _directions(program: Program, rows: Sequence[int], joints_rad: FloatArray) -
     return directions
 
 
-def _values(model: Model, program: Program, rows: Sequence[int], found: Corrections) -> dict[int, Value]:
+def _values(
+    model: Model, program: Program, rows: Sequence[int], found: Corrections, *, coupled: bool
+) -> dict[int, Value]:
     """Return what to write for the targets that were solved."""
     flange = _nominal_flange(model, np.nan_to_num(found.joints_rad))
     values: dict[int, Value] = {}
     for row in np.flatnonzero(found.solved).tolist():
         target = program.targets[rows[row]]
         if isinstance(target.value, Configuration):
-            values[rows[row]] = Configuration(tuple(found.joints_rad[row].tolist()))
+            joints = Configuration(tuple(found.joints_rad[row].tolist()))
+            values[rows[row]] = from_horizontal(model.robot, joints) if coupled else joints
         else:
             tool, work_object = _frames(target)
             values[rows[row]] = _pose(np.linalg.inv(work_object) @ flange[row] @ tool)

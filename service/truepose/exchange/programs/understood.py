@@ -22,4 +22,5 @@ class Understood:
     defined: Mapping[str, Pose] = field(
         default_factory=dict
     )  # tools (in the flange) and work objects that it only names
+    coupled: bool = False  # joint 3 of FANUC is counted from the horizontal: its joints may be corrected
     branch: int | None = None  # of poses whose branch the file says in words that are not understood

@@ -180,6 +180,25 @@ def test_joints_of_a_fanuc_are_left_alone_because_they_count_from_the_horizontal
     assert "from the horizontal" in english(answer.left_alone[0].reason)
 
 
+def test_stated_to_count_from_the_horizontal_joints_of_a_fanuc_are_corrected():
+    text = (
+        "/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
+        "\tJ1= 10.000 deg, J2= 20.000 deg, J3= 10.000 deg,\n"
+        "\tJ4= 0.000 deg, J5= 40.000 deg, J6= 0.000 deg\n};\n/END\n"
+    )
+    shown = np.radians([10.0, 20.0, 10.0, 0.0, 40.0, 0.0])
+    own = shown - np.array([0.0, 0.0, shown[1], 0.0, 0.0, 0.0])  # axes 2 and 3 of an IRB 120 point alike
+
+    answer = corrected_program(model(), read_program(text.encode(), "a.ls"), Understood(coupled=True))
+
+    again = read_program(answer.data, "a.ls").targets[0].value.joints_rad
+    sent = answer.found.joints_rad[0]
+    assert answer.left_alone == ()
+    assert answer.found.moved_rad[0] < np.radians(2.0)
+    assert sent == pytest.approx(own, abs=np.radians(2.0))
+    assert again == pytest.approx(sent + sent[1] * np.eye(6)[2], abs=np.radians(6e-4))
+
+
 def test_a_program_of_an_arm_with_other_joints_is_refused():
     with pytest.raises(ConfigurationError, match=r"jHome in line 5 has 6 joints, the model has 7"):
         seven = replace(model(), robot=replace(IRB_120, joints=(*IRB_120.joints, IRB_120.joints[-1])))
