@@ -325,8 +325,8 @@ _CUBE = {"edge_mm": 200, "centre_mm": [370, 0, 400], "cycles": 2}
         ),
         (
             {"method": "iso9283", **_CUBE},
-            {"centre_mm": (370.0, 0.0, 400.0), "edge_mm": 200.0, "plane": "y+", "nest": 1, "cycles": 2}
-            | {"quaternion": (0.0, 1.0, 0.0, 0.0), "test": "poses"},
+            {"centre_mm": (370.0, 0.0, 400.0), "edge_mm": 200.0, "plane": "y+", "nest": None, "cycles": 2}
+            | {"quaternion": None, "test": "poses"},
         ),
         (
             {"method": "iso9283", "test": "directions", "approach_mm": 30},
