@@ -135,6 +135,27 @@ def mended(
     return np.array(route.order, dtype=np.int64)
 
 
+def mended_or_toured(
+    pool: Pool,
+    order: IntArray,
+    substitutes: Substitutes,
+    *,
+    start: int | None = None,
+    allowed: Allowed = lambda _: True,
+) -> IntArray:
+    """Return an order as `mended` does, or else one that begins with the nearest of clear ways.
+
+    The second is no longer the order that is wanted: it comes where volumes in the midst of the work space
+    leave the first no chance. Raises NoWayError.
+    """
+    try:
+        return mended(pool, order, substitutes, start=start, allowed=allowed)
+    except NoWayError:
+        before = order[:0] if start is None else np.array([start], dtype=np.int64)
+        tour = clear_tour(pool, np.concatenate([before, order]))[len(before) :]
+        return mended(pool, tour, substitutes, start=start, allowed=allowed)
+
+
 @dataclass(frozen=True, slots=True)
 class _Route:
     """An order of rows of a pool, and where it comes from."""

@@ -14,7 +14,7 @@ from truepose.identification.model.evaluation import evaluate
 from truepose.identification.problem.build import automatic_effects, build
 from truepose.planning.choice_by_exchange import Selection, choose_by_exchange, rank_substitutes
 from truepose.planning.tracker.clear_ways import clear_order
-from truepose.planning.tracker.mended_ways import is_clear, mended, pool_of
+from truepose.planning.tracker.mended_ways import is_clear, mended_or_toured, pool_of
 from truepose.planning.work_volume.candidates import Candidates, draw_candidates
 from truepose.planning.work_volume.work_space import WorkSpace, nominal_chain
 
@@ -76,7 +76,7 @@ def plan_calibration(
     def informative(order: Sequence[int], at: int) -> IntArray:
         return _most_informative(jacobians, candidates.nest, order, at)
 
-    order = mended(pool_of(space, candidates.joints_rad), order, informative)
+    order = mended_or_toured(pool_of(space, candidates.joints_rad), order, informative)
     stops = with_revisits(space, _stops(candidates.subset(order)), rng)
     return SessionPlan("calibration", stops, approach_offset_rad=space.approach_offset_rad)
 
@@ -98,7 +98,7 @@ def _mended_validation(space: WorkSpace, ordered: Candidates, rng: np.random.Gen
     def nearest(order: Sequence[int], at: int) -> IntArray:
         return _nearest(pool, order, at)
 
-    return pool.subset(mended(pool_of(space, pool.joints_rad), range(len(ordered)), nearest))
+    return pool.subset(mended_or_toured(pool_of(space, pool.joints_rad), np.arange(len(ordered)), nearest))
 
 
 def _generator(seed: int, role: Role) -> np.random.Generator:
@@ -204,7 +204,7 @@ def with_revisits(
         return np.argsort(np.bincount(order, minlength=len(stops)), kind="stable")
 
     drawn = drawn[clear_order(space, joints[drawn], joints[-1])]
-    drawn = mended(
+    drawn = mended_or_toured(
         pool_of(space, joints), drawn, rarest, start=len(stops) - 1, allowed=lambda order: not _ascends(order)
     )
     again = (stops[index] for index in drawn)

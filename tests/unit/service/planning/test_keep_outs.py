@@ -14,6 +14,7 @@ from truepose.planning.errors import TooFewCandidatesError, WorkSpaceError
 from truepose.planning.promise.kept_out import because_of
 from truepose.planning.promise.tracker import promised_session, session_plan
 from truepose.planning.tracker.added_stops import WantedStop, addition
+from truepose.planning.tracker.session_plans import plan_validation
 from truepose.planning.work_volume.candidates import draw_candidates
 from truepose.planning.work_volume.cell_bodies import bodies_of
 from truepose.planning.work_volume.keep_outs import least_mm, signed_mm
@@ -227,3 +228,14 @@ def test_what_would_stay_open_without_any_volume_is_not_put_down_to_them():
     group = NotIdentifiable(("theta_4",), "a reason")
 
     assert because_of(ALL, (group,), lambda _: frozenset({"theta_4"})) == (group,)
+
+
+def test_sessions_find_their_ways_round_a_post_in_the_midst_of_the_work_space():
+    space = replace(SPACE, keep_outs=ALL)
+
+    stops = plan_validation(space, 15, seed=2).stops
+
+    ways = ways_between(stops, space.approach_offset_rad)
+    share = np.linspace(0.0, 1.0, 120)[:, None, None]
+    along = ways.start_rad + share * (ways.end_rad - ways.start_rad)
+    assert not inside(skeleton(along.reshape(-1, 6))).any()

@@ -44,7 +44,7 @@ def unmended(monkeypatch):
 
     def plan(*wanted):
         with monkeypatch.context() as patched:
-            patched.setattr(session_plans, "mended", lambda pool, order, *_, **__: np.array(order))
+            patched.setattr(session_plans, "mended_or_toured", lambda pool, order, *_, **__: np.array(order))
             return chosen(*wanted)
 
     return plan
