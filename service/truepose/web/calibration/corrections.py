@@ -72,6 +72,10 @@ Branch = Annotated[
 ]
 ANGLES: Final = get_args(Order)
 Angles = Annotated[Order | None, Query(description="Of G-code: axes of A, B, C.")]
+Coupled = Annotated[
+    bool,
+    Query(description="Of FANUC: joint 3 counts from the horizontal; its joint targets are corrected."),
+]
 After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="List targets behind this one.")]
 Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many targets.")]
 
@@ -106,6 +110,7 @@ async def correct(
     define: Define = None,
     branch: Branch = None,
     angles: Angles = None,
+    coupled: Coupled = False,
     key: IdempotencyKey = None,
 ) -> JobReply:
     """Correct a robot program or a table of targets, as `truepose correct` does.
@@ -116,12 +121,13 @@ async def correct(
     any length.
     """
     model = (await here.results.model(id)).model
-    asked = {"frame": frame, "define": define or [], "branch": branch, "angles": angles}
+    asked = {"frame": frame, "define": define or [], "branch": branch, "angles": angles, "coupled": coupled}
     meant = Asked(
         meant=None if frame is None else Meant(frame),
         defined=dict(frame_defined(text, "define") for text in define or []),
         branch=None if branch is None else branch_named(branch, "branch"),
         angles=angles,
+        coupled=coupled,
         most_targets=MOST_TARGETS,
     )
     async with here.campaign_desk.uploads.turn():

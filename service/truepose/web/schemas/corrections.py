@@ -19,6 +19,7 @@ class AskedReply(Reply):
     define: list[str] = Field([], description="Frames that the file only names.")
     branch: str | None = None
     angles: str | None = None
+    coupled: bool = Field(False, description="Whether joint 3 of FANUC counts from the horizontal.")
     beside: list[str] = Field([], description="Names of the files beside it.")
 
 

@@ -35,6 +35,7 @@ class JobRequestReply(Reply):
     define: list[str] | None = None
     branch: str | None = None
     angles: str | None = None
+    coupled: bool | None = Field(None, description="Whether joint 3 of FANUC counts from the horizontal.")
     joints: list[int] | None = Field(None, description="That are turned; none: the usual ones.")
 
 
