@@ -208,7 +208,7 @@ async def test_the_page_of_a_correction_says_what_became_of_each_target(client, 
     )
 
     assert page.status_code == 200
-    assert "1 of 1 targets corrected. 1 places of the program are left alone" in page.text
+    assert "1 of 1 targets corrected. One place of the program is left alone" in page.text
     assert "its place is computed when the program runs" in page.text
     assert "sa place est calculée à l" in french.text
     assert "Shifts of the targets, from above and from the front" in page.text
