@@ -9,9 +9,9 @@ from truepose.storage.calibration.campaigns import NewCampaign
 from truepose.storage.records import CampaignSummary, JobKind
 
 
-async def store_model(here):
-    """Store the model of an IRB 120 with errors of every parameter and return its number."""
-    plain = model_of(IRB_120, *plain_parameters(IRB_120))
+async def store_model(here, robot=IRB_120):
+    """Store the model of a robot like an IRB 120 with errors of every parameter and return its number."""
+    plain = model_of(robot, *plain_parameters(IRB_120))
     model = replace(plain, nominal_base=plain.base)
     summary = CampaignSummary(50, 0, 0, 0, 0)
     campaign_id = await here.campaigns.add(NewCampaign("left arm", "ABB IRB 120", summary, b""))

@@ -4,9 +4,11 @@ import asyncio
 import csv
 import hashlib
 import io
+from dataclasses import replace
 
 import pytest
 
+from tests.helpers.domain.robots import IRB_120
 from tests.helpers.web.clients import made
 from tests.helpers.web.pages import Page
 from tests.integration.web.calibration.stored_models import store_model
@@ -86,6 +88,23 @@ async def test_each_target_of_a_table_is_told_and_its_own_columns_come_back(clie
     assert targets[0]["u_mm"] == pytest.approx(float(rows[0]["u_mm"]), rel=1e-5)
     assert (far["number"], far["u_mm"], far["shift_mm"]) == (2, None, [None] * 3)
     assert [row["note"] for row in rows] == ["ok", ""]
+
+
+FANUC = (
+    b"/PROG A\n/MN\n   1:J P[1] 20% FINE ;\n/POS\nP[1]{\n   GP1:\n\tUF : 0, UT : 1,\n"
+    b"\tJ1= 10.000 deg, J2= 20.000 deg, J3= -10.000 deg,\n"
+    b"\tJ4= 0.000 deg, J5= 40.000 deg, J6= 0.000 deg\n};\n/END\n"
+)
+
+
+async def test_joints_of_a_fanuc_are_corrected_where_they_are_said_to_be_coupled(app, client, send):
+    number = await store_model(app.state.context, replace(IRB_120, name="left arm"))
+
+    silent = await client.get(await made(client, await send("a.ls", FANUC, model=number)))
+    told = await client.get(await made(client, await send("a.ls", FANUC, model=number, coupled=True)))
+
+    assert [reply.json()["document"]["corrected"] for reply in (silent, told)] == [0, 1]
+    assert [reply.json()["asked"]["coupled"] for reply in (silent, told)] == [False, True]
 
 
 async def test_the_same_key_corrects_once(client, send, model_id):
