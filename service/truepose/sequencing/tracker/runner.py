@@ -43,6 +43,7 @@ _EFFECTS: Final = {
     SessionState.PAUSED: "Paused on request. Is the cell clear, so that it can be resumed?",
     SessionState.ABORTED: "The session ended on request, between two motions.",
 }
+_COLD: Final = "Drift is measured from cold: the robot stood still before, and is not warmed up."
 _SETTLED: Final = (
     "The drift over the last hour is less than a tenth of that over the first: the test ends here."
 )
@@ -160,7 +161,8 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
         if has_ended(self.state):
             await super().begin()
         else:
-            await self._ask(self._identities.question or "", self._first)
+            cold = _COLD if self._plan.ends_when_settled and not self.progress.done else ""
+            await self._ask(self._identities.question or cold, self._first)
 
     async def _ask(self, what: str, stops: Sequence[PlannedStop]) -> None:
         """Have a person confirm that the arm may go to `stops`, and say what the ways there look like."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.unit.service.sequencing.tracker.fakes import NESTS, FakeCell, make_plan
-from tests.unit.service.sequencing.tracker.operators import run_session
+from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, SessionState, Work
 from truepose.sequencing.errors import PlanRefusedError
@@ -60,6 +60,18 @@ async def test_a_visit_begins_where_its_stop_says():
 
     assert cell.robot.moves == [_FROM, _HERE, _FROM, _HERE]
     assert [point.group for point in cell.journal.points] == [1, 1]
+
+
+async def test_whoever_starts_it_is_told_that_it_begins_from_cold():
+    cell, operator = FakeCell(), PatientOperator()
+    await run_session(cell, drift_plan(2), operator)
+    killed = tuple(entry for entry in cell.journal.entries if entry.time_s < 1000.0 + _EVERY_S)
+    later = PatientOperator()
+    await run_session(FakeCell(), drift_plan(2), later, entries=killed)
+    other = PatientOperator()
+    await run_session(FakeCell(), make_plan(1), other)
+
+    assert [("from cold" in one.questions[0]) for one in (operator, later, other)] == [True, False, False]
 
 
 async def test_the_arm_works_until_the_next_group_is_due():
