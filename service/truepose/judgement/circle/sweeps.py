@@ -1,7 +1,8 @@
 """A table of measured points as a circle test: which of its rows are of which joint, and from which side.
 
 The others stand where they stand most often in the table. A row in which no joint is away from there belongs
-to the joint that moved before it.
+to the joint that moved before it. Where that leaves more rows over than it does to go through them in order,
+the others may stand elsewhere for each joint: a sweep is then a run of rows in which one joint alone moved.
 """
 
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray
 from truepose.domain.campaign import PointReadings
 from truepose.domain.errors import ConfigurationError
 
+_FEWEST: Final = 4  # rows of a run; fewer determine no circle
 SAME_ANGLE_RAD: Final = float(np.radians(0.05))  # reported angles are rounded to 0.01 deg, and jitter by it
 
 
@@ -48,17 +50,40 @@ def find_sweeps(points: PointReadings) -> tuple[Sweep, ...]:
     """
     order = _in_order(points)
     moved = _moved(points.stops.joints_rad)
-    found = tuple(
-        sweep
-        for nest in np.unique(points.nest).tolist()
-        for sweep in _of_nest(points, nest, moved, order[points.nest[order] == nest])
-    )
+    runs = _runs(points.stops.joints_rad[order]) if (moved.sum(axis=1) > 1).any() else []
+    if sum(len(rows) for _, rows in runs) > np.count_nonzero(moved.sum(axis=1) <= 1):
+        found = tuple(sweep for joint, rows in runs for sweep in _of_run(points, joint, order[rows]))
+    else:
+        found = tuple(
+            sweep
+            for nest in np.unique(points.nest).tolist()
+            for sweep in _of_nest(points, nest, moved, order[points.nest[order] == nest])
+        )
     if not found:
         raise ConfigurationError(
             "The table holds no readings in which one joint moved while all others stood: a circle test "
             "turns one joint at a time."
         )
     return tuple(sorted(found, key=lambda sweep: (sweep.joint, sweep.nest)))
+
+
+def _runs(joints_rad: FloatArray) -> list[tuple[int, IntArray]]:
+    """Return the joint (1-based) and the rows of every run in which that joint alone moved."""
+    found, first, turned = [], 0, -1
+    for row, joints in enumerate(np.vstack([joints_rad, np.full(joints_rad.shape[1], np.inf)])):
+        moved = np.flatnonzero(np.abs(joints - joints_rad[first]) > SAME_ANGLE_RAD)
+        if len(moved) == 0 or (len(moved) == 1 and turned in {-1, moved[0]}):
+            turned = int(moved[0]) if len(moved) else turned
+            continue
+        if turned >= 0 and row - first >= _FEWEST:
+            found.append((turned + 1, np.arange(first, row)))
+        first, turned = min(row, len(joints_rad) - 1), -1
+    return found
+
+
+def _of_run(points: PointReadings, joint: int, rows: IntArray) -> Iterator[Sweep]:
+    for nest in np.unique(points.nest[rows]).tolist():
+        yield _sweep(points, joint, nest, rows[points.nest[rows] == nest])
 
 
 def _of_nest(points: PointReadings, nest: int, moved: BoolArray, rows: IntArray) -> Iterator[Sweep]:

@@ -219,3 +219,22 @@ def test_measured_circles_close_to_the_noise_of_the_reflectors(measured_data):
     }
     assert max(largest, key=largest.get) == 2
     assert largest[2] == pytest.approx(1.79, abs=0.01)
+
+
+def test_the_others_may_stand_elsewhere_for_each_joint():
+    """As a plan has them that keeps a reflector in sight."""
+    rests = np.radians([[0, 0, 0, 0, 0, 0], [60, 10, -30, 20, 40, -50], [-20, 30, 0, 0, 70, 10]])
+    joints = []
+    for joint, rest in zip((2, 4, 2), rests, strict=True):
+        rows = turned(joint, there_and_back(-40, 40, 5))
+        rest[joint - 1] = 0.0
+        joints.append(rows + rest)
+
+    test = circle_test(read_on(IRB_120, np.vstack(joints)))
+
+    assert [one.joint for one in test.circles] == [2, 2, 4]
+    assert test.withheld == ()
+    for one in test.circles:
+        angles_deg = np.degrees(one.errors.angle_rad)
+        assert (angles_deg.min(), angles_deg.max()) == (pytest.approx(-40.0), pytest.approx(40.0))
+        assert one.tangential_range_mm.value < 1e-6
