@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.domain.tracker_sessions import make_fixed_nest, make_point, make_setup
-from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by
+from truepose.analysis.assembly import MeasuredSession, assemble_campaign, judged_by, point_readings
 from truepose.analysis.errors import NothingMeasuredError, SessionsDifferError
 from truepose.domain.campaign import Campaign
 from truepose.domain.cell import Conditions, DeviceEntry, SimulatedCell
@@ -149,3 +149,11 @@ def test_a_campaign_is_simulated_where_any_of_its_sessions_is():
 
     assert campaign.simulated
     assert any(note.startswith("SIMULATED:") for note in campaign.notes)
+
+
+def test_groups_reach_the_table_where_every_reading_is_in_one():
+    grouped = [dataclasses.replace(make_point(config), group=1 + config // 3) for config in range(1, 5)]
+
+    assert point_readings(grouped).stops.group.tolist() == [1, 1, 2, 2]
+    assert point_readings([*grouped, make_point(5)]).stops.group is None
+    assert point_readings([make_point()]).stops.group is None
