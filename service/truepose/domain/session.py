@@ -31,7 +31,7 @@ PlaceOf = Literal["work", "approach", "stop"]  # what the arm is somewhere for
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Motions round and round before a stop, by which the arm warms up; one that is late does without."""
+    """Whole rounds of motions before a stop, by which the arm warms up; one that is late does without."""
 
     until_s: float  # cell time after the first reading of the session
     places_rad: tuple[tuple[float, ...], ...]

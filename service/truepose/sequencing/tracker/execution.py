@@ -1,6 +1,5 @@
 """Performs single operations on the devices; when and whether one is due is the runner's business."""
 
-from itertools import cycle
 from typing import Final, assert_never
 
 import numpy as np
@@ -44,6 +43,8 @@ class Execution:
         self._fixed_nests = FixedNests(plan, cell, tracker, logbook)
         self._tool_nests = ToolNests(plan, cell, tracker, self._fixed_nests, logbook)
         self._joints: JointReading | None = None
+        self._work: Work | None = None
+        self._place = 0  # of the work, that comes next
 
     def begin_step(self) -> None:
         """Forget what belongs to an earlier step."""
@@ -68,7 +69,7 @@ class Execution:
             case steps.Move(target_rad):
                 await self._move(target_rad)
             case steps.KeepWorking(work):
-                await self._work(work)
+                await self._keep_working(work)
             case steps.Settle(duration_s):
                 await self._cell.clock.sleep(duration_s)
             case steps.ReadJoints(expected_rad):
@@ -94,14 +95,16 @@ class Execution:
             await self._identities.meet("robot", robot)
         await self._arm.move(target_rad)
 
-    async def _work(self, work: Work) -> None:
+    async def _keep_working(self, work: Work) -> None:
+        """Go round until the stop is due; a round that was begun is ended: only its ways were looked at."""
+        if work is not self._work:
+            self._work, self._place = work, 0
         clock = self._cell.clock
         left_s = work.until_s - self._logbook.situation.since_first_s
         end_s = await clock.now_s() + left_s
-        for place_rad in cycle(work.places_rad):
-            if await clock.now_s() >= end_s:
-                return
-            await self._move(place_rad)
+        while self._place or await clock.now_s() < end_s:
+            await self._move(work.places_rad[self._place])
+            self._place = (self._place + 1) % len(work.places_rad)
             await clock.sleep(_REST_S)
 
     async def _note(self, text: str) -> None:

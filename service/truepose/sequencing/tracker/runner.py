@@ -35,7 +35,7 @@ from truepose.sequencing.tracker.identity_check import TrackerIdentityCheck
 from truepose.sequencing.tracker.plans import extended_plan
 from truepose.sequencing.tracker.situation import TrackerSituation, situation_of
 from truepose.sequencing.tracker.state_so_far import TrackerRecord
-from truepose.sequencing.tracker.steps import Move, Step, StepKind
+from truepose.sequencing.tracker.steps import KeepWorking, Move, Step, StepKind
 from truepose.sequencing.tracker.way_preview import what_lies_ahead
 from truepose_drivers.errors import DriverError
 
@@ -225,7 +225,7 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
             if self._halts.wish is not None:
                 return ()
             refused = self._logbook.interrupted
-            if isinstance(operation, Move) and refused is not None:
+            if isinstance(operation, Move | KeepWorking) and refused is not None:
                 return (_confirm_again(refused),)
             await self._execution.perform(operation)
         ends_by_itself = step.kind in {StepKind.OPEN, StepKind.LOOK}

@@ -1,10 +1,14 @@
 """A test of drift on a fake cell: approaches of their own, work between groups, an early end."""
 
+import asyncio
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from tests.helpers.domain import asking
 from tests.unit.service.sequencing.tracker.fakes import NESTS, FakeCell, make_plan
-from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session
+from tests.unit.service.sequencing.tracker.operators import PatientOperator, run_session, until
 from truepose.domain.ledger import EntryKind
 from truepose.domain.session import PlannedStop, SessionState, Work
 from truepose.sequencing.errors import PlanRefusedError
@@ -85,6 +89,55 @@ async def test_the_arm_works_until_the_next_group_is_due():
     assert worked[:4] == [*_ROUND, *_ROUND]
     assert set(worked) == set(_ROUND)
     assert len(worked) > 100
+
+
+@pytest.mark.parametrize("later_s", range(5))
+async def test_a_round_is_gone_to_its_end(later_s):
+    """The way to the next visit was looked at from the last place of a round, and from no other."""
+    cell = FakeCell()
+    plan = drift_plan(2)
+    due = replace(plan.stops[2], work=Work(_EVERY_S + later_s, _ROUND))
+
+    await run_session(cell, replace(plan, stops=(*plan.stops[:2], due, plan.stops[3])))
+
+    assert cell.robot.moves[4:-4] == [*_ROUND] * (len(cell.robot.moves[4:-4]) // 2)
+
+
+async def test_whoever_goes_on_within_a_round_goes_to_its_next_place():
+    cell = FakeCell()
+    runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
+
+    async def pause_in_the_midst():
+        if len(cell.robot.moves) == 4:  # on the way to the first place
+            await asking.pause(runner, "Eva")
+
+    cell.robot.before_move = pause_in_the_midst
+    await PatientOperator().attend_from_the_start(runner)
+
+    assert SessionState.PAUSED in [state for state, _, _ in cell.journal.states]
+    assert cell.robot.moves[4:8] == [*_ROUND, *_ROUND]
+
+
+async def test_nobody_works_on_before_a_person_looked_where_lines_could_not_be_written():
+    cell = FakeCell()
+    runner = TrackerRunner(drift_plan(2), cell.cell, cell.journal)
+
+    async def fill():
+        if len(cell.robot.moves) == 3:  # to the last visit before the work
+            cell.journal.fill()
+
+    cell.robot.before_move = fill
+    run = asyncio.create_task(runner.run())
+    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION)
+    await asking.confirm(runner, "Eva")
+    await asyncio.wait_for(cell.journal.refused.wait(), 10)
+    cell.journal.make_room()
+    await until(lambda: runner.state is SessionState.AWAITING_CONFIRMATION or len(cell.robot.moves) > 4)
+    run.cancel()
+    await asyncio.gather(run, return_exceptions=True)
+
+    assert "could not be written for a while" in (runner.question or "")
+    assert len(cell.robot.moves) == 4
 
 
 async def test_a_killed_service_goes_on_working_as_if_it_had_not_been_gone():
