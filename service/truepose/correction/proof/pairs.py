@@ -5,7 +5,6 @@ the nominal robot would then have the nest, and how it would hold the tool. The 
 """
 
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
@@ -15,14 +14,12 @@ from truepose.domain.arrays import BoolArray, FloatArray, IntArray, Table
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.domain.results import Model
-from truepose.domain.robot import JointRow, Robot
 from truepose.domain.session import PlannedStop, SessionPlan
 from truepose.identification.model.estimates import nominal_estimate
 from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.same_robot import require_same_robot
 from truepose.planning.tracker.session_plans import plan_validation
 from truepose.planning.work_volume.work_space import WorkSpace
-
-_SAME_ROW: Final = 1e-6  # mm or rad: files round tables no further
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,25 +83,6 @@ def approach_directions(joints_rad: FloatArray, offset_rad: float | None) -> Int
     if not offset_rad:
         return None
     return np.full(joints_rad.shape, -int(np.sign(offset_rad)))
-
-
-def require_same_robot(model: Model, robot: Robot) -> None:
-    """Raise ConfigurationError that says where a model's nominal robot is another one."""
-    ours, theirs = model.robot.joints, robot.joints
-    if len(ours) != len(theirs):
-        raise ConfigurationError(
-            f"The model has {len(ours)} joints, this robot {len(theirs)}: the model is of another one."
-        )
-    away = np.abs(_table(ours) - _table(theirs)).max(axis=1)
-    if away.max() > _SAME_ROW:
-        raise ConfigurationError(
-            f"Row {int(np.argmax(away)) + 1} of the model's nominal table is not that of this cell's robot: "
-            "the model is of another robot, or the table was changed since."
-        )
-
-
-def _table(joints: tuple[JointRow, ...]) -> FloatArray:
-    return np.array([(row.alpha_rad, row.a_mm, row.theta_offset_rad, row.d_mm, row.sign) for row in joints])
 
 
 def _visits(pairs: Pairs) -> list[PlannedStop]:

@@ -17,6 +17,7 @@ from truepose.domain.ballbar import BallbarPlan, PlannedPlacement, PlannedPose, 
 from truepose.domain.campaign import Stops
 from truepose.domain.errors import ConfigurationError
 from truepose.identification.model.prediction import predict
+from truepose.identification.model.same_robot import require_same_robot
 from truepose.kinematics.chain import theta_gradient
 from truepose.kinematics.frames import poses_of
 from truepose.kinematics.inverse import all_branches, brought_within
@@ -66,6 +67,8 @@ def plan_sphere(cell: BallbarCell, fixture: BaseFixture, wish: SphereWish, *, se
         It cannot hold a nest a bar's length from it often enough, or not clear of everything.
     """
     _require_nests(cell, wish.nests)
+    if wish.model is not None:
+        require_same_robot(wish.model, cell.robot)
     held = setup_joints(cell, fixture, BALL_CUP)
     if held is None:
         raise WorkSpaceError(

@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.domain.robots import IRB_120
 from tests.helpers.identification.models import model_of, plain_parameters
 from tests.helpers.identification.synthetic import configurations
-from truepose.correction.proof.pairs import pairs_of, require_same_robot
+from truepose.correction.proof.pairs import pairs_of
 from truepose.correction.proof.verdict import proof_of
 from truepose.domain.campaign import PointReadings, Stops
 from truepose.domain.errors import ConfigurationError
@@ -16,6 +16,7 @@ from truepose.domain.robot import JointRow
 from truepose.exchange.results.proofs import proof_document
 from truepose.identification.model.estimates import structure_of, values_of
 from truepose.identification.model.evaluation import Targets, evaluate
+from truepose.identification.model.same_robot import require_same_robot
 
 N, NOISE_MM, SCATTER_MM = 40, 0.012, 0.004
 

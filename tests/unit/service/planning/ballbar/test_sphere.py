@@ -93,6 +93,16 @@ def test_a_model_that_commands_has_the_nests_on_its_own_sphere():
     assert plan.model_id == 7
 
 
+def test_a_model_of_another_robot_commands_nothing():
+    """It would send the arm to where nobody looked whether there is room."""
+    nests = tuple(NestCentre(k, tuple(centre)) for k, centre in enumerate(_CELL.nests_mm.tolist(), start=1))
+    first, *others = _CELL.robot.joints
+    taller = replace(_CELL.robot, joints=(replace(first, d_mm=first.d_mm + 40.0), *others))
+
+    with pytest.raises(ConfigurationError, match="the model is of another robot"):
+        plan_sphere(_CELL, _BALL, SphereWish((2,), 10, model_of(taller, nests=nests), model_id=7))
+
+
 @pytest.mark.parametrize("nests", [(), (1, 1), (4,)])
 def test_nests_that_are_none_are_refused(nests):
     with pytest.raises(ConfigurationError, match="each of its tool nests once, out of 1 to 3"):
