@@ -27,7 +27,7 @@ _URGENT: Final = re.compile(
 _STREAMS: Final = re.compile(r"/api/v1/events|/api/v1/ballbar-sessions/[^/]+/live")
 _DRAWN: Final = re.compile(
     r"/diagnoses/[^/]+|/corrections/[^/]+|/plan|/sessions/[^/]+/result"
-    r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|accuracy)"
+    r"|/api/v1/cells/[^/]+/plan|/api/v1/sessions/[^/]+/(promise|proof|circles|sphere|accuracy)"
 )
 
 

@@ -156,6 +156,15 @@ def test_every_route_that_stops_something_is_urgent():
     assert all(lanes._URGENT.fullmatch(path) for path in stopping)
 
 
+def test_every_judgement_of_readings_that_is_made_when_asked_waits_with_the_drawings():
+    judged = [
+        path for path in paths_of(APP) if re.search(r"/(promise|proof|circles|sphere|accuracy|result)$", path)
+    ]
+
+    assert len(judged) == 6
+    assert all(lanes._DRAWN.fullmatch(path) for path in judged)
+
+
 def test_every_stream_goes_in_the_lane_of_streams():
     streams = paths_answering(APP, StreamingResponse)
 
