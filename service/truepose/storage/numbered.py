@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from sqlalchemy import Row, Select, Table
+from sqlalchemy import ColumnElement, Row, Select, Table
 
 from truepose.storage.database import Database
 from truepose.storage.errors import NotFoundError
@@ -35,19 +35,21 @@ class NumberedRecords(Generic[R]):
     async def get(self, number: int) -> R:
         """Return a record; raises NotFoundError."""
         query = self._select_all().where(self._id == number)
-        row = await self._database.read(lambda c: c.execute(query).one_or_none())
-        if row is None:
+        found = await self._listed(query)
+        if not found:
             raise NotFoundError(self._kind, number)
-        return self._read(row)
+        return found[0]
 
     async def page(self, page: Page) -> list[R]:
         """Return records, oldest first."""
         query = self._select_all().where(self._id > page.after).order_by(self._id).limit(page.limit)
         return await self._listed(query)
 
-    async def newest(self, count: int) -> list[R]:
-        """Return the latest records, newest first."""
-        return await self._listed(self._select_all().order_by(self._id.desc()).limit(count))
+    async def newest(self, count: int, *conditions: ColumnElement[bool]) -> list[R]:
+        """Return the latest records of which all conditions hold, newest first."""
+        query = self._select_all().where(*conditions)
+        return await self._listed(query.order_by(self._id.desc()).limit(count))
 
     async def _listed(self, query: Select[Any]) -> list[R]:
+        # Documents are read where the query runs: of a long one the event loop would notice.
         return await self._database.read(lambda c: [self._read(row) for row in c.execute(query)])

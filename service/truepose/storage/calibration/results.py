@@ -99,9 +99,9 @@ class ResultRepository:
         """Return models, oldest first."""
         return await self._models.page(page)
 
-    async def newest_models(self, count: int) -> list[ModelRecord]:
-        """Return the latest models, newest first."""
-        return await self._models.newest(count)
+    async def newest_models(self, count: int, robot: str | None = None) -> list[ModelRecord]:
+        """Return the latest models, newest first; of the robots of one name, or of all."""
+        return await self._models.newest(count, *([] if robot is None else [models.c.robot == robot]))
 
     async def validation(self, validation_id: int) -> ValidationRecord:
         """Return a validation; raises NotFoundError."""

@@ -1,11 +1,13 @@
 """Which model a result is judged by, and on which robots that was made."""
 
+from typing import Final
+
 from truepose.storage.errors import ConflictError
 from truepose.storage.records import ModelRecord
 from truepose.web.context import Context
 from truepose.web.results.kinds import Choice, Origin
 
-MOST_SHOWN = 50
+_MOST_SHOWN: Final = 50
 
 
 async def model_for(here: Context, origin: Origin, choice: Choice) -> ModelRecord:
@@ -13,7 +15,7 @@ async def model_for(here: Context, origin: Origin, choice: Choice) -> ModelRecor
     if choice.model_id is not None:
         return await here.results.model(choice.model_id)
     robot = (await here.sessions.setup(origin.record.id)).cell.robot.name
-    newest = await models_of(here, robot)
+    newest = await models_of(here, robot, 1)
     if not newest:
         raise ConflictError(
             f"There is no model of {robot} yet, which says where poses are commanded: identify one first."
@@ -21,9 +23,9 @@ async def model_for(here: Context, origin: Origin, choice: Choice) -> ModelRecor
     return newest[0]
 
 
-async def models_of(here: Context, robot: str) -> list[ModelRecord]:
+async def models_of(here: Context, robot: str, count: int = _MOST_SHOWN) -> list[ModelRecord]:
     """Return the latest models of a robot, newest first."""
-    return [one for one in await here.results.newest_models(MOST_SHOWN) if one.robot == robot]
+    return await here.results.newest_models(count, robot)
 
 
 async def made_on(here: Context, model: ModelRecord) -> str:

@@ -58,7 +58,7 @@ async def _models(here: Context, origin: Origin, choice: Choice) -> list[int]:
     if choice.model_id is not None:
         return [choice.model_id]
     robot = (await here.sessions.setup(origin.record.id)).cell.robot.name
-    return [model.id for model in (await models_of(here, robot))[:1]]
+    return [model.id for model in await models_of(here, robot, 1)]
 
 
 def _form(here: Context) -> Form:

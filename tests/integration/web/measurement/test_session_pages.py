@@ -1,9 +1,14 @@
 """Sessions as pages: the list, one as it stands, what it came to, and forms that plan one."""
 
+from dataclasses import replace
+
 import pytest
 
+from tests.helpers.domain.robots import IRB_120
 from tests.helpers.web.pages import Page
 from tests.integration.web.bench import session_request
+from tests.integration.web.calibration.stored_models import store_model
+from truepose.web.results.models import models_of
 
 
 @pytest.fixture
@@ -96,6 +101,16 @@ async def test_the_forms_ask_for_validation_and_a_proof_for_a_model(client):
     assert [body for body in bodies if "circles" in body]
     assert not [body for body in bodies if "prove" in body]  # there is nothing to prove yet
     assert "There is no model of ABB IRB 120 yet: calibrate it first." in Page(reply.text).text
+
+
+async def test_the_newest_model_of_this_robot_stands_behind_those_of_others(app):
+    here = app.state.context
+    ours = await store_model(here)
+    for _ in range(2):
+        await store_model(here, replace(IRB_120, name="Another"))
+
+    assert [one.id for one in await models_of(here, IRB_120.name, 1)] == [ours]
+    assert await models_of(here, "A third") == []
 
 
 async def test_pages_speak_french_and_their_links_keep_it(client, session):
