@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from truepose.exchange.corrections.files import Rows
 
 MOST_TARGETS: Final = 100_000  # their answer is some 25 MB, which is stored before a reading would notice
+MOST_LEFT_ALONE: Final = 500  # that a record tells one by one; lists hold many records
 Report: TypeAlias = Callable[[float, str], None]
 
 
@@ -83,7 +84,11 @@ class CorrectFileTask:
         answer = correct_file(file.model, file.name, file.data, file.asked, out, seen)
         targets = _joined(rows)
         correction = FileCorrection(
-            answer.summary.totals, _largest(targets), answer.left_alone, answer.cautions
+            answer.summary.totals,
+            _largest(targets),
+            answer.left_alone[:MOST_LEFT_ALONE],
+            len(answer.left_alone),
+            answer.cautions,
         )
         corrected = out.getvalue()
         return FileCorrected(correction, _sha256(file.data), _sha256(corrected), pack(targets), corrected)

@@ -1,7 +1,8 @@
 """Corrected files: each stored with the end of its job."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from sqlalchemy import Column, Connection, Row, Select, func, select
 
@@ -17,6 +18,7 @@ from truepose.storage.records import CorrectionRecord, JobState, Page
 from truepose.storage.rows import add_row
 from truepose.storage.tables import campaigns, corrections, diagnoses, identifications, models
 
+T = TypeVar("T")
 _LISTED: Final = [column for column in corrections.c if column.name not in {"targets", "file"}]
 
 
@@ -70,18 +72,24 @@ class CorrectionRepository(NumberedRecords[CorrectionRecord]):
 
     async def file(self, correction_id: int) -> bytes:
         """Return the corrected file; raises NotFoundError."""
-        return await self._content(corrections.c.file, correction_id)
+        return await self._content(corrections.c.file, correction_id, bytes)
 
     async def targets(self, correction_id: int) -> CorrectedTargets:
         """Return the targets; raises NotFoundError."""
-        return unpack(CorrectedTargets, await self._content(corrections.c.targets, correction_id))
+        return await self._content(
+            corrections.c.targets, correction_id, lambda data: unpack(CorrectedTargets, data)
+        )
 
-    async def _content(self, column: Column[bytes], correction_id: int) -> bytes:
+    async def _content(self, column: Column[bytes], correction_id: int, read: Callable[[bytes], T]) -> T:
         query = select(column).where(corrections.c.id == correction_id)
-        found = await self._database.read(lambda c: c.scalar(query))
-        if found is None:
-            raise NotFoundError("correction", correction_id)
-        return bytes(found)
+
+        def work(connection: Connection) -> T:
+            found = connection.scalar(query)
+            if found is None:
+                raise NotFoundError("correction", correction_id)
+            return read(found)
+
+        return await self._database.read(work)
 
 
 def _records() -> Select[Any]:

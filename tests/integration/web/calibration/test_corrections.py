@@ -4,6 +4,7 @@ import asyncio
 import csv
 import hashlib
 import io
+import threading
 from dataclasses import replace
 
 import pytest
@@ -13,6 +14,8 @@ from tests.helpers.web.clients import made
 from tests.helpers.web.pages import Page
 from tests.integration.web.calibration.stored_models import store_model
 from truepose.analysis.workers.uploads import Uploads
+from truepose.storage.calibration import corrections as stored_corrections
+from truepose.storage.columns import unpack
 
 REST = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 PROGRAM = (
@@ -257,6 +260,34 @@ async def test_many_targets_are_shown_some_hundred_at_a_time(client, send):
 
     assert f"/corrections/{number}?after=200" in links(first)
     assert [text.text.count("<th>near</th>") for text in (first, rest)] == [200, 1]
+
+
+async def test_of_many_places_left_alone_a_record_tells_the_first_and_counts_all(client, send):
+    head, tail = PROGRAM.split(b"    MoveL Offs", 1)
+    program = head + b"    MoveL Offs(pNo,0,0,9),v1,fine,tool0;\r\n" * 1200 + b"    MoveL Offs" + tail
+    path = await made(client, await send("weld.mod", program))
+
+    record = (await client.get(path)).json()
+    page = Page((await client.get(f"/corrections/{record['id']}")).text).text
+
+    assert (record["left_alone_total"], len(record["document"]["left_alone"])) == (1201, 500)
+    assert "1,201 places of the program are left alone" in page
+    assert "The first 500 of 1,201 are listed." in page
+
+
+async def test_long_columns_are_read_beside_the_loop_that_watches_over_the_robot(client, send, monkeypatch):
+    path = await made(client, await send("t.csv", TABLE, frame="base"))
+    readers = set()
+
+    def noted(kind, data):
+        readers.add(threading.current_thread())
+        return unpack(kind, data)
+
+    monkeypatch.setattr(stored_corrections, "unpack", noted)
+    await client.get(f"{path}/targets")
+
+    assert len(readers) == 1
+    assert threading.main_thread() not in readers
 
 
 async def test_the_form_offers_the_models_and_the_list_leads_to_what_was_corrected(client, send, model_id):
