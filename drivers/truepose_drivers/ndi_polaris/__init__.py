@@ -1,0 +1,1 @@
+"""Optical trackers of poses that speak NDI's combined API (Polaris, Vega) over TCP."""
