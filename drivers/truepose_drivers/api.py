@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 Vector: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, float, float, float]  # w x y z
 Options: TypeAlias = Mapping[str, str | int | float | bool]
-DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar", "hands"]
+DeviceKind: TypeAlias = Literal["tracker", "robot", "clock", "ballbar", "hands", "pose_tracker"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,20 @@ class TrackerReading:
     time_s: float  # cell clock, at the end of the measurement
     # Of the point, from the instrument's accuracy model (tracker frame); None where it states none.
     covariance_mm2: tuple[Vector, Vector, Vector] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PoseReading:
+    """Where an artefact stood, mean of the frames of a time, in the instrument's own frame."""
+
+    quaternion: Quaternion  # unit; turns directions of the artefact's frame into the instrument's
+    position_mm: Vector  # of the artefact's origin
+    position_deviation_mm: Vector  # of one frame, per coordinate; NaN where there is one frame only
+    rotation_deviation_rad: float  # of one frame, root mean square; NaN as above
+    rms_mm: float  # of the fit of the artefact's markers, as the instrument states it
+    frames: int  # that showed the artefact
+    duration_s: float
+    time_s: float  # cell clock, at the end of the measurement
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +160,18 @@ class PointTracker(Device, Protocol):
         ...
 
 
+class PoseTracker(Device, Protocol):
+    """An instrument that measures position and orientation of an artefact in its own frame."""
+
+    async def initialise(self) -> None:
+        """Load what the instrument must know of the artefact, and begin to follow it."""
+        ...
+
+    async def measure_pose(self, *, duration_s: float) -> PoseReading:
+        """Measure the artefact at rest; raises ArtefactNotSeenError, OutOfVolumeError."""
+        ...
+
+
 class RobotController(Device, Protocol):
     """A robot that moves to joint targets."""
 
@@ -197,7 +224,7 @@ def motion_guard(controller: object) -> MotionGuard:
     return controller.motion_guard if isinstance(controller, GuardsMotion) else MotionGuard()
 
 
-AnyDevice: TypeAlias = PointTracker | RobotController | Clock | Ballbar | SimulatedHands
+AnyDevice: TypeAlias = PointTracker | PoseTracker | RobotController | Clock | Ballbar | SimulatedHands
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,9 @@ DriverError
 │   └── TargetRefusedError       a joint target is outside what the robot accepts
 └── MeasurementFailedError     the instrument tried and could not
     ├── BeamBrokenError          the line of sight was interrupted
-    └── ReflectorNotFoundError   no reflector where it was looked for
+    ├── ReflectorNotFoundError   no reflector where it was looked for
+    ├── ArtefactNotSeenError     the camera does not see enough of the artefact
+    └── OutOfVolumeError         the artefact stands where the camera does not measure
 """
 
 
@@ -81,3 +83,11 @@ class BeamBrokenError(MeasurementFailedError):
 
 class ReflectorNotFoundError(MeasurementFailedError):
     """No reflector where it was looked for. Operator: check that it is in its nest and faces the tracker."""
+
+
+class ArtefactNotSeenError(MeasurementFailedError):
+    """The camera does not see the artefact. Operator: clear its view, then repeat the configuration."""
+
+
+class OutOfVolumeError(MeasurementFailedError):
+    """The artefact stands outside the camera's measuring volume. Operator: choose another configuration."""

@@ -26,6 +26,8 @@ from truepose_drivers.api import (
     MotionLimits,
     Options,
     PointTracker,
+    PoseReading,
+    PoseTracker,
     RobotController,
     SimulatedHands,
     TrackerReading,
@@ -44,6 +46,7 @@ from truepose_drivers.plausibility import (
     require_joints,
     require_length,
     require_point,
+    require_pose,
     require_time,
 )
 
@@ -153,6 +156,27 @@ class GuardedTracker(GuardedDevice):
             return air
 
         return await self._guarded("environment", ask)
+
+
+class GuardedPoseTracker(GuardedDevice):
+    """A tracker of poses whose readings are judged."""
+
+    _device: PoseTracker
+
+    async def initialise(self) -> None:
+        """Bring the instrument into a state in which it can measure."""
+        await self._guarded("initialise", self._device.initialise)
+
+    async def measure_pose(self, *, duration_s: float) -> PoseReading:
+        """Measure the artefact; raises ArtefactNotSeenError, OutOfVolumeError, ImplausibleReadingError."""
+
+        async def measure() -> PoseReading:
+            reading = await self._device.measure_pose(duration_s=duration_s)
+            require_pose(reading)
+            self._stamp(reading.time_s)
+            return reading
+
+        return await self._guarded("measure_pose", measure)
 
 
 class GuardedRobot(GuardedDevice):
@@ -273,6 +297,8 @@ def guarded(name: str, kind: DeviceKind, device: AnyDevice) -> AnyDevice:
     match kind:
         case "tracker":
             return GuardedTracker(name, cast(PointTracker, device))
+        case "pose_tracker":
+            return GuardedPoseTracker(name, cast(PoseTracker, device))
         case "robot":
             return GuardedRobot(name, cast(RobotController, device))
         case "ballbar":

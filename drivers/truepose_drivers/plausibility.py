@@ -8,10 +8,19 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from truepose_drivers.api import BallbarReading, DeviceIdentity, Environment, JointReading, TrackerReading
+from truepose_drivers.api import (
+    BallbarReading,
+    DeviceIdentity,
+    Environment,
+    JointReading,
+    PoseReading,
+    TrackerReading,
+    Vector,
+)
 from truepose_drivers.errors import ImplausibleReadingError
 
 _FARTHEST_POINT_MM: Final = 200_000.0  # no tracker measures as far
+_UNIT_QUATERNION: Final = 1e-6  # how far off a length of one may be
 _MOST_TURNED_RAD: Final = 20.0 * math.pi  # ten turns: no joint of an arm is wound up further
 _LONGEST_TRAVEL_MM: Final = 1_000.0  # of any gauge
 _COLDEST_C, _HOTTEST_C = -100.0, 200.0  # of air and of instruments that still work
@@ -22,25 +31,32 @@ _LONGEST_NAME: Final = 200
 
 def require_point(reading: TrackerReading) -> None:
     """Judge a tracker's reading."""
-    _require(_all_finite(reading.point_mm), f"a point at {reading.point_mm} mm")
-    distance_mm = math.hypot(*reading.point_mm)
-    _require(
-        distance_mm <= _FARTHEST_POINT_MM,
-        f"a point {distance_mm / 1000.0:.3g} m away, farther than any tracker measures",
-    )
+    _require_place(reading.point_mm)
     spreads_mm = (*reading.standard_deviation_mm, reading.rms_mm)  # NaN where the instrument states none
     _require(
         not any(value < 0.0 or math.isinf(value) for value in spreads_mm),
         f"standard deviations of {reading.standard_deviation_mm} mm and a scatter of {reading.rms_mm} mm",
     )
     _require(reading.samples >= 1, f"a mean of {reading.samples} samples")
-    _require(
-        math.isfinite(reading.duration_s) and reading.duration_s > 0.0,
-        f"a measurement that took {reading.duration_s} s",
-    )
+    _require_duration(reading.duration_s)
     _require(reading.face in (1, 2), f"face {reading.face}")
     if reading.covariance_mm2 is not None:
         _require(_is_covariance(reading.covariance_mm2), f"the covariance {reading.covariance_mm2} mm2")
+
+
+def require_pose(reading: PoseReading) -> None:
+    """Judge a reading of position and orientation."""
+    _require_place(reading.position_mm)
+    length = math.hypot(*reading.quaternion)
+    _require(abs(length - 1.0) <= _UNIT_QUATERNION, f"a quaternion of length {length:.6g}")  # a NaN is none
+    spreads = (*reading.position_deviation_mm, reading.rotation_deviation_rad, reading.rms_mm)
+    _require(
+        not any(value < 0.0 or math.isinf(value) for value in spreads),  # NaN where there is one frame only
+        f"standard deviations of {reading.position_deviation_mm} mm and {reading.rotation_deviation_rad} rad"
+        f" and a scatter of {reading.rms_mm} mm",
+    )
+    _require(reading.frames >= 1, f"a mean of {reading.frames} frames")
+    _require_duration(reading.duration_s)
 
 
 def require_joints(reading: JointReading, joints_before: int | None) -> None:
@@ -106,6 +122,19 @@ def readable(identity: DeviceIdentity) -> DeviceIdentity:
 def _visible(text: str) -> str:
     shown = "".join(character if character.isprintable() else "?" for character in text[:_LONGEST_NAME])
     return shown.strip() or "unknown"
+
+
+def _require_place(point_mm: Vector) -> None:
+    _require(_all_finite(point_mm), f"a point at {point_mm} mm")
+    distance_mm = math.hypot(*point_mm)
+    _require(
+        distance_mm <= _FARTHEST_POINT_MM,
+        f"a point {distance_mm / 1000.0:.3g} m away, farther than any tracker measures",
+    )
+
+
+def _require_duration(duration_s: float) -> None:
+    _require(math.isfinite(duration_s) and duration_s > 0.0, f"a measurement that took {duration_s} s")
 
 
 def _require_temperature(temperature_c: float) -> None:

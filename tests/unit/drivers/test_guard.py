@@ -14,6 +14,7 @@ from truepose_drivers.api import (
     Environment,
     JointReading,
     MotionLimits,
+    PoseReading,
     TrackerReading,
 )
 from truepose_drivers.errors import (
@@ -28,6 +29,7 @@ from truepose_drivers.guard import guarded
 pytestmark = pytest.mark.simulated_time
 
 POINT = TrackerReading((3000.0, 1.0, 2.0), (0.01, 0.01, 0.01), 0.02, 50, 1.0, 1, 10.0)
+POSE = PoseReading((0.5, -0.5, 0.5, 0.5), (1.0, 2.0, -2000.0), (0.02,) * 3, 1e-4, 0.1, 60, 1.0, 10.0)
 JOINTS = JointReading((0.1, -0.2, 0.3, 0.0, 1.0, -1.0), 1e-4, 10.0)
 LENGTH = BallbarReading(0.1234, "good", 1e-4, 10.0, 21.0, 7)
 AIR = Environment(20.0, 1013.0, 50.0)
@@ -59,6 +61,7 @@ class Instrument:
         return said
 
     connect = identify = initialise = find_reflector = measure_point = change_face = environment = _answer
+    measure_pose = _answer
     set_limits = move_joints = read_joints = read = do = now_s = sleep = _answer
 
     async def close(self) -> None:
@@ -74,6 +77,12 @@ CALLS = {
         ("measure_point", (), {"duration_s": 1.0}),
         ("change_face", (), {}),
         ("environment", (), {}),
+    ],
+    "pose_tracker": [
+        ("connect", (), {}),
+        ("identify", (), {}),
+        ("initialise", (), {}),
+        ("measure_pose", (), {"duration_s": 1.0}),
     ],
     "robot": [("set_limits", (MotionLimits(),), {}), ("move_joints", ((0.0,),), {}), ("read_joints", (), {})],
     "ballbar": [("read", (), {})],
@@ -175,6 +184,39 @@ async def test_a_point_that_no_tracker_means_is_no_reading(changes):
         await device.measure_point(duration_s=1.0)
 
     assert not device.connected
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"quaternion": (0.5, 0.5, 0.5, 0.501)},
+        {"quaternion": (math.nan, 0.0, 0.0, 1.0)},
+        {"position_mm": (math.nan, 0.0, 0.0)},
+        {"position_mm": (1e12, 0.0, 0.0)},
+        {"position_deviation_mm": (-0.01, 0.01, 0.01)},
+        {"rotation_deviation_rad": math.inf},
+        {"rms_mm": -1.0},
+        {"frames": 0},
+        {"duration_s": 0.0},
+        {"time_s": -1.0},
+    ],
+    ids=str,
+)
+async def test_a_pose_that_no_camera_means_is_no_reading(changes):
+    device = guarded("acme", "pose_tracker", Instrument(replace(POSE, **changes)))
+
+    with pytest.raises(ImplausibleReadingError, match=r"driver acme.*check"):
+        await device.measure_pose(duration_s=1.0)
+
+    assert not device.connected
+
+
+async def test_a_pose_that_a_camera_means_passes():
+    single = replace(POSE, position_deviation_mm=(math.nan,) * 3, rotation_deviation_rad=math.nan, frames=1)
+    device = guarded("acme", "pose_tracker", Instrument(POSE, single))
+
+    assert await device.measure_pose(duration_s=1.0) is POSE
+    assert await device.measure_pose(duration_s=1.0) is single
 
 
 async def test_a_point_that_a_tracker_means_passes():
