@@ -20,6 +20,7 @@ from truepose.judgement.figure import Figure
 _HIGHEST_ORDER: Final = 2  # an encoder off centre makes one, an oval gear two; a diagnosis knows faster ones
 _WHOLE: Final = 5.0 / 6.0  # of a period that the arc must hold
 _FEWEST_LEFT: Final = 3  # degrees of freedom beside what is fitted
+_SEEN: Final = float(np.sqrt(-2.0 * np.log(0.0027)))  # Rayleigh
 BY_CHANCE: Final = 0.01  # so rarely noise alone shows errors as large
 
 
@@ -31,6 +32,11 @@ class Wave:
     amplitude_rad: Figure
     phase_rad: float
 
+    @property
+    def is_seen(self) -> bool:
+        """Whether it is more than readings show by chance, as rarely as 3 u of a figure with a sign."""
+        return self.amplitude_rad.value > _SEEN * self.amplitude_rad.standard_uncertainty
+
 
 @dataclass(frozen=True, slots=True)
 class JointCurve:
@@ -40,6 +46,12 @@ class JointCurve:
     waves: tuple[Wave, ...]
     left_rad: float  # RMS of what neither follows
     noise_chance: float  # that scatter alone shows errors as large as these
+
+    @property
+    def shows_something(self) -> bool:
+        """Whether gain or waves are more than readings show."""
+        gained = self.gain is not None and self.gain.is_seen
+        return gained or any(wave.is_seen for wave in self.waves)
 
 
 def backlash(errors: CircleErrors, direction: IntArray) -> Figure | None:

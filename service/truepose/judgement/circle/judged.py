@@ -37,8 +37,13 @@ class JointCircle:
 
     @property
     def is_noise(self) -> bool:
-        """Whether scatter alone shows errors as large."""
-        return self.curve.noise_chance >= BY_CHANCE
+        """Whether scatter alone shows errors as large, and no figure of the joint stands out of it.
+
+        All errors together hide a gain of a few uncertainties, which one figure shows.
+        """
+        gap = self.backlash_rad
+        shown = self.curve.shows_something or (gap is not None and gap.is_seen)
+        return self.curve.noise_chance >= BY_CHANCE and not shown
 
     @property
     def tangential_range_mm(self) -> Figure:

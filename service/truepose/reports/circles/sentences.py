@@ -83,7 +83,7 @@ def circle_sentences(one: JointCircle) -> Iterator[Sentence]:
         gain = one.curve.gain
         yield said("circles.gain", gain=gain.value, u=gain.standard_uncertainty)
     for wave in one.curve.waves:
-        if wave.amplitude_rad.is_seen:
+        if wave.is_seen:
             amplitude, u = _in_degrees(wave.amplitude_rad)
             yield said("circles.wave", order=wave.order, amplitude_deg=amplitude, u_deg=u)
     if one.set_aside:

@@ -44,7 +44,7 @@ def test_a_perfect_robot_has_no_errors_and_it_says_so(joint):
         assert np.abs(errors).max() < 1e-8  # mm; positions of half a metre are rounded at 1e-13
     assert found.is_noise
     assert not found.curve.gain.is_seen
-    assert not any(wave.amplitude_rad.is_seen for wave in found.curve.waves)
+    assert not any(wave.is_seen for wave in found.curve.waves)
     assert not found.backlash_rad.is_seen
 
 
@@ -122,6 +122,26 @@ def test_noise_alone_is_said_to_be_noise_and_its_uncertainties_hold():
     assert gains.std() == pytest.approx(1.0, abs=0.2)
     gaps = np.array([test.backlash_rad.value / test.backlash_rad.standard_uncertainty for test in tests])
     assert gaps.std() == pytest.approx(1.0, abs=0.2)
+
+
+def test_who_states_a_gain_does_not_say_that_no_error_is_seen():
+    """Some 4 u of a gain, which all errors of a short arc together hide."""
+    angles = there_and_back(-40, 40, 4)
+    stands = bent(5, angles, 4e-4 * np.radians(angles))
+    tests = [one(5, angles, true_rad=stands, scatter_mm=_U_MM, seed=seed) for seed in range(20)]
+
+    gained = [test for test in tests if test.curve.gain.is_seen]
+
+    assert any(test.curve.noise_chance > 0.01 for test in gained)
+    assert not any(test.is_noise for test in gained)
+
+
+def test_noise_makes_waves_as_rarely_as_other_figures():
+    tests = [one(5, scatter_mm=_U_MM, seed=seed) for seed in range(150)]
+    waves = [wave for test in tests for wave in test.curve.waves]
+
+    assert sum(wave.is_seen for wave in waves) <= 4  # 0.8 of 300 on average
+    assert sum(test.is_noise for test in tests) >= 140  # 147 on average
 
 
 def test_a_gross_reading_is_set_aside_and_named():
