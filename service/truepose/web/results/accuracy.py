@@ -73,7 +73,7 @@ async def _content(here: Context, origin: Origin, choice: Choice, words: Catalog
 
 
 def _address(origin: Origin, model: ModelRecord, choice: Choice) -> str:
-    limit = {} if choice.limit_mm is None else {"limit_mm": f"{choice.limit_mm:g}", "rule": choice.rule}
+    limit = {} if choice.limit_mm is None else {"limit_mm": repr(choice.limit_mm), "rule": choice.rule}
     return f"/api/v1/sessions/{origin.record.id}/accuracy?{urlencode({'model_id': model.id} | limit)}"
 
 
