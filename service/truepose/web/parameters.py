@@ -11,6 +11,9 @@ from truepose.web.schemas.base import KEY, NUMBER_LIMIT
 
 Id = Annotated[int, Path(ge=1, le=NUMBER_LIMIT, description="Number of the record.", examples=[3])]
 ModelId = Annotated[int, Query(ge=1, le=NUMBER_LIMIT, description="Number of the model.", examples=[3])]
+WantedModel = Annotated[
+    int | None, Query(alias="model_id", ge=1, le=NUMBER_LIMIT, description="Which model a form begins with.")
+]
 ModelIds = Annotated[
     list[Annotated[int, Field(ge=1, le=NUMBER_LIMIT)]],
     Query(default_factory=list, max_length=8, description="Numbers of models.", examples=[[3]]),

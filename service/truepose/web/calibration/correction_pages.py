@@ -17,7 +17,7 @@ from truepose.storage.records import CorrectionRecord
 from truepose.web.calibration.corrections import ANGLES, corrected_name
 from truepose.web.context import Context, Here
 from truepose.web.languages import Kept, Words
-from truepose.web.parameters import number_of
+from truepose.web.parameters import WantedModel, number_of
 from truepose.web.rendering import spoken_page
 from truepose.web.schemas.base import NUMBER_LIMIT
 from truepose.words.catalogue import Catalogue
@@ -25,7 +25,6 @@ from truepose.words.catalogue import Catalogue
 router = APIRouter(prefix="/corrections", include_in_schema=False)
 _SHOWN: Final = 50
 _ROWS: Final = 200
-Wanted = Annotated[int | None, Query(ge=1, le=NUMBER_LIMIT, description="Which model corrects.")]
 After = Annotated[int, Query(ge=0, le=NUMBER_LIMIT, description="Show targets behind this one.")]
 
 
@@ -44,7 +43,7 @@ class Shown:
 
 
 @router.get("", response_class=HTMLResponse)
-async def corrections_page(here: Here, words: Words, kept: Kept, model_id: Wanted = None) -> HTMLResponse:
+async def corrections_page(here: Here, words: Words, kept: Kept, wanted: WantedModel = None) -> HTMLResponse:
     """Show the form that takes a program, and the latest corrections."""
     return spoken_page(
         words,
@@ -52,7 +51,7 @@ async def corrections_page(here: Here, words: Words, kept: Kept, model_id: Wante
         here=here,
         kept=kept,
         models=await here.results.newest_models(_SHOWN),
-        wanted=model_id,
+        wanted=wanted,
         branches=BRANCH_NAMES,
         angles=ANGLES,
         most=MOST_TARGETS,

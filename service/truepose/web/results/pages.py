@@ -15,7 +15,7 @@ from truepose.storage.errors import NotFoundError
 from truepose.storage.records import ModelRecord
 from truepose.web.context import Context, Here
 from truepose.web.languages import Kept, Words
-from truepose.web.parameters import number_of
+from truepose.web.parameters import WantedModel, number_of
 from truepose.web.problems import status_of
 from truepose.web.rendering import spoken_page
 from truepose.web.results.choices import Chosen
@@ -65,11 +65,13 @@ async def sessions_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
 
 
 @router.get("/new", response_class=HTMLResponse)
-async def new_session_page(here: Here, words: Words, kept: Kept) -> HTMLResponse:
-    """Show a form for each kind of session that is planned from a page."""
+async def new_session_page(here: Here, words: Words, kept: Kept, wanted: WantedModel = None) -> HTMLResponse:
+    """Show a form for each kind of session that is planned from a page; `wanted` is the model to prove."""
     models = await models_of(here, here.cell.robot.name)
     forms = [(kind, kind.form(here)) for kind in KINDS if kind.form is not None]
-    return spoken_page(words, "new_session.html", here=here, kept=kept, forms=forms, models=models)
+    return spoken_page(
+        words, "new_session.html", here=here, kept=kept, forms=forms, models=models, wanted=wanted
+    )
 
 
 @router.get("/{id}", response_class=HTMLResponse)

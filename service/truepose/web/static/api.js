@@ -22,3 +22,30 @@ export function post(path, body, unreachable, key) {
 export function filled(text, values) {
   return text.replace(/<(\w+)>/g, (_, name) => values[name]);
 }
+
+// Has a form do something where it is submitted: `act` says how far it is, and what it throws is shown.
+export function onSubmit(form, act) {
+  const said = form.querySelector("output");
+  const button = form.querySelector("button");
+  const say = (sentence, bad = false) => {
+    said.textContent = sentence;
+    said.classList.toggle("bad", bad);
+  };
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    button.disabled = true;
+    try {
+      await act(say);
+    } catch (error) {
+      say(error.message, true);
+    } finally {
+      button.disabled = false;
+    }
+  });
+}
+
+// The address of a page in the language of this one.
+export function inThisLanguage(path) {
+  const language = new URLSearchParams(location.search).get("language");
+  return language ? `${path}?language=${encodeURIComponent(language)}` : path;
+}

@@ -1,6 +1,6 @@
 // The form that takes a program: what it asks is the API's own, and the page of the correction comes next.
 
-import { answered, filled } from "./api.js";
+import { answered, filled, inThisLanguage, onSubmit } from "./api.js";
 
 const POLL_MS = 500;
 const form = document.querySelector("#correct");
@@ -34,27 +34,7 @@ async function correct(say) {
     job = await answered(`/api/v1/jobs/${job.id}`, {}, unreachable);
   }
   if (job.state !== "succeeded") throw new Error(job.message);
-  const language = new URLSearchParams(location.search).get("language");
-  const kept = language ? `?language=${encodeURIComponent(language)}` : "";
-  location.assign(`/corrections/${job.result_id}${kept}`);
+  location.assign(inThisLanguage(`/corrections/${job.result_id}`));
 }
 
-if (form) {
-  const said = form.querySelector("output");
-  const button = form.querySelector("button");
-  const say = (sentence, bad = false) => {
-    said.textContent = sentence;
-    said.classList.toggle("bad", bad);
-  };
-  form.addEventListener("submit", async (event) => {
-    event.preventDefault();
-    button.disabled = true;
-    try {
-      await correct(say);
-    } catch (error) {
-      say(error.message, true);
-    } finally {
-      button.disabled = false;
-    }
-  });
-}
+if (form) onSubmit(form, correct);

@@ -1,6 +1,6 @@
 // Forms that plan a session: what they ask is the API's own, and the page of the session comes next.
 
-import { answered, filled, post } from "./api.js";
+import { answered, filled, inThisLanguage, onSubmit, post } from "./api.js";
 
 const POLL_MS = 500;
 
@@ -30,25 +30,9 @@ async function plan(form, say) {
   }
   if (made.state === "failed") throw new Error(made.message);
   const number = made.result_url ? made.result_url.split("/").pop() : made.id;
-  location.assign(`/sessions/${number}${location.search}`);
+  location.assign(inThisLanguage(`/sessions/${number}`));
 }
 
 for (const form of document.querySelectorAll("form[data-path]")) {
-  const said = form.querySelector("output");
-  const button = form.querySelector("button");
-  const say = (sentence, bad = false) => {
-    said.textContent = sentence;
-    said.classList.toggle("bad", bad);
-  };
-  form.addEventListener("submit", async (event) => {
-    event.preventDefault();
-    button.disabled = true;
-    try {
-      await plan(form, say);
-    } catch (error) {
-      say(error.message, true);
-    } finally {
-      button.disabled = false;
-    }
-  });
+  onSubmit(form, (say) => plan(form, say));
 }

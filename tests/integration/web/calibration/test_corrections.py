@@ -221,7 +221,7 @@ def links(reply):
     return [attributes.get("href") for tag, attributes in Page(reply.text).elements if tag == "a"]
 
 
-async def test_the_page_of_a_correction_says_what_became_of_each_target(client, send):
+async def test_the_page_of_a_correction_says_what_became_of_each_target(client, send, model_id):
     number = (await made(client, await send("weld.mod", PROGRAM))).rsplit("/", 1)[1]
 
     page, french = (
@@ -234,8 +234,10 @@ async def test_the_page_of_a_correction_says_what_became_of_each_target(client, 
     assert "its place is computed when the program runs" in page.text
     assert "sa place est calculée à l" in french.text
     assert "Shifts of the targets, from above and from the front" in page.text
-    assert {f"/api/v1/corrections/{number}/file", "/sessions/new#prove"} <= set(links(page))
-    assert "/sessions/new?language=fr#prove" in links(french)
+    assert {f"/api/v1/corrections/{number}/file", f"/sessions/new?model_id={model_id}#prove"} <= set(
+        links(page)
+    )
+    assert f"/sessions/new?model_id={model_id}&language=fr#prove" in links(french)
 
 
 async def test_a_correction_that_reached_nothing_draws_nothing_and_proves_nothing(client, send):
@@ -245,7 +247,7 @@ async def test_a_correction_that_reached_nothing_draws_nothing_and_proves_nothin
 
     assert "0 of 2 targets corrected." in page.text
     assert "<svg" not in page.text.split("<h1>")[1]
-    assert "/sessions/new#prove" not in links(page)
+    assert not [link for link in links(page) if link.endswith("#prove")]
 
 
 async def test_many_targets_are_shown_some_hundred_at_a_time(client, send):

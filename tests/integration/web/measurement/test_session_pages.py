@@ -113,6 +113,18 @@ async def test_the_newest_model_of_this_robot_stands_behind_those_of_others(app)
     assert await models_of(here, "A third") == []
 
 
+async def test_the_proof_that_was_asked_for_is_of_that_model_or_of_one_that_is_chosen(app, client):
+    older, _ = await store_model(app.state.context), await store_model(app.state.context)
+
+    def chosen(page):
+        options = [a for tag, a in Page(page.text).elements if tag == "option"]
+        return [a["value"] for a in options if "selected" in a], {"value": ""} in options[:1]
+
+    assert chosen(await client.get(f"/sessions/new?model_id={older}")) == ([str(older)], False)
+    assert chosen(await client.get("/sessions/new?model_id=99")) == ([], True)  # nothing is chosen for them
+    assert chosen(await client.get("/sessions/new")) == ([], False)
+
+
 async def test_pages_speak_french_and_their_links_keep_it(client, session):
     number = await session(role="validation")
 
