@@ -4,7 +4,7 @@ import numpy as np
 from playwright.sync_api import expect
 
 from tests.browser.windows import without_complaint
-from tests.integration.web.bench import stops
+from tests.integration.web.bench import session_request, stops
 from truepose.domain.session import PlannedStop, SessionPlan
 
 
@@ -71,3 +71,37 @@ def test_what_the_service_refuses_is_said_at_the_form(service, chromium):
 
         expect(form.get_by_role("status")).to_contain_text("centre_mm")
         assert page.url.endswith("/sessions/new")
+
+
+def test_another_tracker_is_accepted_by_the_number_that_a_person_types(service, tablet):
+    service.plan_with(planned())
+    number = service.post("/api/v1/sessions", session_request(role="validation")).json()["id"]
+    session = service.get(f"/api/v1/sessions/{number}")
+    foreign = {"device": "tracker", "finding": "foreign", "serial_number": "42"}
+    questioned = {
+        **session,
+        "state": "awaiting_confirmation",
+        "question": "Another tracker answers.",
+        "prompt_id": 5,
+        "tracker_in_question": foreign,
+    }
+    tablet.route(f"**/api/v1/sessions/{number}", lambda route: route.fulfill(json=questioned))
+    answer = {"sentence": "", "session": {**questioned, "tracker_in_question": None, "state": "running"}}
+    tablet.route("**/confirm", lambda route: route.fulfill(json=answer))
+    tablet.goto(f"{service.url}/sessions/{number}")
+    tablet.get_by_label("Your name").fill("Ada Byron")
+
+    tablet.get_by_label("Serial number of the tracker that you accept").fill("42")
+    with tablet.expect_request("**/confirm") as asked:
+        tablet.get_by_role("button", name="The cell is clear: go on").click()
+
+    assert asked.value.post_data_json == {"person": "Ada Byron", "prompt_id": 5, "accept_serial_number": "42"}
+
+
+def test_where_no_tracker_is_questioned_no_number_is_asked(service, tablet):
+    number = service.post("/api/v1/sessions", session_request(role="validation")).json()["id"]
+
+    tablet.goto(f"{service.url}/sessions/{number}")
+
+    expect(tablet.locator("#state")).to_have_text("planned")
+    expect(tablet.get_by_label("Serial number of the tracker")).to_be_hidden()

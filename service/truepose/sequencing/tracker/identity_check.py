@@ -16,12 +16,16 @@ class TrackerIdentityCheck(IdentityCheck):
     @property
     def question(self) -> str | None:
         """What a person is asked about the tracker; None where nothing is."""
-        foreign = self._foreign("tracker")
-        return None if foreign is None else sentence(foreign)
+        return None if self.tracker_in_question is None else sentence(self.tracker_in_question)
+
+    @property
+    def tracker_in_question(self) -> IdentityTaken | None:
+        """Another tracker than the expected one, until a person accepts it."""
+        return self._foreign("tracker")
 
     def require_questioned(self, serial: str) -> None:
         """Raise NotNowError where nobody asks whether this tracker may measure; no number is none."""
-        foreign = self._foreign("tracker")
+        foreign = self.tracker_in_question
         if serial and (foreign is None or not same_number(serial, foreign.serial)):
             raise NotNowError(f"Nobody asks whether the tracker {serial} may measure; nothing was accepted.")
 

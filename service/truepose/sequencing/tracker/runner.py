@@ -12,6 +12,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from truepose.domain.identities import IdentityTaken
 from truepose.domain.ledger import EntryKind, LedgerEntry
 from truepose.domain.people import tidy_name
 from truepose.domain.session import PlannedStop, Progress, SessionPlan, SessionState
@@ -97,6 +98,11 @@ class TrackerRunner(SessionRunner[TrackerSituation]):
     def question(self) -> str | None:
         """What a person is asked to confirm, or why the session waits; None while it runs or has ended."""
         return self.trouble or (self.situation.question if self._asked else None)
+
+    @property
+    def tracker_in_question(self) -> IdentityTaken | None:
+        """Another tracker than the expected one, until a person accepts it."""
+        return self._identities.tracker_in_question
 
     @property
     def progress(self) -> Progress:

@@ -255,8 +255,10 @@ def _reply(here: Context, record: SessionRecord) -> SessionReply:
     runner = here.tracker_sessions.running(record.id)
     if runner is not None:
         record = replace(record, state=runner.state)
+    foreign = None if runner is None else runner.tracker_in_question
     return SessionReply.of(
         record,
+        tracker_in_question=None if foreign is None else identity_reply(foreign),
         question=None if runner is None else runner.question,
         prompt_id=None if runner is None else runner.prompt_id,
         trouble=None if runner is None else runner.trouble,

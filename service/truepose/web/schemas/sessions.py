@@ -205,6 +205,9 @@ class SessionReply(Reply):
     question: str | None = Field(description="What a person is asked now; nothing moves meanwhile.")
     prompt_id: PromptShown
     trouble: str | None = Field(description="Why the session waits for the disk; null where it does not.")
+    tracker_in_question: IdentityReply | None = Field(
+        description="Another tracker answers; it is accepted by a confirmation that names its serial number."
+    )
     motion_notice: str | None = Field(
         description="What this program cannot do once the arm moves: for whoever confirms; null: no robot."
     )

@@ -30,6 +30,7 @@ function show(session) {
   write(at.reason, reason === session.question ? null : reason);
   write(at.question, session.question);
   write(at.notice, session.question ? session.motion_notice : null);
+  at.foreign.hidden = !session.tracker_in_question;
   at.result.hidden = session.measured === 0;
   at.acts.hidden = ENDED.includes(session.state);
   for (const button of form.querySelectorAll("[data-act]")) {
@@ -46,7 +47,9 @@ function bodyOf(act) {
   const name = person.value.trim();
   if (act === "start") return {};
   if (["pause", "abort"].includes(act)) return name ? { person: name } : {};
-  return { person: name, prompt_id: shown.prompt_id };
+  // Whoever accepts another tracker says which: the number is typed, not offered.
+  const serial = at.foreign.hidden ? "" : form.elements.serial.value.trim();
+  return { person: name, prompt_id: shown.prompt_id, ...(act === "confirm" && serial && { accept_serial_number: serial }) };
 }
 
 async function act(name) {

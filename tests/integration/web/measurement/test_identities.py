@@ -72,6 +72,7 @@ async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(c
     asked = await questioned(client, bench)
     assert asked["state"] == "awaiting_confirmation"
     assert "42" in asked["question"]
+    assert asked["tracker_in_question"]["serial_number"] == "42"
 
     other = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "43"})
     accepted = await client.post(f"{SESSION}/confirm", json={"person": "Ada", "accept_serial_number": "42"})
@@ -86,6 +87,7 @@ async def test_a_session_asks_about_a_tracker_that_the_cell_file_does_not_name(c
         "expected_serial_number": "390003",
         "person": "Ada",
     } in session["identities"]
+    assert session["tracker_in_question"] is None
     assert bench.robot.moves > 0
     readings = (await client.get(f"{SESSION}/readings")).json()
     assert {reading["instrument_serial"] for reading in readings} == {"42"}
