@@ -79,5 +79,5 @@ class FileCorrection:
     totals: CorrectionTotals
     largest_shift_mm: float  # NaN where nothing was corrected
     left_alone: tuple[LeftAlone, ...]  # the first of them
-    left_alone_total: int
+    left_alone_count: int
     cautions: tuple[Sentence, ...]  # what the predictions do not contain, and what was not understood

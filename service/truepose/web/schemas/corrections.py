@@ -37,7 +37,7 @@ class CorrectionReply(Reply):
     corrected_sha256: str
     asked: AskedReply
     document: CorrectionDocument
-    left_alone_total: int = Field(description="The document tells the first 500 of them.")
+    left_alone_count: int = Field(description="The document tells the first 500 of them.")
     largest_shift_mm: Quantity = Field(
         description="From the place meant to the one that the controller is told; null: none was corrected."
     )
@@ -69,7 +69,7 @@ def correction_reply(record: CorrectionRecord) -> CorrectionReply:
         record,
         asked=AskedReply(**record.asked),
         document=correction_of(found.totals, found.left_alone),
-        left_alone_total=found.left_alone_total,
+        left_alone_count=found.left_alone_count,
         largest_shift_mm=found.largest_shift_mm,
         cautions=list(map(english, found.cautions)),
         file_url=f"{path}/file",

@@ -272,7 +272,7 @@ async def test_of_many_places_left_alone_a_record_tells_the_first_and_counts_all
     record = (await client.get(path)).json()
     page = Page((await client.get(f"/corrections/{record['id']}")).text).text
 
-    assert (record["left_alone_total"], len(record["document"]["left_alone"])) == (1201, 500)
+    assert (record["left_alone_count"], len(record["document"]["left_alone"])) == (1201, 500)
     assert "1,201 places of the program are left alone" in page
     assert "The first 500 of 1,201 are listed." in page
 
