@@ -117,6 +117,7 @@ def test_a_validation_has_the_promised_keys():
         "limit_mm",
         "decision",
         "pass",
+        "uncertainty",
     }
     assert document["pass"] is True
     assert document["places"] is None
