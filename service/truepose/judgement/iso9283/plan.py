@@ -69,15 +69,18 @@ class PosePlan:
     def session(self, nest: int, cycles: int = CYCLES) -> SessionPlan:
         """Return the cycles as a session; every visit after the first says which one it repeats.
 
-        Nothing comes between two poses: a further approach would measure another robot.
+        Nothing comes between two poses: a further approach would measure another robot. The arm begins at P1,
+        so that the first cycle comes to P5 from where all others do.
         """
         return SessionPlan("validation", tuple(self._stops(nest, cycles)), approach_offset_rad=None)
 
     def _stops(self, nest: int, cycles: int) -> Iterator[PlannedStop]:
+        in_order: list[list[float]] = self.joints_rad[np.array(_ORDER) - 1].tolist()
         for visit in range(POSES * cycles):
             place = visit % POSES
-            joints = tuple(float(angle) for angle in self.joints_rad[_ORDER[place] - 1])
-            yield PlannedStop(visit + 1, joints, nest, repeat_of=place + 1 if visit >= POSES else None)
+            repeat_of = place + 1 if visit >= POSES else None
+            begin_rad = tuple(in_order[-1]) if visit == 0 else None
+            yield PlannedStop(visit + 1, tuple(in_order[place]), nest, repeat_of, begin_rad)
 
 
 def plan_poses(

@@ -84,6 +84,16 @@ def test_thirty_cycles_run_from_p5_to_p1():
     assert session.approach_offset_rad is None
 
 
+def test_the_first_cycle_comes_to_p5_from_p1_as_all_others_do():
+    session = plan_poses(IRB_120, _CUBE, _DOWN, _NEST).session(nest=2, cycles=2)
+
+    places = [place for stop in session.stops for place in stop.places(session.approach_offset_rad)]
+
+    p1 = session.stops[4].joints_rad
+    assert places[0] == ("approach", p1)
+    assert [what for what, _ in places[1:]] == ["stop"] * 10  # nothing else comes between two poses
+
+
 @pytest.mark.parametrize(
     ("cube", "sentence"),
     [
