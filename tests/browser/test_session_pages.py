@@ -48,7 +48,7 @@ def test_where_the_fixture_stands_is_asked_before_a_sphere_test_is_planned(servi
     expect(form.get_by_label("Fixture, x")).to_be_focused()  # the browser asks for what is needed
     for label, value in (("Fixture, x", "350"), ("Fixture, y", "-150"), ("Fixture, z", "150")):
         form.get_by_label(label).fill(value)
-    made = {"id": 1, "state": "planned"}
+    made = {"id": 1, "state": "planned", "result_url": "/sessions/1/result"}
     tablet.route("**/api/v1/ballbar-sessions", lambda route: route.fulfill(json=made))
     tablet.route("**/sessions/1", lambda route: route.fulfill(body="the session"))
     with tablet.expect_request("**/api/v1/ballbar-sessions") as asked:

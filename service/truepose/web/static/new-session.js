@@ -29,8 +29,7 @@ async function plan(form, say) {
     made = await answered(`/api/v1/jobs/${made.id}`, {}, unreachable);
   }
   if (made.state === "failed") throw new Error(made.message);
-  const number = made.result_url ? made.result_url.split("/").pop() : made.id;
-  location.assign(inThisLanguage(`/sessions/${number}`));
+  location.assign(inThisLanguage(`/sessions/${made.result_id ?? made.id}`)); // of a job, or of a session at once
 }
 
 for (const form of document.querySelectorAll("form[data-path]")) {
