@@ -163,8 +163,7 @@ def _found(
     directions = _directions(program, rows, found.joints_rad)
     if not directions.any():
         return goals, found
-    near = np.where(found.solved[:, None], found.joints_rad, goals.stops.joints_rad)
-    goals = replace(goals, stops=replace(goals.stops, joints_rad=near, direction=directions))
+    goals = replace(goals, stops=replace(goals.stops, direction=directions))
     return goals, correct(model, goals, branch)
 
 

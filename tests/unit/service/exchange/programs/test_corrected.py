@@ -152,6 +152,9 @@ def test_the_side_from_which_a_straight_program_comes_makes_up_for_backlash():
     base[:3, :3], base[:3, 3] = reached.chain.base_rotation[0], reached.chain.base_origin[0]
     wanted = base @ nominal_flange(np.radians([10, 20, -10, 5, 40, 20]))
     assert reached.chain.end_origin[0] == pytest.approx(wanted[:3, 3], abs=1e-3)
+    turns = found.joints_rad - np.radians([[0, 0, 0, 0, 30, 0], [10, 20, -10, 5, 40, 20]])
+    assert found.moved_rad == pytest.approx(np.abs(turns).max(axis=1))  # from the controller's own answer
+    assert (found.moved_rad > 1e-4).all()
 
 
 def test_a_tool_that_the_file_only_names_is_asked_for_and_taken():
