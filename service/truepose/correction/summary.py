@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from truepose.correction.corrections import Corrections
+from truepose.domain.arrays import FloatArray
 from truepose.domain.corrections import CorrectionTotals
 
 MOST_NAMED: Final = 100
@@ -21,10 +22,11 @@ class Summary:
     def __init__(self) -> None:
         self._statuses: Counter[str] = Counter()
         self._failed: list[tuple[str, str]] = []  # name and status, at most MOST_NAMED
-        self._largest_error_mm = self._largest_uncertainty_mm = self._farthest_outside_mm = 0.0
+        self._largest_error_mm = self._largest_uncertainty_mm = 0.0
         self._far_moved = 0  # solved targets at which a joint turns far from the controller's own answer
         self._largest_move_rad = 0.0
         self._outside = 0  # solved targets outside the measured zone
+        self._farthest_outside_mm = self._farthest_outside_rad = 0.0
         self._zone_known = True
         self._uncertainty_mm = 0.0
 
@@ -46,8 +48,8 @@ class Summary:
         self._zone_known = self._zone_known and not np.isnan(solved.outside_mm).any()
         beyond = (solved.outside_mm > 0.0) | (solved.outside_rad > 0.0).any(axis=1)
         self._outside += int(beyond.sum())
-        farthest = float(np.nan_to_num(solved.outside_mm).max(initial=0.0))
-        self._farthest_outside_mm = max(self._farthest_outside_mm, farthest)
+        self._farthest_outside_mm = max(self._farthest_outside_mm, _largest(solved.outside_mm))
+        self._farthest_outside_rad = max(self._farthest_outside_rad, _largest(solved.outside_rad))
 
     @property
     def totals(self) -> CorrectionTotals:
@@ -62,5 +64,10 @@ class Summary:
             largest_move_rad=self._largest_move_rad,
             outside=self._outside,
             farthest_outside_mm=self._farthest_outside_mm,
+            farthest_outside_rad=self._farthest_outside_rad,
             zone_known=self._zone_known,
         )
+
+
+def _largest(beyond: FloatArray) -> float:
+    return float(np.nan_to_num(beyond).max(initial=0.0))

@@ -44,7 +44,8 @@ class CorrectionTotals:
     far_moved: int  # corrected ones at which a joint turns far from the controller's own answer
     largest_move_rad: float
     outside: int  # corrected ones outside the measured zone
-    farthest_outside_mm: float
+    farthest_outside_mm: float  # of the last frame
+    farthest_outside_rad: float  # of a joint
     zone_known: bool
 
     @property

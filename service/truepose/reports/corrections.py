@@ -42,5 +42,9 @@ def _outside(totals: CorrectionTotals) -> Iterator[Sentence]:
     if not totals.zone_known:
         yield said("corrections.zone_unknown")
     elif totals.outside:
-        farthest = totals.farthest_outside_mm
-        yield said("corrections.outside", outside=totals.outside, farthest_mm=farthest)
+        yield said(
+            "corrections.outside",
+            outside=totals.outside,
+            farthest_deg=math.degrees(totals.farthest_outside_rad),
+            farthest_mm=totals.farthest_outside_mm,
+        )

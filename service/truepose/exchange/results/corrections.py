@@ -40,7 +40,8 @@ class CorrectionDocument(Document):
     far_moved: int = Field(description="Corrected ones at which a joint turns by more than 5 deg.")
     largest_move_deg: Quantity = Field(description="Of a joint, from the controller's own answer.")
     outside: int | None = Field(description="Corrected ones outside the measured zone; null: it is unknown.")
-    farthest_outside_mm: Quantity | None
+    farthest_outside_mm: Quantity | None = Field(description="Of the last frame.")
+    farthest_outside_deg: Quantity | None = Field(description="Of a joint.")
     left_alone: list[LeftAloneDocument] = Field(
         description="What moves the robot of a program and is not corrected by changing numbers."
     )
@@ -65,5 +66,6 @@ def correction_of(totals: CorrectionTotals, left_alone: Sequence[LeftAlone] = ()
         largest_move_deg=math.degrees(totals.largest_move_rad),
         outside=totals.outside if totals.zone_known else None,
         farthest_outside_mm=totals.farthest_outside_mm if totals.zone_known else None,
+        farthest_outside_deg=math.degrees(totals.farthest_outside_rad) if totals.zone_known else None,
         left_alone=[LeftAloneDocument.of(left) for left in left_alone],
     )
