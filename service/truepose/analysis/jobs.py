@@ -76,8 +76,7 @@ class JobDesk:
 
     async def mark_interrupted(self, why: str) -> None:
         """Give every job that has no end one: nobody works on it any more."""
-        for job in await self._jobs.unfinished():
-            await self._jobs.change_state(job.id, JobState.INTERRUPTED, why)
+        await self._jobs.interrupt(why)
 
     async def identify(
         self, campaign_id: int, effects: tuple[str, ...] | None, key: RequestKey | None = None

@@ -1,7 +1,9 @@
 """Records are appended or superseded, never changed."""
 
+import asyncio
 import functools
 import json
+import threading
 from dataclasses import replace
 
 import pytest
@@ -194,6 +196,22 @@ async def test_what_is_not_there_is_named(sessions, readings):
         await sessions.get(7)
     with pytest.raises(NotFoundError, match=r"There is no reading 8\."):
         await readings.get(8)
+
+
+async def test_a_job_whose_end_is_being_written_is_not_interrupted(database):
+    jobs, may_write = JobRepository(database), threading.Event()
+    ending, open_still = [await jobs.add(JobKind.IDENTIFICATION, {}) for _ in range(2)]
+    busy = asyncio.create_task(database.write(lambda _: may_write.wait(10)))
+    ends = asyncio.create_task(jobs.change_state(ending, JobState.SUCCEEDED, ""))
+    await asyncio.sleep(0)
+
+    interrupts = asyncio.create_task(jobs.interrupt("The service was stopped."))
+    await asyncio.wait({interrupts}, timeout=0.05)  # time for a look that is not part of the writing
+    may_write.set()
+    await asyncio.gather(busy, ends, interrupts)
+
+    states = [(await jobs.get(number)).state for number in (ending, open_still)]
+    assert states == [JobState.SUCCEEDED, JobState.INTERRUPTED]
 
 
 async def test_pages_follow_each_other(sessions):

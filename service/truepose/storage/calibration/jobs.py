@@ -53,10 +53,15 @@ class JobRepository(NumberedRecords[JobRecord]):
 
         return await self._database.write(lambda c: once(c, key, f"{kind} job", create))
 
-    async def unfinished(self) -> list[JobRecord]:
-        """Return the jobs that no final state ended, oldest first."""
-        open_states = (JobState.QUEUED, JobState.RUNNING)
-        return await self._listed(_records().where(job_states.c.state.in_(open_states)).order_by(jobs.c.id))
+    async def interrupt(self, why: str) -> None:
+        """End every job that no final state ended; one whose end is just being written keeps its own."""
+        unfinished = job_states.c.state.in_((JobState.QUEUED, JobState.RUNNING))
+
+        def work(connection: Connection) -> None:
+            for row in connection.execute(_records().where(unfinished).order_by(jobs.c.id)).all():
+                add_job_state(connection, row.id, JobState.INTERRUPTED, why)
+
+        await self._database.write(work)
 
     async def plans_of(self, session_ids: Iterable[int]) -> dict[int, dict[str, Any]]:
         """Return what was asked of the jobs that planned sessions, by session; given stops had no job."""
