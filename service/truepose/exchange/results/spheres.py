@@ -98,6 +98,7 @@ class SphereTestDocument(Document):
     nominal_mm: Quantity | None = Field(description="Length of the bar.")
     order: list[SphereRankDocument] = Field(description="Models, the most accurate first.")
     spheres: list[SphereDocument]
+    skipped: int | None = Field(description="Stops that a person left out; null: nobody said.")
 
 
 def sphere_document(test: SphereTest, robot: str) -> SphereTestDocument:

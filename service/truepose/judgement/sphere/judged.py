@@ -77,6 +77,7 @@ class SphereTest:
 
     nominal_mm: float | None  # length of the bar
     spheres: tuple[Sphere, ...]
+    skipped: int | None = None  # stops that a person left out; None: nobody said
 
     @property
     def order(self) -> tuple[tuple[str, Figure], ...]:

@@ -91,7 +91,9 @@ def sphere_test_sentences(test: SphereTest, words: Catalogue) -> Iterator[Senten
 
 
 def order_sentences(test: SphereTest, words: Catalogue) -> Iterator[Sentence]:
-    """Yield the models in the order of their accuracy, and which of them the lengths do not tell apart."""
+    """Yield the models in the order of their accuracy, which are not told apart, and what was left out."""
+    if test.skipped:
+        yield said("sphere.skipped_one" if test.skipped == 1 else "sphere.skipped", stops=test.skipped)
     if len(test.order) < 2:
         return
     yield said("sphere.order", models=tuple(_ranked(name, rms, words) for name, rms in test.order))

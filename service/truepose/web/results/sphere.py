@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from markupsafe import Markup
@@ -34,11 +35,12 @@ async def sphere_of(here: Context, session_id: int, model_ids: Sequence[int]) ->
     """
     from truepose.judgement.sphere.judged import sphere_test
 
-    plan = (await here.ballbar_sessions.view(session_id)).plan
-    numbers = dict.fromkeys([*model_ids, *([plan.model_id] if plan.model_id else [])])
+    view = await here.ballbar_sessions.view(session_id)
+    numbers = dict.fromkeys([*model_ids, *([view.plan.model_id] if view.plan.model_id else [])])
     models = {f"model {number}": (await here.results.model(number)).model for number in numbers}
     campaign = await here.ballbar_sessions.campaign(session_id)
-    return await asyncio.to_thread(sphere_test, campaign, models), campaign.robot.name
+    test = await asyncio.to_thread(sphere_test, campaign, models)
+    return replace(test, skipped=view.situation.progress.skipped_poses), campaign.robot.name
 
 
 async def _content(here: Context, origin: Origin, choice: Choice, words: Catalogue) -> Markup:

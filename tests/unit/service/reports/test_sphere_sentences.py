@@ -1,8 +1,13 @@
 """What a sphere test says: models in their order, those that lengths do not tell apart, what is withheld."""
 
+from dataclasses import replace
+
+import pytest
+
 from tests.helpers.ballbar.spheres import NESTS_MM, longer, sphere_campaign
 from tests.helpers.identification.models import IRB_120, model_of, parameters_of
 from truepose.domain.results import NestCentre
+from truepose.exchange.results.spheres import sphere_document
 from truepose.judgement.sphere.judged import sphere_test
 from truepose.reports.spheres.sentences import order_sentences, sphere_rows, sphere_test_sentences
 from truepose.words.catalogue import IN_ENGLISH, catalogue, english
@@ -28,6 +33,19 @@ def test_models_that_the_lengths_do_not_tell_apart_are_named():
 
 def test_one_model_has_no_order():
     assert list(order_sentences(sphere_test(sphere_campaign(per_nest=8)), IN_ENGLISH)) == []
+
+
+@pytest.mark.parametrize(
+    ("skipped", "said_first"), [(3, "3 stops were"), (1, "One stop was"), (0, None), (None, None)]
+)
+def test_stops_that_a_person_left_out_are_counted(skipped, said_first):
+    """Who skips what the bar does not reach leaves out the largest errors."""
+    test = replace(sphere_test(sphere_campaign(per_nest=8)), skipped=skipped)
+
+    said = [english(sentence).split(" skipped")[0] for sentence in order_sentences(test, IN_ENGLISH)]
+
+    assert said == ([said_first] if said_first else [])
+    assert sphere_document(test, "arm").skipped == skipped
 
 
 def test_what_is_withheld_is_said_with_its_ball_and_has_no_row():
