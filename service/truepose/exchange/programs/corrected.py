@@ -144,9 +144,9 @@ def _reason_against(target: ProgramTarget, understood: Understood) -> Sentence |
     if target.tool is None or target.work_object is None:
         return said("left.tool_unsaid") if target.tool is None else said("left.object_unsaid")
     if target.tool.pose is None:
-        return said("left.tool_undeclared", frame=target.tool.name)
+        return said("left.tool_undeclared", frame=target.tool.shown)
     if target.work_object.pose is None:
-        return said("left.object_undeclared", frame=target.work_object.name)
+        return said("left.object_undeclared", frame=target.work_object.shown)
     if target.near_rad is None and _branch(target, understood) == ANY_BRANCH:
         return said("left.branch_unknown")
     return None

@@ -212,7 +212,7 @@ def _names(use: Use) -> tuple[str, ...]:
 
 
 def _frames(use: Use) -> Sentence:
-    match [frame.name for frame in (use.tool, use.work_object) if frame is not None]:
+    match [frame.shown for frame in (use.tool, use.work_object) if frame is not None]:
         case [tool, frame]:
             return said("left.frame_in_frame", tool=tool, frame=frame)
         case [frame]:

@@ -10,6 +10,7 @@ from typing import Final, Literal, TypeAlias
 
 from truepose.domain.corrections import LeftAlone
 from truepose.domain.errors import ConfigurationError
+from truepose.domain.sentences import Sentence, Text
 
 Triple: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -48,6 +49,12 @@ class Frame:
 
     name: str
     pose: Pose | None = None
+    spoken: Sentence | None = None  # a name that the reader made, for people; None: it stands in the file
+
+    @property
+    def shown(self) -> Text:
+        """How sentences name it."""
+        return self.spoken or self.name
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from truepose.domain.corrections import place
 from truepose.domain.sentences import Sentence, said
 from truepose.exchange.programs.draft import ARC, CHOSEN, COMPUTED, ELSEWHERE, Draft
 from truepose.exchange.programs.forms import JOINT_RADIANS, METRES, ROTATION_VECTOR
@@ -255,8 +256,10 @@ class _Reader:
     def _set_tool(self, words: Tokens) -> None:
         given = [_unnamed(part) for part in inside(words[1:], "(") or ()]
         if given:
-            name = f"set_tcp of line {self._line(words)}"
-            self._frames.put(_TOOL, Frame(name, self._names.pose(given[0])))
+            line = self._line(words)
+            spoken = said("left.frame_at", frame="set_tcp", place=place(line))
+            frame = Frame(f"set_tcp of line {line}", self._names.pose(given[0]), spoken)
+            self._frames.put(_TOOL, frame)
 
     def _assignment(self, words: Tokens) -> None:
         at = next(place for place in outside(words) if words[place].text == "=")

@@ -60,7 +60,9 @@ class Frames:
             return said("left.base_moved")
         written = pose(self._source, words)
         if written is not None:
-            return Frame(f"{name} of {self._source.said(self._source.line(words[0].start))}", written)
+            line = self._source.line(words[0].start)
+            spoken = said("left.frame_at", frame=name, place=self._source.place(line))
+            return Frame(f"{name} of {self._source.said(line)}", written, spoken)
         return self.named(shown(self._source, words).upper().replace(" ", ""))
 
     def of_point(self, words: Tokens) -> PointData:

@@ -9,6 +9,7 @@ from itertools import count, takewhile
 from math import hypot
 from typing import Final
 
+from truepose.domain.sentences import said
 from truepose.exchange.programs.forms import JOINT_DEGREES, MILLIMETRES, QUATERNION
 from truepose.exchange.programs.program import (
     AT_THE_ORIGIN,
@@ -43,7 +44,7 @@ def required(names: Collection[str]) -> tuple[str, ...]:
 
 def nest_frame(nest: int) -> Frame:
     """Return a tool nest as a program names a tool; where it is, the model knows."""
-    return Frame(f"nest {nest}")
+    return Frame(f"nest {nest}", spoken=said("left.nest", nest=nest))
 
 
 def target_of(

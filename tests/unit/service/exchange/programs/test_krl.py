@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import KRL, line_of, named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
+from truepose.words.catalogue import catalogue, english
 
 POSE = b"{X 1.0,Y 2.0,Z 3.0,A 0.0,B 0.0,C 0.0}"
 
@@ -195,3 +196,15 @@ def test_axes_may_be_given_where_the_motion_stands():
     (target,) = read("m.src", b"DEF M( )\nPTP {E6AXIS: A1 1,A2 2,A3 3,A4 4,A5 5,A6 6}\nEND\n").targets
 
     assert isinstance(target.value, Configuration)
+
+
+def test_bases_that_have_no_name_are_told_by_their_lines_in_every_language():
+    program = routine(
+        b"$BASE={X 1,Y 0,Z 0,A 0,B 0,C 0}", b"LIN P1", b"$BASE={X 2,Y 0,Z 0,A 0,B 0,C 0}", b"LIN P1"
+    )
+    (left,) = program.left_alone
+
+    assert "$BASE of line 4" in english(left.reason)
+    assert "$BASE of line 6" in english(left.reason)
+    assert "$BASE de la ligne 4" in catalogue("fr").spoken(left.reason)
+    assert "of line" not in catalogue("fr").spoken(left.reason)

@@ -40,7 +40,7 @@ def test_an_object_of_json_is_a_row():
     first, second = read("row.json").targets
 
     assert (first.name, first.line, first.tool) == ("p1 {[", 2, Frame("flange", AT_THE_ORIGIN))
-    assert (second.name, second.line, second.tool) == ("line 4", 4, Frame("nest 2"))
+    assert (second.name, second.line, second.tool.name) == ("line 4", 4, "nest 2")
     assert second.value.position_mm == (100.5, 200.0, -3.0)
     assert second.work_object == WORLD
 

@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.helpers.exchange.robot_programs import UR, line_of, named, read, reasons
 from truepose.exchange.programs.program import AT_THE_ORIGIN, Configuration, Frame
+from truepose.words.catalogue import catalogue, english
 
 
 def program_of(*lines):
@@ -136,3 +137,10 @@ def test_a_program_without_targets_has_none():
     program = program_of("textmsg('movej([0,0,0,0,0,0])')", "# movej([0,0,0,0,0,0])")
 
     assert (program.targets, program.motions, program.left_alone) == ((), (), ())
+
+
+def test_a_tool_that_is_set_by_a_name_is_told_by_its_line_in_every_language():
+    (target,) = program_of("set_tcp(t)", "movel(p[0,0,0,0,0,0])").targets
+
+    assert english(target.tool.shown) == target.tool.name
+    assert catalogue("fr").spoken(target.tool.shown) == target.tool.name.replace("of line", "de la ligne")
