@@ -7,8 +7,8 @@ import numpy as np
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.tracker.accuracy import covariance_mm2, face_error_mm, noise_mm
 from truepose_simulators.instruments.tracker.device import seen_from
+from truepose_simulators.physics.registration import register
 from truepose_simulators.physics.rigid import FloatArray, move
-from truepose_simulators.recording.replaying.registration import register
 
 _REGISTRATION_READINGS = 20  # of each fixed nest, before the first stop
 
