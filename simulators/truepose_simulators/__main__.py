@@ -15,6 +15,7 @@ from truepose_simulators.instruments.ballbars.length_source import Electronics
 from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
 from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
 from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
+from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
@@ -124,6 +125,7 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
 
 
 def _endpoints(cell: RememberedCell) -> list[Endpoint]:
+    camera = cell.scenario.camera
     program, bar = MotionProgram(cell), Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         tracker_endpoint(cell),
@@ -136,6 +138,7 @@ def _endpoints(cell: RememberedCell) -> list[Endpoint]:
         usbip_endpoint("hid", HidBallbarGadget(bar)),
         usbip_endpoint("usb_itn", UsbItnGadget(bar)),
         hands_endpoint(cell),
+        *([] if camera is None else [camera_endpoint(cell, camera)]),
     ]
 
 

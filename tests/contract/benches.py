@@ -3,6 +3,7 @@
 import asyncio
 import tomllib
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
 from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.ndi_polaris.driver import PolarisTracker
 from truepose_drivers.registry import ENTRY_POINT_GROUP, DriverRegistry, load_registry
 from truepose_drivers.transports.hid import HidOverUsb
 from truepose_drivers.transports.link import Link
@@ -33,6 +35,8 @@ from truepose_simulators.instruments.ballbars.length_source import Electronics
 from truepose_simulators.instruments.ballbars.nd28x import nd28x_endpoint
 from truepose_simulators.instruments.ballbars.usb_itn import UsbItnGadget
 from truepose_simulators.instruments.ballbars.usbip import usbip_endpoint
+from truepose_simulators.instruments.camera.accuracy import CameraSetup
+from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
@@ -43,6 +47,8 @@ from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoin
 from truepose_simulators.scenarios.file import load_scenario
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
+ARTEFACT = PYPROJECT.parent / "tests" / "helpers" / "instruments" / "artefact.rom"
+NEEDED = {"ndi_polaris": {"tool_file": str(ARTEFACT)}}  # options that a driver cannot do without
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
@@ -50,6 +56,7 @@ LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
     "heidenhain_nd": lambda new_link, clock: HeidenhainCounter(new_link(), clock, reply_timeout_s=1.5),
+    "ndi_polaris": lambda new_link, clock: PolarisTracker(new_link(), clock, ARTEFACT.read_bytes()),
 }
 USB_PORTS: dict[str, Callable[[UsbPort, Clock], object]] = {
     "ballbar_hid": lambda port, clock: HidBallbar(HidOverUsb(port), clock),
@@ -108,7 +115,8 @@ class Bench:
     """A simulated cell with its instruments, and drivers connected to them one way or the other."""
 
     def __init__(self, way: str) -> None:
-        self.cell = Cell(load_scenario("irb120-clean"), 1, SimulatedClock(0))
+        camera = CameraSetup(acceptance_deg=180.0)
+        self.cell = Cell(replace(load_scenario("irb120-clean"), camera=camera), 1, SimulatedClock(0))
         self.clock = MonotonicClock()
         self.bar = FakeBar()
         self.hands = FakeHands()
@@ -125,6 +133,7 @@ class Bench:
             "ballbar_bridge": bridge_endpoint(self.bar, self.cell.clock),
             "cell_hands": hands_endpoint(self.hands),
             "heidenhain_nd": nd28x_endpoint(bar),
+            "ndi_polaris": camera_endpoint(self.cell, camera),
         }
         self._way = way
         self._ports: dict[str, int] = {}
@@ -157,7 +166,7 @@ class Bench:
     def driver(self, name: str):
         """Return a driver by its configuration name, on this bench's device, not connected."""
         if self._way == "socket":
-            options = {"host": "127.0.0.1", "port": self._ports[name]}
+            options = {"host": "127.0.0.1", "port": self._ports[name], **NEEDED.get(name, {})}
             driver = registry().open(name, options, self.clock)
         elif name in USB_PORTS:
             port = UsbInMemory(self.gadgets[name])

@@ -5,8 +5,8 @@ import socket
 
 import pytest
 
-from tests.contract.benches import LINKS, USB_PORTS, WITHOUT_A_DEVICE, registry
-from truepose_drivers.api import Ballbar, PointTracker, RobotController, SimulatedHands
+from tests.contract.benches import LINKS, NEEDED, USB_PORTS, WITHOUT_A_DEVICE, registry
+from truepose_drivers.api import Ballbar, PointTracker, PoseTracker, RobotController, SimulatedHands
 from truepose_drivers.errors import ConnectFailedError, DriverError, LinkError
 
 DEVICES = sorted(name for name in registry().names() if registry().plugin(name).kind != "clock")
@@ -16,10 +16,12 @@ PROTOCOLS = {
     "robot": RobotController,
     "ballbar": Ballbar,
     "hands": SimulatedHands,
+    "pose_tracker": PoseTracker,
 }
 ARGUMENTS = {
     "find_reflector": {"near_mm": (1000.0, 0.0, 0.0), "search_radius_mm": 5.0},
     "measure_point": {"duration_s": 0.1},
+    "measure_pose": {"duration_s": 0.1},
     "set_limits": None,
     "move_joints": {"target_rad": (0.0,) * 6},
     "read": {},
@@ -42,7 +44,7 @@ def test_a_driver_offers_all_of_its_kind(name):
     plugin = registry().plugin(name)
     protocol = PROTOCOLS[plugin.kind]
 
-    driver = plugin.open({"host": "127.0.0.1", "port": 4001}, None)
+    driver = plugin.open({"host": "127.0.0.1", "port": 4001, **NEEDED.get(name, {})}, None)
 
     missing = [
         member
@@ -101,7 +103,7 @@ async def test_nobody_at_the_address_is_said_with_address_and_remedy(name):
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]
-        driver = registry().open(name, {"host": "127.0.0.1", "port": port})
+        driver = registry().open(name, {"host": "127.0.0.1", "port": port, **NEEDED.get(name, {})})
         ask = driver.now_s if registry().plugin(name).kind == "clock" else driver.connect
 
         with pytest.raises(ConnectFailedError, match=rf"127\.0\.0\.1:{port}.*check"):

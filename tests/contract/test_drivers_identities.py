@@ -5,7 +5,12 @@ import pytest
 from tests.contract.benches import registry
 from truepose_simulators.faults.kinds import IdentityChanged
 
-WITHOUT_LOSS = {"leica_emscon": "777777", "abb_open_abb": "120-7", "ballbar_hid": "BAR-9"}
+WITHOUT_LOSS = {
+    "leica_emscon": "777777",
+    "abb_open_abb": "120-7",
+    "ballbar_hid": "BAR-9",
+    "ndi_polaris": "P9-77777",
+}
 AFTER_A_RECONNECTION = {**WITHOUT_LOSS, "mitutoyo_usb_itn": "70099999"}
 
 

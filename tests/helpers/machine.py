@@ -21,7 +21,8 @@ UMOCKDEV = Lack(
 )
 CHROMIUM = Lack("no Chromium is installed here", "pages in a browser")
 CESAPI = Lack("CESAPI 1.1.3 is not installed: no independent client", "a tracker's client by others")
-_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI)
+NDICAPI = Lack("ndicapi 3.7.6 is not installed: no independent client", "a camera's client by others")
+_ALL = (MEASURED_DATA, UMOCKDEV, CHROMIUM, CESAPI, NDICAPI)
 
 
 def what_was_untested(reasons: Iterable[str]) -> str:

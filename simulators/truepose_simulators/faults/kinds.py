@@ -13,6 +13,7 @@ from truepose_simulators.faults.wire import (
     BallbarFrozen,
     BallbarInches,
     BallbarKeyPressed,
+    CameraFrozen,
     LineDoublesDigits,
     LineStalls,
     TrackerRepeatsResult,
@@ -23,7 +24,7 @@ from truepose_simulators.faults.wire import (
 )
 from truepose_simulators.physics.arm import Vector
 
-_WITH_SERIAL = ("tracker", "robot", "ballbar")
+_WITH_SERIAL = ("tracker", "robot", "ballbar", "pose_tracker")
 _LONGEST_SERIAL = 12  # the ballbar's own report has room for so many
 
 
@@ -73,7 +74,7 @@ class BallbarTooFast(Lasting):
 
 @dataclass(frozen=True, slots=True)
 class IdentityChanged:
-    """From now on another `device` ("tracker", "robot", "ballbar") answers: with this serial number."""
+    """From now on another `device` (one of `_WITH_SERIAL`) answers: with this serial number."""
 
     device: str
     serial: str  # empty: it tells none, where its protocol knows a word for that
@@ -125,6 +126,7 @@ KINDS: Mapping[str, type[Fault]] = MappingProxyType({
     "ballbar_frozen": BallbarFrozen,
     "ballbar_inches": BallbarInches,
     "ballbar_key_pressed": BallbarKeyPressed,
+    "camera_frozen": CameraFrozen,
     "line_stalls": LineStalls,
     "line_doubles_digits": LineDoublesDigits,
     "tracker_units_changed": TrackerUnitsChanged,

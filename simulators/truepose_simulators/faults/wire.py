@@ -28,6 +28,10 @@ class LineDoublesDigits(Lasting):
     """The gauge's line delivers the first digit of every value twice."""
 
 
+class CameraFrozen(Lasting):
+    """The camera hangs: it answers, and states the same frame again and again."""
+
+
 class TrackerUnitsChanged(AtReading):
     """Another program sets inches during measurement number `reading`; announced where asked for."""
 
@@ -40,5 +44,7 @@ class TrackerStaleResult(AtReading):
     """The result of the measurement before comes once more, just before number `reading` is accepted."""
 
 
-WireFault: TypeAlias = BallbarFrozen | BallbarInches | BallbarKeyPressed | LineStalls | LineDoublesDigits
+WireFault: TypeAlias = (
+    BallbarFrozen | BallbarInches | BallbarKeyPressed | LineStalls | LineDoublesDigits | CameraFrozen
+)
 TrackerWireFault: TypeAlias = TrackerUnitsChanged | TrackerRepeatsResult | TrackerStaleResult

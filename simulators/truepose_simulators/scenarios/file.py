@@ -16,6 +16,7 @@ from truepose_simulators.cell.robot import TargetOutOfRangeError, check_range
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import KINDS, Fault
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
+from truepose_simulators.instruments.camera.accuracy import CameraSetup
 from truepose_simulators.instruments.tracker.accuracy import TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Arm
@@ -41,6 +42,7 @@ _TABLES: Mapping[str, type] = {
     "tool": ToolSetup,
     "table": TableSetup,
     "tracker": TrackerSetup,
+    "camera": CameraSetup,
     "ballbar": BallbarSetup,
     "hands": HandsSetup,
     "air": AirSetup,

@@ -8,6 +8,7 @@ from truepose_simulators.cell.everyday import EverydaySizes
 from truepose_simulators.errors import ScenarioError
 from truepose_simulators.faults.kinds import Fault, check_nest
 from truepose_simulators.instruments.ballbars.accuracy import BallbarSetup
+from truepose_simulators.instruments.camera.accuracy import CameraSetup
 from truepose_simulators.instruments.tracker.accuracy import TrackerSetup
 from truepose_simulators.person.fixture import HandsSetup
 from truepose_simulators.physics.arm import Vector
@@ -95,6 +96,7 @@ class Scenario:
     tool: ToolSetup = field(default_factory=ToolSetup)
     table: TableSetup = field(default_factory=TableSetup)
     tracker: TrackerSetup = field(default_factory=TrackerSetup)
+    camera: CameraSetup | None = None  # absent: there is none
     ballbar: BallbarSetup = field(default_factory=BallbarSetup)
     hands: HandsSetup = field(default_factory=HandsSetup)
     air: AirSetup = field(default_factory=AirSetup)

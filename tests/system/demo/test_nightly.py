@@ -18,7 +18,7 @@ from truepose.demo.night.cases import (
     wrong_axis_case,
 )
 from truepose.demo.night.nightly import run_nightly
-from truepose_simulators.scenarios.file import shipped_scenarios
+from truepose_simulators.scenarios.file import load_scenario, shipped_scenarios
 
 REPOSITORY = Path(__file__).parents[3]
 
@@ -118,7 +118,8 @@ def test_every_shipped_scenario_has_its_night():
     cases = night_cases(0)
 
     assert sorted(case.name for case in cases) == sorted([
-        *shipped_scenarios(),
+        # The arm of a cell with a camera is that of irb120-tilted, and no session measures poses yet.
+        *(name for name in shipped_scenarios() if load_scenario(name).camera is None),
         "irb120-wrong-axis",
         "irb120-wavy-gear",
     ])

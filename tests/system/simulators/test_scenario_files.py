@@ -24,6 +24,8 @@ def write(tmp_path):
 
 def test_the_shipped_scenarios_are_there():
     assert shipped_scenarios() == [
+        "irb120-camera",
+        "irb120-camera-spatial",
         "irb120-clean",
         "irb120-curves",
         "irb120-everyday",
@@ -136,7 +138,7 @@ def test_a_scenario_that_extends_itself_is_refused(write, tmp_path):
 
 
 def test_an_unknown_name_is_answered_with_the_shipped_ones():
-    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-clean, irb120-curves"):
+    with pytest.raises(ScenarioError, match="neither a file nor one of irb120-camera, irb120-camera-spatial"):
         load_scenario("irb6600")
 
 

@@ -13,11 +13,13 @@ from truepose_drivers.guard import GuardedTracker
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
 from truepose_drivers.registry import ENTRY_POINT_GROUP, load_registry
 
+ARTEFACT = Path(__file__).parents[2] / "helpers" / "instruments" / "artefact.rom"
 PYPROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
 SHIPPED = [
     EntryPoint(name, value, ENTRY_POINT_GROUP)
     for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
 ]
+VALUES = {"port": 5000, "tool_file": str(ARTEFACT)}
 NOT_OF_A_NETWORK = frozenset({"serial", "baud", "usb", "range_mm", "decimals"})
 
 
@@ -68,7 +70,7 @@ def test_every_shipped_driver_opens_with_its_own_options():
 
     for name in registry.names():
         options = {
-            option: 5000 if option == "port" else "127.0.0.1"
+            option: VALUES.get(option, "127.0.0.1")
             for option in registry.plugin(name).options
             if option not in NOT_OF_A_NETWORK
         }
