@@ -55,10 +55,12 @@ class Data:
         self._draft = draft
         self._source = draft.source
         self._names: dict[tuple[int, str], Datum] = {}
-        kept = list(statements)
-        for statement in kept:
+        assignments = []
+        for statement in statements:
             self._declare(statement)
-        for statement in kept:
+            if _is_assignment(statement.words):
+                assignments.append(statement)
+        for statement in assignments:  # also to what is declared further down
             self._give(statement)
 
     def find(self, routine: Routine, name: str) -> Datum | None:
@@ -127,9 +129,7 @@ class Data:
     def _give(self, statement: Statement) -> None:
         """Follow an assignment: a literal is one more target, all else changes what was declared."""
         words, routine = statement.words, statement.routine
-        at = assignment_at(words)
-        if not at or any(words[index].upper in _STORED_AS for index in outside(words)):
-            return
+        at = assignment_at(words) or 0
         name, index_words, component = _assigned(words[:at])
         datum = self.find(routine, name.upper)
         if datum is None:
@@ -158,6 +158,13 @@ class Data:
         read = [number(self._source, entry) for entry in inside(words, "{") or ()]
         index = tuple(int(entry.value) for entry in read if entry is not None)
         return index if index and len(index) == len(read) else None
+
+
+def _is_assignment(words: Tokens) -> bool:
+    """Whether words give something to what is declared elsewhere."""
+    return bool(assignment_at(words)) and all(
+        words[index].upper not in _STORED_AS for index in outside(words)
+    )
 
 
 def _behind_assignment(words: Tokens) -> Tokens:

@@ -60,10 +60,9 @@ _STANDS_STILL: Final = frozenset({
 
 def read(draft: Draft) -> None:
     """Read a RAPID module."""
-    statements = list(read_statements(draft.source))
-    data = Data(draft, statements)
+    data = Data(draft, read_statements(draft.source))
     displaced, routine = False, None
-    for statement in statements:
+    for statement in read_statements(draft.source):  # read anew: its words weigh a hundred times the text
         displaced = displaced and statement.routine is routine
         routine = statement.routine
         if not statement.is_condition:

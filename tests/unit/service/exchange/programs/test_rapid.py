@@ -1,6 +1,7 @@
 """RAPID modules of ABB: what is a target, in which frames, and what is left alone."""
 
 import math
+import tracemalloc
 
 import pytest
 from scipy.spatial.transform import Rotation
@@ -343,3 +344,23 @@ def test_a_module_without_targets_has_none():
     program = routine(b"SetDO do1,1;", declared=())
 
     assert (program.targets, program.motions, program.left_alone) == ((), (), ())
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_long_module_is_read_without_all_of_its_words_in_memory(declared):
+    """The words of a text weigh a hundred times the text."""
+    rest = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+    targets = [f"[[{k % 90}.1,30.25,-25.5,40.5,50.125,60.75],{rest}]" for k in range(800)]
+    data = "".join(f"CONST jointtarget j{k}:={text};\n" for k, text in enumerate(targets) if declared)
+    moved = (f"j{k}" if declared else text for k, text in enumerate(targets))
+    moves = "".join(f"MoveAbsJ {one},v100,fine,tool0;\n" for one in moved)
+    module = f"MODULE M\n{data}PROC main()\n{moves}ENDPROC\nENDMODULE\n".encode()
+    read("m.mod", module)  # what is imported on the way
+
+    tracemalloc.start()
+    program = read("m.mod", module)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+
+    assert len(program.targets) == len(program.motions) == 800
+    assert peak < 40 * len(module)
