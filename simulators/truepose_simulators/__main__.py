@@ -19,6 +19,8 @@ from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.mappdk import MappdkProgram
+from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
@@ -29,7 +31,7 @@ from truepose_simulators.scenarios.model_file import load_model
 
 _EXIT_UNUSABLE_INPUT = 2
 _EXIT_DEVICE_FAILED = 3
-_JOINTS_ON_THE_WIRE = 6  # of every message of open_abb
+_JOINTS_ON_THE_WIRE = 6  # of every message of open_abb and MAPPDK
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -52,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m truepose_simulators",
-        description="Start a simulated cell: laser tracker (emScon), robot controller (open_abb), clock.",
+        description="Start a simulated cell: tracker (emScon), robot controller (open_abb or MAPPDK), clock.",
         epilog="example: python -m truepose_simulators irb120-clean --seed 3 --port-base 7000 --pace 0",
     )
     parser.add_argument(
@@ -126,11 +128,10 @@ async def _run(cell: RememberedCell, options: argparse.Namespace) -> None:
 
 def _endpoints(cell: RememberedCell) -> list[Endpoint]:
     camera = cell.scenario.camera
-    program, bar = MotionProgram(cell), Electronics(cell.ballbar, cell.faults, cell.clock)
+    bar = Electronics(cell.ballbar, cell.faults, cell.clock)
     return [
         tracker_endpoint(cell),
-        robot_endpoint(cell, program),
-        logger_endpoint(cell, program),
+        *_controller(cell),
         clock_endpoint(cell.clock),
         truth_endpoint(cell),
         # Newer endpoints come last, so that the older ones keep their ports.
@@ -140,6 +141,16 @@ def _endpoints(cell: RememberedCell) -> list[Endpoint]:
         hands_endpoint(cell),
         *([] if camera is None else [camera_endpoint(cell, camera)]),
     ]
+
+
+def _controller(cell: RememberedCell) -> list[Endpoint]:
+    """Return the two ports of the robot's controller, in the language of the scenario."""
+    if cell.scenario.arm.protocol == "mappdk":
+        outputs: dict[str, str] = {}
+        motion, logger = (MappdkProgram(cell, outputs=outputs) for _ in range(2))
+        return [mappdk_endpoint(cell, motion), mappdk_logger_endpoint(cell, logger)]
+    abb = MotionProgram(cell)
+    return [robot_endpoint(cell, abb), logger_endpoint(cell, abb)]
 
 
 def _fail(error: SimulatorError, status: int) -> int:

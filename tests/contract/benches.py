@@ -18,6 +18,7 @@ from truepose_drivers.ballbar_bridge.driver import BridgedBallbar
 from truepose_drivers.ballbar_hid.driver import HidBallbar
 from truepose_drivers.cell_clock.driver import CellClock
 from truepose_drivers.cell_hands.driver import CellHands
+from truepose_drivers.fanuc_mappdk.driver import MappdkRobot
 from truepose_drivers.heidenhain_nd.driver import HeidenhainCounter
 from truepose_drivers.leica_emscon.driver import LaserTracker
 from truepose_drivers.mitutoyo_usb_itn.driver import UsbItnGauge
@@ -40,6 +41,8 @@ from truepose_simulators.instruments.camera.ndi_polaris import camera_endpoint
 from truepose_simulators.instruments.cell_clock import clock_endpoint
 from truepose_simulators.instruments.endpoint import Endpoint
 from truepose_simulators.instruments.hands_endpoint import hands_endpoint
+from truepose_simulators.instruments.robot.mappdk import MappdkProgram
+from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
 from truepose_simulators.instruments.tracker.device import seen_from
@@ -52,6 +55,7 @@ NEEDED = {"ndi_polaris": {"tool_file": str(ARTEFACT)}}  # options that a driver 
 LINKS: dict[str, Callable[[Callable[[], Link], Clock], object]] = {
     "leica_emscon": lambda new_link, clock: LaserTracker(new_link(), clock),
     "abb_open_abb": lambda new_link, clock: OpenAbbRobot(new_link(), clock),
+    "fanuc_mappdk": lambda new_link, clock: MappdkRobot(new_link(), clock),
     "ballbar_bridge": lambda new_link, clock: BridgedBallbar(new_link(), clock),
     "cell_clock": lambda new_link, clock: CellClock(new_link),
     "cell_hands": lambda new_link, clock: CellHands(new_link()),
@@ -129,6 +133,7 @@ class Bench:
             **{name: usbip_endpoint(name, gadget) for name, gadget in self.gadgets.items()},
             "leica_emscon": tracker_endpoint(self.cell),
             "abb_open_abb": robot_endpoint(self.cell, MotionProgram(self.cell)),
+            "fanuc_mappdk": mappdk_endpoint(self.cell, MappdkProgram(self.cell, "truepose")),
             "cell_clock": clock_endpoint(self.cell.clock),
             "ballbar_bridge": bridge_endpoint(self.bar, self.cell.clock),
             "cell_hands": hands_endpoint(self.hands),

@@ -81,8 +81,9 @@ async def test_a_line_that_stalls_inside_a_number_is_waited_for(bench):
     assert (await counter.read()).deviation_mm == -0.1234
 
 
-async def test_joints_on_a_line_that_stalls_are_whole(bench):
-    robot = bench.driver("abb_open_abb")
+@pytest.mark.parametrize("name", ["abb_open_abb", "fanuc_mappdk"])
+async def test_joints_on_a_line_that_stalls_are_whole(bench, name):
+    robot = bench.driver(name)
     await robot.connect()
     await robot.move_joints(tuple(map(math.radians, (10.0, -20.55, 30.0, 5.25, 45.0, -12.34))))
     before = await robot.read_joints()

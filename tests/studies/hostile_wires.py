@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.studies.wires.fanuc import Fanuc
 from tests.studies.wires.gauges import Bar, Bridge, Cable, Counter
 from tests.studies.wires.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
 from tests.studies.wires.spoiling import GENERAL, WITHIN_A_FRAME, WITHIN_FREE_NUMBERS
@@ -30,6 +31,7 @@ RUNS = 20_000
 BENCHES = {
     "leica_emscon": Tracker,
     "abb_open_abb": Controller,
+    "fanuc_mappdk": Fanuc,
     "ballbar_hid": Bar,
     "ballbar_bridge": Bridge,
     "heidenhain_nd": Counter,

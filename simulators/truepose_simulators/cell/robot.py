@@ -28,6 +28,8 @@ class SpeedLimits:
 
     tool_mm_s: float = 100.0
     orientation_rad_s: float = 0.8726646  # 50 deg/s
+    joint_share: float = 1.0  # of the greatest speed of each joint
+    at_least_s: float = 0.0  # that the motion takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,14 +127,16 @@ class Robot:
 
     def _duration_s(self, path: FloatArray, limits: SpeedLimits, tool_mm: FloatArray) -> float:
         """Time that the slowest of joints, tool point and tool orientation needs."""
-        joints_s = float(np.max(np.abs(np.diff(path, axis=0)).sum(axis=0) / self.arm.speeds_rad_s))
+        speeds_rad_s = limits.joint_share * self.arm.speeds_rad_s
+        joints_s = float(np.max(np.abs(np.diff(path, axis=0)).sum(axis=0) / speeds_rad_s))
         frames = nominal_flange(self.arm, path)
         points = frames[:, :3, :3] @ tool_mm + frames[:, :3, 3]
         length_mm = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
         turns = np.swapaxes(frames[:-1, :3, :3], 1, 2) @ frames[1:, :3, :3]
         cosines = (np.trace(turns, axis1=1, axis2=2) - 1.0) / 2.0
         turned_rad = float(np.arccos(np.clip(cosines, -1.0, 1.0)).sum())
-        return max(joints_s, length_mm / limits.tool_mm_s, turned_rad / limits.orientation_rad_s)
+        tool_s = max(length_mm / limits.tool_mm_s, turned_rad / limits.orientation_rad_s)
+        return max(joints_s, tool_s, limits.at_least_s)
 
 
 def check_range(arm: Arm, target_rad: FloatArray) -> None:

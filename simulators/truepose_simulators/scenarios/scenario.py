@@ -72,12 +72,17 @@ class ArmSetup:
     home_deg: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
     states_gear_ratio: bool = True  # False: the papers of a campaign do not have it
-    server: str = "stock"  # what runs on the controller: open_abb's own program, or "truepose", that of ours
+    protocol: str = "open_abb"  # what the controller speaks, or "mappdk", as FANUC's do
+    server: str = (
+        "stock"  # what runs on the controller: the protocol's own program, or "truepose", that of ours
+    )
 
     def __post_init__(self) -> None:
         _not_negative(self, "scatter_mm")
         if self.refusal not in {"hang", "drop"}:
             raise ScenarioError(f'key "refusal" must be "hang" or "drop", not "{self.refusal}"')
+        if self.protocol not in {"open_abb", "mappdk"}:
+            raise ScenarioError(f'key "protocol" must be "open_abb" or "mappdk", not "{self.protocol}"')
         if self.server not in {"stock", "truepose"}:
             raise ScenarioError(f'key "server" must be "stock" or "truepose", not "{self.server}"')
 

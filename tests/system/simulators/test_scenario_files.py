@@ -33,6 +33,7 @@ def test_the_shipped_scenarios_are_there():
         "irb120-tilted",
         "lrmate-clean",
         "lrmate-everyday",
+        "lrmate-fanuc",
         "lrmate-tilted",
     ]
 

@@ -19,8 +19,7 @@ SHIPPED = [
     EntryPoint(name, value, ENTRY_POINT_GROUP)
     for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
 ]
-VALUES = {"port": 5000, "tool_file": str(ARTEFACT)}
-NOT_OF_A_NETWORK = frozenset({"serial", "baud", "usb", "range_mm", "decimals"})
+OF_A_NETWORK = {"host": "127.0.0.1", "port": 5000, "logger_port": 5001, "tool_file": str(ARTEFACT)}
 
 
 class FakeEntryPoint:
@@ -70,9 +69,7 @@ def test_every_shipped_driver_opens_with_its_own_options():
 
     for name in registry.names():
         options = {
-            option: VALUES.get(option, "127.0.0.1")
-            for option in registry.plugin(name).options
-            if option not in NOT_OF_A_NETWORK
+            option: value for option, value in OF_A_NETWORK.items() if option in registry.plugin(name).options
         }
         registry.open(name, options)
 

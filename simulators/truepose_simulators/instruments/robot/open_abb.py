@@ -8,7 +8,6 @@ mechanics.
 
 import math
 from collections.abc import Mapping
-from typing import Protocol
 
 import numpy as np
 
@@ -28,12 +27,17 @@ from truepose_simulators.cell.robot import SpeedLimits, TargetOutOfRangeError, n
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.errors import SimulatorError
 from truepose_simulators.faults.kinds import RobotHangs, RobotRefuses
+from truepose_simulators.instruments.robot.served_client import (
+    AlwaysThere,
+    Client,
+    ProgramStoppedError,
+    rest_after,
+)
+from truepose_simulators.instruments.robot.straight_line import straight_line
 from truepose_simulators.physics.inverse import UnreachableError, reach
 from truepose_simulators.physics.rigid import FloatArray, from_quaternion, inverse, motion, to_quaternion
 
 _BUFFER_POSES = 512
-_LINE_STEP_MM = 20.0
-_LONGEST_LINE_MM = 4000.0  # these arms reach less than 1.2 m to every side, tool included
 _NO_AXIS = 9e9  # RAPID's value of an external axis that is not connected
 _ROBOTWARE = "5.61.0100"
 
@@ -63,30 +67,6 @@ _OWN_COUNTS: Mapping[int, tuple[int, ...]] = {Code.GET_SPEED: (0,), Code.WATCH: 
 _BEAT = encode_request(Code.BEAT)
 _LOOK_S = 0.1  # between two looks of our program at whether its client is still there
 _ANGLE_DECIMALS = {"stock": 2, "truepose": 5}
-
-
-class ProgramStoppedError(SimulatorError):
-    """The RAPID program stopped; `drops` says whether its sockets die with it."""
-
-    def __init__(self, message: str, *, drops: bool) -> None:
-        super().__init__(message)
-        self.drops = drops
-
-
-class Client(Protocol):
-    """Who is connected, as the program hears it while the arm moves."""
-
-    def silent_s(self) -> float:
-        """How long nothing was heard [s, cell time]; infinite once the connection is gone."""
-        ...
-
-
-class AlwaysThere:
-    """A client that is heard all the time."""
-
-    def silent_s(self) -> float:
-        """Never silent."""
-        return 0.0
 
 
 class InvalidPoseError(SimulatorError):
@@ -221,7 +201,7 @@ class MotionProgram:
         joints = self._cell.robot.target_rad
         for pose in poses:
             target = self._work_object @ pose @ inverse(self._tool)
-            for frame in _line(nominal_flange(self._cell.plant.arm, joints[np.newaxis])[0], target):
+            for frame in straight_line(nominal_flange(self._cell.plant.arm, joints[np.newaxis])[0], target):
                 joints = reach(self._cell.plant.arm, frame, joints)
                 waypoints.append(joints)
         await self._move(waypoints, limits)
@@ -238,14 +218,7 @@ class MotionProgram:
 
     async def _rest_after(self, duration_s: float) -> None:
         """Wait for the end of a motion; a watched one is given up when its client falls silent."""
-        watched = self._watched_s > 0.0 and self._cell.clock.waits  # where time costs nothing nobody is late
-        while watched and duration_s > _LOOK_S:
-            await self._cell.clock.sleep(_LOOK_S)
-            duration_s -= _LOOK_S
-            if self._client.silent_s() > self._watched_s:
-                self._cell.halt_robot()
-                raise ProgramStoppedError("nothing was heard of the client", drops=True)
-        await self._cell.clock.sleep(duration_s)
+        await rest_after(self._cell, duration_s, self._client, watched_s=self._watched_s, look_s=_LOOK_S)
 
     def _stopped(self, reason: str) -> ProgramStoppedError:
         return ProgramStoppedError(reason, drops=self._cell.scenario.arm.refusal == "drop")
@@ -266,26 +239,3 @@ def _pose(values: FloatArray) -> FloatArray:
     if not np.any(values[3:]):
         raise InvalidPoseError("a quaternion of length 0 is no orientation")
     return motion(values[:3], from_quaternion(values[3:]))
-
-
-def _line(start: FloatArray, end: FloatArray) -> list[FloatArray]:
-    """Return placements on the straight line from `start` (left out) to `end`, orientation turning evenly.
-
-    Raises UnreachableError when it is longer than any arm here.
-    """
-    length_mm = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-    if not length_mm <= _LONGEST_LINE_MM:
-        raise UnreachableError(f"a line of {length_mm:g} mm leads out of the arm's reach")
-    steps = max(1, math.ceil(length_mm / _LINE_STEP_MM))
-    turn = to_quaternion(end[:3, :3] @ start[:3, :3].T)
-    frames = [_between(start, end, turn, step / steps) for step in range(1, steps)]
-    return [*frames, end]
-
-
-def _between(start: FloatArray, end: FloatArray, turn: FloatArray, share: float) -> FloatArray:
-    half = share * math.acos(min(1.0, float(turn[0])))
-    sine = float(np.linalg.norm(turn[1:]))
-    axis = turn[1:] / sine if sine > 0.0 else np.zeros(3)
-    partial = from_quaternion(np.array([math.cos(half), *(math.sin(half) * axis)]))
-    position = start[:3, 3] + share * (end[:3, 3] - start[:3, 3])
-    return motion(position, partial @ start[:3, :3])

@@ -1,0 +1,16 @@
+/PROG  TRUEMOVJ
+/ATTR
+OWNER		= MNEDITOR;
+COMMENT		= "truepose joint";
+PROTECT		= READ_WRITE;
+TCD:  STACK_SIZE	= 0,
+      TASK_PRIORITY	= 50,
+      TIME_SLICE	= 0,
+      BUSY_LAMP_OFF	= 0,
+      ABORT_REQUEST	= 0,
+      PAUSE_REQUEST	= 0;
+DEFAULT_GROUP	= 1,*,*,*,*;
+/MN
+   1:J PR[81] R[81]% CNT R[83] ACC R[82] ;
+/POS
+/END

@@ -1,0 +1,105 @@
+"""One of the two ports of a MAPPDK server: the greeting, and one exchange at a time.
+
+Nothing ends a reply but its form. What may still go on is waited for, and an error in words that are not
+known is followed by a new connection: the rest of it must not be taken for the next reply.
+"""
+
+import asyncio
+
+from truepose_drivers.errors import ConnectFailedError, NoReplyError
+from truepose_drivers.fanuc_mappdk.heartbeat import BEAT, BEAT_S
+from truepose_drivers.fanuc_mappdk.protocol import (
+    GREETING,
+    Expected,
+    MappdkProtocolError,
+    Reply,
+    decode_reply,
+    reply_extent,
+    require,
+)
+from truepose_drivers.transports.conversation import Turns
+from truepose_drivers.transports.link import Link, drain
+
+
+class Dialogue:
+    """Questions to one port and their replies."""
+
+    def __init__(self, link: Link, *, rest_of_reply_s: float) -> None:
+        self._link = link
+        self._turns = Turns(link)
+        self._rest_of_reply_s = rest_of_reply_s  # how long the end of a reply in unknown words may lag behind
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._link.is_open
+
+    @property
+    def busy(self) -> bool:
+        """Whether an exchange is under way."""
+        return self._turns.taken
+
+    @property
+    def address(self) -> str:
+        """Where the port is, for error texts."""
+        return self._link.address
+
+    async def open(self, timeout_s: float) -> None:
+        """Connect and be greeted; raises ConnectFailedError, also where another client is served."""
+        await self._link.open()
+        try:
+            async with self._turns.turn():
+                greeting = await self._reply("success", timeout_s, beats=False)
+                if greeting != GREETING:
+                    raise MappdkProtocolError(f"{self.address} greets with {greeting.message[:40]!r}")
+        except NoReplyError as error:
+            raise ConnectFailedError(
+                f"{self.address} does not greet: another client is served there, or it is no MAPPDK"
+            ) from error
+
+    async def close(self) -> None:
+        """End the connection; never raises."""
+        await self._link.close()
+
+    async def ask(
+        self, request: bytes, expected: Expected, timeout_s: float, *, beats: bool = False
+    ) -> Reply:
+        """Send a request and return its reply; with `beats` the server hears meanwhile that somebody waits.
+
+        Raises NoReplyError after `timeout_s` [s, wall time].
+        """
+        async with self._turns.turn():
+            await drain(self._link)  # a line end or the like behind the last reply
+            await self._link.send(request)
+            reply = await self._reply(expected, timeout_s, beats=beats)
+            require(reply, expected)
+            behind = await self._link.receive(0.0) if self._link.is_open else None
+            if behind is not None and behind.strip():
+                raise MappdkProtocolError(
+                    f"the robot replied with more than was asked ({behind[:40]!r}): connect again"
+                )
+            return reply
+
+    async def _reply(self, expected: Expected, timeout_s: float, *, beats: bool) -> Reply:
+        data = await self._whole(expected, timeout_s, beats=beats)
+        reply = decode_reply(data)
+        if reply_extent(data, expected) == "maybe whole":
+            await self._link.close()
+        return reply
+
+    async def _whole(self, expected: Expected, timeout_s: float, *, beats: bool) -> bytes:
+        deadline_s = asyncio.get_running_loop().time() + timeout_s
+        data = b""
+        while (extent := reply_extent(data, expected)) != "whole":
+            left_s = deadline_s - asyncio.get_running_loop().time()
+            patience_s = self._rest_of_reply_s if extent == "maybe whole" else left_s
+            more = await self._link.receive(max(min(patience_s, BEAT_S) if beats else patience_s, 0.0))
+            if more is not None:
+                data += more
+            elif extent == "maybe whole":
+                return data
+            elif beats and left_s > BEAT_S:
+                await self._link.send(BEAT)
+            else:
+                raise NoReplyError(f"the robot at {self.address} is connected and says nothing")
+        return data

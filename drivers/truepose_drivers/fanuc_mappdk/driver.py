@@ -1,0 +1,325 @@
+"""A FANUC robot that runs a MAPPDK server: moves to joint targets, at rest at every one.
+
+A fault aborts the server's task on the controller and its socket just dies; then the link is closed, and so
+it is after silence and nonsense, because replies carry no number. Where the motion ended is read after it.
+"""
+
+import asyncio
+import math
+from dataclasses import dataclass
+
+from truepose_drivers import options as option
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.errors import (
+    ConfigurationError,
+    ConnectFailedError,
+    ConnectionLostError,
+    DeviceRefusedError,
+    LinkError,
+    NoReplyError,
+    TargetRefusedError,
+)
+from truepose_drivers.fanuc_mappdk.dialogue import Dialogue
+from truepose_drivers.fanuc_mappdk.heartbeat import SILENCE_S, STOPS_WITHIN_S
+from truepose_drivers.fanuc_mappdk.joint_counting import LR_MATE_SIGNS, Angles, JointCounting
+from truepose_drivers.fanuc_mappdk.pace import LR_MATE_SPEEDS_DEG_S, Pace
+from truepose_drivers.fanuc_mappdk.protocol import (
+    JOINTS,
+    LOGGER_PORT,
+    LONGEST_TIMED_MOTION_S,
+    MOTION_PORT,
+    Command,
+    MappdkProtocolError,
+    Motion,
+    Reply,
+    ReplyCode,
+    TimedMotion,
+    decode_identity,
+    encode_motion,
+    encode_request,
+    encode_timed_motion,
+    encode_watch,
+    joint_angles_deg,
+    joint_resolution_deg,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.tcp import TcpLink, tcp_link
+
+_UNKNOWN = "unknown"
+_LONGEST_PIECE_S = 1.0  # of a motion to a stock server, which cannot be stopped once it was sent
+_SHORTEST_MOTION_S = 0.1
+_ARRIVED_DEG = 0.02  # a joint at rest is nearer to its target: encoders resolve far better
+_LONGER_BY_OVERRIDE = 20.0  # of a motion while the speed override on the pendant stands at 5 %
+_LOOK_AT_PENDANT = (
+    "look at the pendant for a fault, clear it, start the server program again, then connect again"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    connect_s: float = 1.5  # it closes its socket before it listens again
+    retry_s: float = 0.25
+    greeting_s: float = 3.0
+    reply_s: float = 10.0
+    motion_s: float = 20.0  # in addition to the motion at a low speed override
+    rest_of_reply_s: float = 0.25  # how long the end of an error in unknown words may lag behind
+
+
+class MappdkRobot:
+    """A MAPPDK server on a link; with the logger's link, joints are read while the arm moves too."""
+
+    def __init__(
+        self,
+        link: Link,
+        clock: Clock,
+        *,
+        logger: Link | None = None,
+        counting: JointCounting | None = None,
+        pace: Pace | None = None,
+        time_outs: TimeOuts | None = None,
+    ) -> None:
+        self._time_outs = time_outs or TimeOuts()
+        rest_s = self._time_outs.rest_of_reply_s
+        self._motion = Dialogue(link, rest_of_reply_s=rest_s)
+        self._logger = None if logger is None else Dialogue(logger, rest_of_reply_s=rest_s)
+        self._clock = clock
+        self._counting = counting or JointCounting()
+        self._pace = pace or Pace()
+        self._limits = MotionLimits()
+        self._watches: bool | None = None  # our own server runs there; None: it has not been asked
+        self._watching = False  # it was asked to watch the motions of this connection
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._motion.connected
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Never: the server reads no request while the arm moves."""
+        return False
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Our own server stops a motion when it hears nothing; a stock one goes on with what was sent."""
+        if self._watches:
+            return MotionGuard(stops_unheard_s=STOPS_WITHIN_S)
+        return MotionGuard(longest_piece_s=_LONGEST_PIECE_S)
+
+    async def connect(self) -> None:
+        """Open the link, trying again while the server may still be between two clients."""
+        self._watching, self._watches = False, None
+        if self._logger is not None:
+            await self._logger.close()
+        give_up_s = asyncio.get_running_loop().time() + self._time_outs.connect_s
+        while True:
+            try:
+                return await self._motion.open(self._time_outs.greeting_s)
+            except LinkError as error:
+                if asyncio.get_running_loop().time() >= give_up_s:
+                    raise ConnectFailedError(
+                        f"{error}; also check on the pendant that the server program runs"
+                    ) from error
+            await asyncio.sleep(self._time_outs.retry_s)
+
+    async def close(self) -> None:
+        """Close the links; never raises. The server listens for the next client then."""
+        await self._motion.close()
+        if self._logger is not None:
+            await self._logger.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask our own server for model, F number and version; a stock server tells nothing of them."""
+        reply = await self._motion.ask(encode_request(Command.IDENTITY), "identity", self._time_outs.reply_s)
+        stated = decode_identity(reply)
+        self._watches = stated is not None
+        model, serial, version = stated or (_UNKNOWN, _UNKNOWN, "MAPPDK")
+        return DeviceIdentity(
+            manufacturer="FANUC",
+            model=model or _UNKNOWN,
+            serial=serial or _UNKNOWN,
+            firmware=version or _UNKNOWN,
+        )
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Set the limits of the following motions, whose speed goes out with each of them."""
+        for name, value in (
+            ("tool_speed_mm_s", limits.tool_speed_mm_s),
+            ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+        self._limits = limits
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError when the target is none or the controller says no, ConnectionLostError
+        when a fault ends its program.
+        """
+        target_deg = self._shown_deg(target_rad)
+        if self._watches is None:
+            await self.identify()
+        await self._have_watched()
+        start_deg = joint_angles_deg(await self._ask_joints(self._motion))
+        request, expected_s = self._request(start_deg, target_deg)
+        reply = await self._moved(request, self._time_outs.motion_s + _LONGER_BY_OVERRIDE * expected_s)
+        if reply.code != ReplyCode.OK:
+            shown = ", ".join(f"{angle:.3f}" for angle in target_deg)
+            raise TargetRefusedError(
+                f"the robot refused the joint target ({shown}) deg, as its pendant counts them:"
+                f" {reply.message}"
+            )
+        await self._require_arrival(target_deg)
+
+    async def read_joints(self) -> JointReading:
+        """Ask where the joints are, the logger while the arm moves."""
+        reply = await self._ask_joints(await self._free_port())
+        shown_rad = tuple(map(math.radians, joint_angles_deg(reply)))
+        return JointReading(
+            joints_rad=self._counting.of_robot(shown_rad),
+            resolution_rad=math.radians(joint_resolution_deg(reply)),
+            time_s=await self._clock.now_s(),
+        )
+
+    async def _free_port(self) -> Dialogue:
+        """Return the port that replies now, the motion port where there is no logger."""
+        if self._logger is None or not (self._motion.connected and self._motion.busy):
+            return self._motion
+        if not self._logger.connected:
+            try:
+                await self._logger.open(self._time_outs.greeting_s)
+            except LinkError:  # its program does not run there: the joints are told at the motion's end
+                return self._motion
+        return self._logger
+
+    async def _ask_joints(self, port: Dialogue) -> Reply:
+        reply = await port.ask(encode_request(Command.JOINTS), "joints", self._time_outs.reply_s)
+        if reply.code != ReplyCode.OK:
+            raise DeviceRefusedError(f"the robot does not tell its joints: {reply.message}")
+        return reply
+
+    async def _have_watched(self) -> None:
+        if not self._watches or self._watching:
+            return
+        reply = await self._motion.ask(encode_watch(SILENCE_S), "success", self._time_outs.reply_s)
+        if reply.code != ReplyCode.OK:
+            raise DeviceRefusedError(f"the robot does not watch its motions: {reply.message}")
+        self._watching = True
+
+    async def _moved(self, request: bytes, timeout_s: float) -> Reply:
+        try:
+            return await self._motion.ask(request, "success", timeout_s, beats=self._watching)
+        except NoReplyError as error:
+            raise NoReplyError(
+                f"the robot did not report the end of its motion: {_LOOK_AT_PENDANT}"
+            ) from error
+        except ConnectionLostError as error:
+            why = f" or after {SILENCE_S:g} s in which it heard nothing" if self._watching else ""
+            raise ConnectionLostError(
+                f"the robot hung up during a motion, as it does at a fault{why}: {_LOOK_AT_PENDANT}"
+            ) from error
+
+    async def _require_arrival(self, target_deg: Angles) -> None:
+        """See that the arm is where it was sent; a late reply to something else may have said so."""
+        stands_deg = joint_angles_deg(await self._ask_joints(self._motion))
+        off_deg = max(abs(stands - target) for stands, target in zip(stands_deg, target_deg, strict=True))
+        if off_deg > _ARRIVED_DEG:
+            await self._motion.close()
+            raise MappdkProtocolError(
+                f"the robot reported the end of its motion and stands {off_deg:.3f} deg off its target:"
+                f" {_LOOK_AT_PENDANT}"
+            )
+
+    def _request(self, start_deg: Angles, target_deg: Angles) -> tuple[bytes, float]:
+        """Return the request of a motion within the limits, and how long it takes without override [s]."""
+        before, after = self._counting.inclined(start_deg), self._counting.inclined(target_deg)
+        steps_deg = [to - origin for origin, to in zip(before, after, strict=True)]
+        least_s = max(self._pace.least_s(steps_deg, self._limits), _SHORTEST_MOTION_S)
+        if self._watches and least_s <= LONGEST_TIMED_MOTION_S:
+            return encode_timed_motion(TimedMotion(target_deg, least_s)), least_s
+        percent = self._pace.share_percent(steps_deg, self._limits)
+        if percent < 1:
+            raise DeviceRefusedError(
+                "MAPPDK knows no speed below 1 % of the joints' greatest, and that is above the limits here:"
+                f" this motion must take {least_s:.0f} s or more; allow more speed, or load truepose's own"
+                " server program"
+            )
+        return (
+            encode_motion(Command.MOVE_TO_JOINTS, Motion(target_deg, percent)),
+            100.0 * self._pace.at_full_speed_s(steps_deg) / percent,
+        )
+
+    def _shown_deg(self, target_rad: tuple[float, ...]) -> Angles:
+        if len(target_rad) != JOINTS:
+            raise TargetRefusedError(f"MAPPDK moves {JOINTS} joints here; the target has {len(target_rad)}")
+        shown = self._counting.of_controller(tuple(map(math.degrees, target_rad)))
+        try:
+            encode_motion(Command.MOVE_TO_JOINTS, Motion(shown, 1))
+        except ValueError as error:
+            raise TargetRefusedError(str(error)) from error
+        return shown
+
+
+def _counting(options: Options) -> JointCounting:
+    origin = option.text(options, "joint_3_from") or "horizontal"
+    if origin not in {"horizontal", "upper arm"}:
+        raise ConfigurationError(f'option joint_3_from is {origin!r}: give "horizontal" or "upper arm"')
+    signs = _six(options, "signs", LR_MATE_SIGNS)
+    if not all(abs(sign) == 1.0 for sign in signs):
+        raise ConfigurationError("option signs must be six times 1 or -1, such as 1 1 -1 -1 -1 -1")
+    return JointCounting(tuple(map(int, signs)), origin == "horizontal")
+
+
+def _pace(options: Options) -> Pace:
+    speeds = _six(options, "joint_speeds_deg_s", LR_MATE_SPEEDS_DEG_S)
+    if not all(0.0 < speed < math.inf for speed in speeds):
+        raise ConfigurationError("option joint_speeds_deg_s must be six positive numbers")
+    return Pace(speeds, option.positive(options, "reach_mm", Pace().reach_mm))
+
+
+def _six(options: Options, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+    words = option.text(options, name)
+    if words is None:
+        return default
+    try:
+        numbers = tuple(map(float, words.split()))
+    except ValueError as error:
+        raise ConfigurationError(f"option {name} is {words!r}: give six numbers") from error
+    if len(numbers) != JOINTS:
+        raise ConfigurationError(f"option {name} is {words!r}: give six numbers")
+    return numbers
+
+
+def _open(options: Options, clock: Clock | None) -> MappdkRobot:
+    logger = TcpLink(option.host(options), option.port({"port": options.get("logger_port", LOGGER_PORT)}))
+    return MappdkRobot(
+        tcp_link(options, MOTION_PORT),
+        clock or MonotonicClock(),
+        logger=logger,
+        counting=_counting(options),
+        pace=_pace(options),
+    )
+
+
+_OPTIONS = {
+    "host": "address of the controller",
+    "port": f"TCP port of the motion server, {MOTION_PORT} unless changed",
+    "logger_port": f"TCP port of the logger, {LOGGER_PORT} unless changed; tells joints during motions",
+    "joint_3_from": 'what the controller counts joint 3 from: "horizontal" (FANUC\'s own) or "upper arm"',
+    "signs": "-1 for each joint that the robot file counts the other way round, 1 1 -1 -1 -1 -1 if left out",
+    "joint_speeds_deg_s": "greatest speeds of the six joints, those of the LR Mate 200iC if left out",
+    "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
+}
+PLUGIN = DriverPlugin("fanuc_mappdk", "robot", "mappdk", _OPTIONS, _open)

@@ -1,0 +1,45 @@
+"""How fast a motion may be, where the controller knows shares of joint speeds or times only.
+
+A joint motion turns all joints in step. The tool then turns by no more than joints 1, 4, 5 and 6 and the
+forearm's inclination together, since joint 2 alone keeps the forearm's inclination; its point moves by no
+more than all joints together, each with the farthest that the point can be from an axis.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from truepose_drivers.api import MotionLimits
+
+# FANUC, "LR Mate 200iC" data sheet.
+LR_MATE_SPEEDS_DEG_S = (350.0, 350.0, 400.0, 450.0, 450.0, 720.0)
+_SECOND = 1  # joint 2, which turns no tool
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """What must be known of an arm."""
+
+    joint_speeds_deg_s: tuple[float, ...] = LR_MATE_SPEEDS_DEG_S
+    reach_mm: float = 1000.0  # farthest of the tool from any axis
+
+    def least_s(self, steps_deg: Sequence[float], limits: MotionLimits) -> float:
+        """Return how long a motion takes at least that keeps the limits.
+
+        `steps_deg` is by how much each joint turns, joint 3 being the forearm's inclination, shape (6,).
+        """
+        steps_rad = [math.radians(abs(step)) for step in steps_deg]
+        turned_rad = sum(steps_rad) - steps_rad[_SECOND]
+        path_mm = self.reach_mm * sum(steps_rad)
+        return max(turned_rad / limits.orientation_speed_rad_s, path_mm / limits.tool_speed_mm_s)
+
+    def at_full_speed_s(self, steps_deg: Sequence[float]) -> float:
+        """Return how long the joint takes that is slowest at its greatest speed."""
+        return max(abs(step) / speed for step, speed in zip(steps_deg, self.joint_speeds_deg_s, strict=True))
+
+    def share_percent(self, steps_deg: Sequence[float], limits: MotionLimits) -> int:
+        """Return the greatest whole share of the joint speeds that keeps the limits, 0 where none does."""
+        least_s = self.least_s(steps_deg, limits)
+        if least_s == 0.0:
+            return 1
+        return min(100, math.floor(100.0 * self.at_full_speed_s(steps_deg) / least_s + 1e-9))
