@@ -1,5 +1,7 @@
 """A test from its form to its result, as a person with a tablet does it."""
 
+from dataclasses import replace
+
 import numpy as np
 from playwright.sync_api import expect
 
@@ -105,3 +107,27 @@ def test_where_no_tracker_is_questioned_no_number_is_asked(service, tablet):
 
     expect(tablet.locator("#state")).to_have_text("planned")
     expect(tablet.get_by_label("Serial number of the tracker")).to_be_hidden()
+
+
+def test_a_calibration_is_planned_beside_its_promise_and_diagnosed_from_its_page(service, tablet):
+    service.plan_with(replace(planned(), role="calibration"))
+    for device in ("tracker", "robot"):
+        service.post(f"/api/v1/devices/{device}/connect")
+
+    tablet.goto(f"{service.url}/plan?n=30")
+    with tablet.expect_request("**/api/v1/sessions") as asked:
+        tablet.get_by_role("button", name="Plan it").click()
+    expect(tablet.locator("#state")).to_have_text("planned")
+    expect(tablet.get_by_role("button", name="Identify and diagnose")).to_be_hidden()
+    tablet.get_by_label("Your name").fill("Ada Byron")
+    tablet.get_by_role("button", name="Start").click()
+    tablet.get_by_role("button", name="The cell is clear").click()
+    expect(tablet.locator("#state")).to_have_text("finished", timeout=20_000)
+    made = {"id": 7, "state": "succeeded", "result_id": 4, "fraction": 1.0}
+    tablet.route("**/api/v1/sessions/*/diagnosis", lambda route: route.fulfill(json=made))
+    tablet.route("**/diagnoses/4", lambda route: route.fulfill(body="Here is number 4."))
+    tablet.get_by_role("button", name="Identify and diagnose").click()
+
+    expect(tablet.get_by_text("Here is number 4.")).to_be_visible()
+    whole = {"method": "choose", "configurations": 30}
+    assert (asked.value.post_data_json["role"], asked.value.post_data_json["plan"]) == ("calibration", whole)

@@ -1,4 +1,4 @@
-// Forms that plan a session: what they ask is the API's own, and the page of the session comes next.
+// Forms that have something made: what they ask is the API's own, and the page of what was made comes next.
 
 import { answered, filled, inThisLanguage, onSubmit, post } from "./api.js";
 
@@ -19,19 +19,19 @@ function bodyOf(form) {
   return body;
 }
 
-async function plan(form, say) {
-  const { path, planning, unreachable } = form.dataset;
-  say(filled(planning, { message: "" }));
+async function make(form, say) {
+  const { path, making, leads, unreachable } = form.dataset;
+  say(filled(making, { message: "", percent: 0 }));
   let made = await post(path, bodyOf(form), unreachable);
   while (["queued", "running"].includes(made.state)) {
-    say(filled(planning, { message: made.message }));
+    say(filled(making, { message: made.message, percent: Math.round(100 * made.fraction) }));
     await new Promise((resolve) => setTimeout(resolve, POLL_MS));
     made = await answered(`/api/v1/jobs/${made.id}`, {}, unreachable);
   }
   if (made.state === "failed") throw new Error(made.message);
-  location.assign(inThisLanguage(`/sessions/${made.result_id ?? made.id}`)); // of a job, or of a session at once
+  location.assign(inThisLanguage(`${leads}/${made.result_id ?? made.id}`)); // of a job, or of a session at once
 }
 
 for (const form of document.querySelectorAll("form[data-path]")) {
-  onSubmit(form, (say) => plan(form, say));
+  onSubmit(form, (say) => make(form, say));
 }

@@ -57,6 +57,25 @@ async def test_a_finished_session_leads_to_its_result_and_a_planned_one_waits_fo
     assert "Start: asks before anything moves" in Page(waiting.text).text
 
 
+def forms(reply):
+    return {
+        attributes["data-path"]: attributes
+        for tag, attributes in Page(reply.text).elements
+        if tag == "form" and "data-path" in attributes
+    }
+
+
+async def test_a_calibration_leads_to_the_diagnosis_that_identifies_and_a_validation_to_none(client, session):
+    calibration, validation = await session(), await session(role="validation")
+
+    leading = forms(await client.get(f"/sessions/{calibration}"))
+    judged = forms(await client.get(f"/sessions/{validation}"))
+
+    form = leading[f"/api/v1/sessions/{calibration}/diagnosis"]
+    assert (form["data-body"], form["data-leads"]) == ("{}", "/diagnoses")
+    assert judged == {}
+
+
 async def test_readings_for_an_identification_have_no_result_page(client, session):
     reply = await client.get(f"/sessions/{await session()}/result")
 
