@@ -11,10 +11,12 @@ from tests.unit.service.sequencing.tracker.fakes import ListLedger
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
-from truepose_drivers.abb_open_abb.driver import PLUGIN as ROBOT
+from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK
+from truepose_drivers.fanuc_mappdk.driver import PLUGIN as MAPPDK
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
 
+_ROBOTS = {plugin.protocol: plugin for plugin in (OPEN_ABB, MAPPDK)}
 _LIMIT = 1 << 24  # bytes of one answer of the truth endpoint
 
 
@@ -27,7 +29,10 @@ class Bench:
         self.robot_address = address["robot"]
         self.clock = CLOCK.open(address["clock"], None)
         self.tracker = TRACKER.open(address["tracker"], self.clock)
-        self.robot = ROBOT.open(address["robot"], self.clock)
+        robot = {**address["robot"]}
+        if endpoints["robot"]["protocol"] == MAPPDK.protocol:
+            robot["logger_port"] = address["robot-log"]["port"]
+        self.robot = _ROBOTS[endpoints["robot"]["protocol"]].open(robot, self.clock)
         self.journal = ListLedger()
         described = simulated_cell(scenario, seed)
         self.described = described
