@@ -16,11 +16,11 @@ def host(options: Options) -> str:
     return value
 
 
-def port(options: Options, default: int | None = None) -> int:
-    """Return option `port`; raises ConfigurationError when it is missing or no port number."""
-    value = options.get("port", default)
+def port(options: Options, default: int | None = None, *, name: str = "port") -> int:
+    """Return a port; raises ConfigurationError when it is missing or no port number."""
+    value = options.get(name, default)
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _HIGHEST_PORT:
-        raise ConfigurationError(f"option port is {value!r}: give a number from 1 to {_HIGHEST_PORT}")
+        raise ConfigurationError(f"option {name} is {value!r}: give a number from 1 to {_HIGHEST_PORT}")
     return value
 
 

@@ -23,6 +23,13 @@ from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint, mappdk_logger_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.instruments.robot.open_abb_server import logger_endpoint, robot_endpoint
+from truepose_simulators.instruments.robot.universal_robots.controller import Controller
+from truepose_simulators.instruments.robot.universal_robots.programs import Programs
+from truepose_simulators.instruments.robot.universal_robots.rtde import rtde_endpoint
+from truepose_simulators.instruments.robot.universal_robots.text_ports import (
+    dashboard_endpoint,
+    script_endpoint,
+)
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.instruments.truth import truth_endpoint
 from truepose_simulators.physics.identified import IdentifiedModel
@@ -54,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m truepose_simulators",
-        description="Start a simulated cell: tracker (emScon), robot controller (open_abb or MAPPDK), clock.",
+        description="Start a simulated cell: tracker (emScon), robot (open_abb, MAPPDK or RTDE), clock.",
         epilog="example: python -m truepose_simulators irb120-clean --seed 3 --port-base 7000 --pace 0",
     )
     parser.add_argument(
@@ -144,7 +151,12 @@ def _endpoints(cell: RememberedCell) -> list[Endpoint]:
 
 
 def _controller(cell: RememberedCell) -> list[Endpoint]:
-    """Return the two ports of the robot's controller, in the language of the scenario."""
+    """Return the ports of the robot's controller, in the language of the scenario."""
+    if cell.scenario.arm.protocol == "ur_rtde":
+        universal = Controller(cell)
+        programs = Programs(universal)
+        texts = [script_endpoint(programs), dashboard_endpoint(universal, programs)]
+        return [rtde_endpoint(universal), *texts]
     if cell.scenario.arm.protocol == "mappdk":
         outputs: dict[str, str] = {}
         motion, logger = (MappdkProgram(cell, outputs=outputs) for _ in range(2))

@@ -29,6 +29,7 @@ from truepose_drivers.transports.hid import HidOverUsb
 from truepose_drivers.transports.link import Link
 from truepose_drivers.transports.memory import MemoryEnd, MemoryLink
 from truepose_drivers.transports.usb import UsbPort
+from truepose_drivers.universal_robots.driver import Ports, UniversalRobot
 from truepose_simulators.cell.clock import CellClock as SimulatedClock
 from truepose_simulators.cell.true_cell import Cell
 from truepose_simulators.instruments.ballbars.ballbar_hid import HidBallbarGadget
@@ -45,6 +46,13 @@ from truepose_simulators.instruments.robot.mappdk import MappdkProgram
 from truepose_simulators.instruments.robot.mappdk_server import mappdk_endpoint
 from truepose_simulators.instruments.robot.open_abb import MotionProgram
 from truepose_simulators.instruments.robot.open_abb_server import robot_endpoint
+from truepose_simulators.instruments.robot.universal_robots.controller import Controller
+from truepose_simulators.instruments.robot.universal_robots.programs import Programs
+from truepose_simulators.instruments.robot.universal_robots.rtde import rtde_endpoint
+from truepose_simulators.instruments.robot.universal_robots.text_ports import (
+    dashboard_endpoint,
+    script_endpoint,
+)
 from truepose_simulators.instruments.tracker.device import seen_from
 from truepose_simulators.instruments.tracker.leica_emscon import tracker_endpoint
 from truepose_simulators.scenarios.file import load_scenario
@@ -66,6 +74,7 @@ USB_PORTS: dict[str, Callable[[UsbPort, Clock], object]] = {
     "ballbar_hid": lambda port, clock: HidBallbar(HidOverUsb(port), clock),
     "mitutoyo_usb_itn": lambda port, clock: UsbItnGauge(port, clock),
 }
+ON_SEVERAL_LINKS = frozenset({"universal_robots"})
 WITHOUT_A_DEVICE = frozenset({"monotonic_clock"})
 
 
@@ -140,6 +149,13 @@ class Bench:
             "heidenhain_nd": nd28x_endpoint(bar),
             "ndi_polaris": camera_endpoint(self.cell, camera),
         }
+        controller = Controller(self.cell)
+        programs = Programs(controller)
+        self.endpoints |= {
+            "universal_robots": rtde_endpoint(controller),
+            "universal_robots script": script_endpoint(programs),
+            "universal_robots dashboard": dashboard_endpoint(controller, programs),
+        }
         self._way = way
         self._ports: dict[str, int] = {}
         self._ends: list[MemoryEnd] = []
@@ -171,18 +187,29 @@ class Bench:
     def driver(self, name: str):
         """Return a driver by its configuration name, on this bench's device, not connected."""
         if self._way == "socket":
-            options = {"host": "127.0.0.1", "port": self._ports[name], **NEEDED.get(name, {})}
+            further = NEEDED.get(name, {}) | self._further_ports(name)
+            options = {"host": "127.0.0.1", "port": self._ports[name], **further}
             driver = registry().open(name, options, self.clock)
         elif name in USB_PORTS:
             port = UsbInMemory(self.gadgets[name])
             self._usb_ports.append(port)
             driver = USB_PORTS[name](port, self.clock)
+        elif name == "universal_robots":
+            ports = Ports(self._link(name), self._link(f"{name} script"), self._link(f"{name} dashboard"))
+            driver = UniversalRobot(ports, self.clock)
         else:
-            chunk_bytes = 7  # no packet of any protocol fits
-            serve = in_memory(self.endpoints[name], self._ends)
-            driver = LINKS[name](lambda: MemoryLink(serve, chunk_bytes=chunk_bytes), self.clock)
+            driver = LINKS[name](lambda: self._link(name), self.clock)
         self._opened.append(driver)
         return driver
+
+    def _link(self, name: str) -> MemoryLink:
+        chunk_bytes = 7  # no packet of any protocol fits
+        return MemoryLink(in_memory(self.endpoints[name], self._ends), chunk_bytes=chunk_bytes)
+
+    def _further_ports(self, name: str) -> dict[str, int]:
+        """Ports of a device that listens at several, as its driver's options call them."""
+        named = {other.removeprefix(f"{name} "): port for other, port in self._ports.items()}
+        return {f"{role}_port": port for role, port in named.items() if f"{name} {role}" in self._ports}
 
     def fixed_nest_mm(self, number: int) -> tuple[float, float, float]:
         """Where a fixed nest is, in the tracker's frame; the simulator's knowledge."""

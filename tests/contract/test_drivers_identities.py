@@ -9,6 +9,7 @@ WITHOUT_LOSS = {
     "leica_emscon": "777777",
     "abb_open_abb": "120-7",
     "fanuc_mappdk": "F-7",
+    "universal_robots": "UR-10-7",
     "ballbar_hid": "BAR-9",
     "ndi_polaris": "P9-77777",
 }

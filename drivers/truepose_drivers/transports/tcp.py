@@ -173,6 +173,6 @@ async def _let_arrive() -> None:
         await asyncio.sleep(0)
 
 
-def tcp_link(options: Options, default_port: int | None = None) -> TcpLink:
-    """Return the link of the options host and port; raises ConfigurationError."""
-    return TcpLink(option.host(options), option.port(options, default_port))
+def tcp_link(options: Options, default_port: int | None = None, *, port: str = "port") -> TcpLink:
+    """Return the link of the options host and `port`; raises ConfigurationError."""
+    return TcpLink(option.host(options), option.port(options, default_port, name=port))

@@ -1,9 +1,10 @@
 """The arms that the simulated cells can have, read off the makers' drawings and data sheets.
 
 Sources: ABB, "Product specification IRB 120", 3HAC035960 (working range, dimensions, axis speeds);
-FANUC, "LR Mate 200iC" data sheet (dimensions, motion range, speeds). Masses and places of the centres
-of gravity: A. Nubiola, thesis, ETS Montreal 2014, section 2.3, moved into the base frame by hand. No maker
-states gear ratios and compliances; these are typical of gearboxes of that size.
+FANUC, "LR Mate 200iC" data sheet (dimensions, motion range, speeds); Universal Robots, UR10 data sheet and
+"DH parameters for calculations of kinematics and dynamics" (dimensions, masses). Other masses and places of
+the centres of gravity: A. Nubiola, thesis, ETS Montreal 2014, section 2.3, moved into the base frame by hand.
+No maker states compliances, few state gear ratios; these are typical of gearboxes of that size.
 """
 
 import math
@@ -16,6 +17,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 _FORWARD: Vector = (1.0, 0.0, 0.0)
 _DOWN: Vector = (0.0, 0.0, -1.0)
 _LEFT: Vector = (0.0, 1.0, 0.0)
+_RIGHT: Vector = (0.0, -1.0, 0.0)
 
 
 def _joint(
@@ -68,4 +70,32 @@ _LRMATE = Arm(
     gear_ratio=(115.0, 120.0, 110.0, 80.0, 80.0, 50.0),
 )
 
-ARMS: Mapping[str, Arm] = MappingProxyType({arm.name: arm for arm in (_IRB120, _LRMATE)})
+# Lying along -x: shoulder 127.3 above the floor, upper arm 612, forearm 572.3, wrist 163.941 to the right,
+# 115.7 down, flange 92.2 further to the right. Axes 2 to 4 point to the right.
+_UR10 = Arm(
+    name="ur10",
+    model="UR10",
+    joints=(
+        _joint((0.0, 0.0, 127.3), _UP, _FORWARD, (-360.0, 360.0), 120.0),
+        _joint((0.0, 0.0, 127.3), _RIGHT, _FORWARD, (-360.0, 360.0), 120.0),
+        _joint((-612.0, 0.0, 127.3), _RIGHT, _FORWARD, (-360.0, 360.0), 180.0),
+        _joint((-1184.3, -163.941, 127.3), _RIGHT, _FORWARD, (-360.0, 360.0), 180.0),
+        _joint((-1184.3, -163.941, 11.6), _DOWN, _FORWARD, (-360.0, 360.0), 180.0),
+        _joint((-1184.3, -256.141, 11.6), _RIGHT, _FORWARD, (-360.0, 360.0), 180.0),
+    ),
+    masses=(
+        CarriedMass(1, 7.1, (21.0, -27.0, 127.3)),
+        CarriedMass(2, 12.7, (-232.0, -158.0, 127.3)),
+        CarriedMass(3, 4.27, (-944.3, -68.0, 127.3)),
+        CarriedMass(4, 2.0, (-1184.3, -170.941, 109.3)),
+        CarriedMass(5, 2.0, (-1184.3, -181.941, 18.6)),
+        CarriedMass(6, 0.365, (-1184.3, -230.141, 11.6)),
+    ),
+    flange_mm=(-1184.3, -256.141, 11.6),
+    flange_x=_FORWARD,
+    flange_z=_RIGHT,
+    typical_compliance_rad_per_n_mm=(0.02e-6, 0.02e-6, 0.035e-6, 0.12e-6, 0.12e-6, 0.12e-6),
+    gear_ratio=(101.0, 101.0, 101.0, 101.0, 101.0, 101.0),
+)
+
+ARMS: Mapping[str, Arm] = MappingProxyType({arm.name: arm for arm in (_IRB120, _LRMATE, _UR10)})

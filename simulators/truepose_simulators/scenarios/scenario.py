@@ -15,6 +15,8 @@ from truepose_simulators.physics.arm import Vector
 from truepose_simulators.physics.effects import PlantedChange
 from truepose_simulators.physics.plant import PlantSizes
 
+_PROTOCOLS = ("open_abb", "mappdk", "ur_rtde")
+
 
 @dataclass(frozen=True, slots=True)
 class GivenMotion:
@@ -72,7 +74,7 @@ class ArmSetup:
     home_deg: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     refusal: str = "hang"  # what a client sees of a refused target: "hang" or "drop" (of the connection)
     states_gear_ratio: bool = True  # False: the papers of a campaign do not have it
-    protocol: str = "open_abb"  # what the controller speaks, or "mappdk", as FANUC's do
+    protocol: str = "open_abb"  # what the controller speaks, or "mappdk", as FANUC's do, or "ur_rtde"
     server: str = (
         "stock"  # what runs on the controller: the protocol's own program, or "truepose", that of ours
     )
@@ -81,8 +83,9 @@ class ArmSetup:
         _not_negative(self, "scatter_mm")
         if self.refusal not in {"hang", "drop"}:
             raise ScenarioError(f'key "refusal" must be "hang" or "drop", not "{self.refusal}"')
-        if self.protocol not in {"open_abb", "mappdk"}:
-            raise ScenarioError(f'key "protocol" must be "open_abb" or "mappdk", not "{self.protocol}"')
+        if self.protocol not in _PROTOCOLS:
+            known = " or ".join(f'"{protocol}"' for protocol in _PROTOCOLS)
+            raise ScenarioError(f'key "protocol" must be {known}, not "{self.protocol}"')
         if self.server not in {"stock", "truepose"}:
             raise ScenarioError(f'key "server" must be "stock" or "truepose", not "{self.server}"')
 

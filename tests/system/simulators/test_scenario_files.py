@@ -35,6 +35,7 @@ def test_the_shipped_scenarios_are_there():
         "lrmate-everyday",
         "lrmate-fanuc",
         "lrmate-tilted",
+        "ur10-clean",
     ]
 
 

@@ -19,7 +19,14 @@ SHIPPED = [
     EntryPoint(name, value, ENTRY_POINT_GROUP)
     for name, value in PYPROJECT["project"]["entry-points"][ENTRY_POINT_GROUP].items()
 ]
-OF_A_NETWORK = {"host": "127.0.0.1", "port": 5000, "logger_port": 5001, "tool_file": str(ARTEFACT)}
+OF_A_NETWORK = {
+    "host": "127.0.0.1",
+    "port": 5000,
+    "logger_port": 5001,
+    "script_port": 5002,
+    "dashboard_port": 5003,
+    "tool_file": str(ARTEFACT),
+}
 
 
 class FakeEntryPoint:

@@ -10,6 +10,7 @@ from truepose_simulators.physics.arm import CarriedMass
 from truepose_simulators.physics.chain import place_bodies
 from truepose_simulators.physics.loads import gravity_torques, place_masses
 from truepose_simulators.physics.robots import ARMS
+from truepose_simulators.recording.nominal_tables import NOMINAL_TABLES
 from truepose_simulators.scenarios.file import load_scenario
 
 # Positions of about 1e3 mm through some twenty products in double precision.
@@ -54,3 +55,34 @@ def test_the_thesis_scenario_is_the_robot_of_its_tables(joints_rad):
     # The scenario states motions with 9 decimals of a mm and rotations with 1e-13 rad, over 1 m.
     assert placed == pytest.approx(expected, abs=1e-8)
     assert plant.compliance_rad_per_n_mm == pytest.approx(published["compliance_rad_per_n_mm"], rel=1e-12)
+
+
+def test_the_ur10_is_the_arm_of_its_makers_standard_table(joints_rad):
+    """d, a [mm] and alpha [rad] of each row; Universal Robots, DH parameters, UR10."""
+    maker = [
+        (127.3, 0.0, np.pi / 2),
+        (0.0, -612.0, 0.0),
+        (0.0, -572.3, 0.0),
+        (163.941, 0.0, np.pi / 2),
+        (115.7, 0.0, -np.pi / 2),
+        (92.2, 0.0, 0.0),
+    ]
+
+    expected = []
+    for row in joints_rad:
+        frame = np.eye(4)
+        for angle, (d, a, alpha) in zip(row, maker, strict=True):
+            frame = frame @ rotate(2, angle) @ shift(a, 0.0, d) @ rotate(0, alpha)
+        expected.append(frame)
+
+    assert nominal_flange(ARMS["ur10"], joints_rad) == pytest.approx(np.array(expected), abs=ROUNDING_MM)
+
+
+def test_the_ur10_is_loaded_as_its_table_of_masses_says(joints_rad):
+    papers, no_errors = NOMINAL_TABLES["ur10"], np.broadcast_to(np.eye(4), (8, 4, 4))
+
+    bodies = place_bodies(ARMS["ur10"], no_errors, joints_rad)
+    found = gravity_torques(bodies, place_masses(bodies, ARMS["ur10"].masses, None, ()))
+
+    expected = [torques(papers.rows, papers.masses, row) for row in joints_rad]
+    assert found == pytest.approx(np.array(expected), abs=1e-7)

@@ -1,0 +1,358 @@
+"""A Universal Robots controller: state over RTDE, motion by a script that listens while it moves.
+
+RTDE streams only while somebody asks: an exchange starts it and pauses it, so that nothing old waits to be
+read, and takes only states whose time stamp has moved. A motion is a program of ours that reads its target
+from RTDE registers and goes on only while the beat among them changes.
+"""
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator, Mapping
+from dataclasses import dataclass, replace
+
+from truepose_drivers.api import (
+    Clock,
+    DeviceIdentity,
+    DriverPlugin,
+    JointReading,
+    MotionGuard,
+    MotionLimits,
+    Options,
+)
+from truepose_drivers.errors import (
+    BusyError,
+    ConfigurationError,
+    ConnectFailedError,
+    DeviceRefusedError,
+    TargetRefusedError,
+)
+from truepose_drivers.monotonic_clock import MonotonicClock
+from truepose_drivers.transports.conversation import Conversation
+from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.tcp import tcp_link
+from truepose_drivers.universal_robots.progress import STANDING_RAD, Progress, require_ready
+from truepose_drivers.universal_robots.protocol.dashboard import (
+    DASHBOARD_PORT,
+    ROBOT_MODEL,
+    SERIAL_NUMBER,
+    LineReader,
+    encode_line,
+    require_greeting,
+    stated_name,
+)
+from truepose_drivers.universal_robots.protocol.errors import UrProtocolError
+from truepose_drivers.universal_robots.protocol.motion import (
+    BEAT_S,
+    INPUTS,
+    JOINTS,
+    OUTPUTS,
+    PROGRAM,
+    SCRIPT_PORT,
+    STOPS_WITHIN_S,
+    Order,
+    RobotState,
+    robot_state,
+)
+from truepose_drivers.universal_robots.protocol.packets import (
+    RTDE_PORT,
+    Kind,
+    Packet,
+    PacketReader,
+    encode,
+    inputs_request,
+    is_accepted,
+    outputs_request,
+    recipe_stated,
+    said,
+    stated_version,
+    version_request,
+)
+from truepose_drivers.universal_robots.protocol.recipes import (
+    IN_USE,
+    NOT_FOUND,
+    Recipe,
+    agreed_recipe,
+)
+
+_FREQUENCY_HZ = 125.0  # which controllers of every series offer
+_UNKNOWN = "unknown"
+_FURTHEST_RAD = 4.0 * math.pi  # beyond the range of any joint
+
+
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """The three connections to one controller."""
+
+    rtde: Link
+    script: Link
+    dashboard: Link
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOuts:
+    """How long the controller may take, in wall time."""
+
+    reply_s: float = 2.0
+    state_s: float = 0.5  # for a state that is newer than the one before
+
+
+class UniversalRobot:
+    """A controller on three links. Keeps the conversation; computes nothing."""
+
+    def __init__(self, ports: Ports, clock: Clock, *, time_outs: TimeOuts | None = None) -> None:
+        self._link = ports.rtde
+        self._rtde = Conversation[Packet](ports.rtde, PacketReader, harmless=(DeviceRefusedError,))
+        self._script = ports.script
+        self._dashboard = Conversation[str](ports.dashboard, LineReader)
+        self._clock = clock
+        self._time_outs = time_outs or TimeOuts()
+        limits = MotionLimits()
+        self._order = Order(
+            tool_speed_mm_s=limits.tool_speed_mm_s, turning_speed_rad_s=limits.orientation_speed_rad_s
+        )
+        self._newest_s = -math.inf  # time stamp of the last state of this connection
+        self._said = ""
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link is up as far as known."""
+        return self._rtde.is_open
+
+    @property
+    def can_stop_motion(self) -> bool:
+        """Always: a motion that is not waited for any more is stopped."""
+        return True
+
+    @property
+    def motion_guard(self) -> MotionGuard:
+        """Our program stops a motion when it hears nothing; the registers are read back."""
+        return MotionGuard(stops_unheard_s=STOPS_WITHIN_S, speed_read_back=True)
+
+    async def connect(self) -> None:
+        """Open the link and agree on the registers; raises ConnectFailedError."""
+        self._newest_s = -math.inf
+        await self._rtde.open()
+        try:
+            async with self._rtde.turn():
+                await self._agree()
+        except BusyError as error:
+            await self._rtde.close()
+            raise ConnectFailedError(str(error)) from error
+
+    async def close(self) -> None:
+        """Close the links; never raises."""
+        await self._script.close()
+        await self._dashboard.close()
+        await self._rtde.close()
+
+    async def identify(self) -> DeviceIdentity:
+        """Ask RTDE for the software, the dashboard for serial number and model."""
+        async with self._rtde.turn():
+            firmware = stated_version(await self._asked(Packet(Kind.CONTROLLER)))
+        try:
+            await self._dashboard.open()
+            async with self._dashboard.turn():
+                serial, model = await self._names()
+        finally:
+            await self._dashboard.close()
+        return DeviceIdentity(
+            manufacturer="Universal Robots",
+            model=model or _UNKNOWN,
+            serial=serial or _UNKNOWN,
+            firmware=firmware,
+        )
+
+    async def set_limits(self, limits: MotionLimits) -> None:
+        """Write the speed limits of the following motions, and read them back."""
+        _check_limits(limits)
+        order = replace(
+            self._order,
+            tool_speed_mm_s=limits.tool_speed_mm_s,
+            turning_speed_rad_s=limits.orientation_speed_rad_s,
+        )
+        async with self._rtde.turn(), self._streaming():
+            await self._give(order)
+
+    async def move_joints(self, target_rad: tuple[float, ...]) -> None:
+        """Move all joints to `target_rad`; return when the arm rests there.
+
+        Raises TargetRefusedError for a target that is none or that the controller does not take,
+        NotInitialisedError where the arm may not move or was stopped, with what to do.
+        """
+        _check_target(target_rad)
+        async with self._rtde.turn(), self._streaming():
+            before = await self._next_state()
+            require_ready(before)
+            await self._give(replace(self._order, number=before.unused_number, target_rad=target_rad))
+            try:
+                await self._script.open()
+                await self._script.send(PROGRAM.encode())
+                await self._follow(Progress(self._order, before, _now_s()))
+            finally:
+                await self._script.close()
+
+    async def read_joints(self) -> JointReading:
+        """Return where the joints are now: of two states, whose time stamps differ, the later one."""
+        async with self._rtde.turn(), self._streaming():
+            await self._next_state()
+            state = await self._next_state()
+        return JointReading(
+            joints_rad=state.joints_rad, resolution_rad=STANDING_RAD, time_s=await self._clock.now_s()
+        )
+
+    async def _agree(self) -> None:
+        if not is_accepted(await self._asked(version_request())):
+            raise UrProtocolError(
+                "the controller speaks an older RTDE: its software must be 3.9 or 5.3, or later"
+            )
+        outputs = outputs_request(_FREQUENCY_HZ, OUTPUTS)
+        self._outputs = _recipe(await self._asked(outputs), OUTPUTS)
+        self._inputs = _recipe(await self._asked(inputs_request(INPUTS)), INPUTS)
+
+    async def _names(self) -> tuple[str | None, str | None]:
+        at = self._dashboard.address
+        self._dashboard.expect(self._time_outs.reply_s, f"the dashboard at {at} does not greet: restart it")
+        require_greeting(await self._dashboard.next())
+        return await self._name(SERIAL_NUMBER), await self._name(ROBOT_MODEL)
+
+    async def _name(self, question: str) -> str | None:
+        silence = f'the dashboard at {self._dashboard.address} does not answer "{question}": connect again'
+        await self._dashboard.send(encode_line(question), timeout_s=self._time_outs.reply_s, silence=silence)
+        return stated_name(await self._dashboard.next())
+
+    @contextlib.asynccontextmanager
+    async def _streaming(self) -> AsyncIterator[None]:
+        """Have the controller send its state, and take orders, for as long as this lasts."""
+        self._said = ""
+        await self._switch(Kind.START)
+        try:
+            yield
+        except DeviceRefusedError:
+            await self._switch(Kind.PAUSE)
+            raise
+        await self._switch(Kind.PAUSE)
+
+    async def _switch(self, kind: Kind) -> None:
+        if not is_accepted(await self._asked(Packet(kind))):
+            raise UrProtocolError(
+                f"the robot does not {kind.name.lower()} its stream of states: connect again"
+            )
+
+    async def _asked(self, request: Packet) -> bytes:
+        """Send a request and return what its reply holds; states and texts may come before it."""
+        await self._rtde.send(
+            encode(request),
+            timeout_s=self._time_outs.reply_s,
+            silence=f"the robot at {self._rtde.address} is connected and says nothing: look at the pendant,"
+            " then connect again",
+        )
+        while (reply := await self._rtde.next()).kind != request.kind:
+            if reply.kind not in {Kind.DATA, Kind.TEXT}:
+                raise UrProtocolError(
+                    f"the robot replied to {reply.kind.name}, not to {request.kind.name}: connect again"
+                )
+        return reply.payload
+
+    async def _next_state(self) -> RobotState:
+        """Return a state that is newer than all before; a clock that stands still is a lost connection."""
+        self._rtde.expect(
+            self._time_outs.state_s,
+            f"the robot at {self._rtde.address} states nothing new, or its clock stands still: check the"
+            " network and the controller, then connect again",
+        )
+        while True:
+            packet = await self._rtde.next()
+            if packet.kind is Kind.TEXT:
+                self._said = said(packet.payload)
+                continue
+            state = self._state(packet)
+            if state.timestamp_s > self._newest_s:
+                self._newest_s = state.timestamp_s
+                return state
+
+    def _state(self, packet: Packet) -> RobotState:
+        if packet.kind is not Kind.DATA:
+            raise UrProtocolError(f"the robot sent {packet.kind.name} among its states: connect again")
+        return robot_state(self._outputs.unpack(packet.payload))
+
+    async def _give(self, order: Order) -> None:
+        """Write an order, and see it stand in the controller's registers."""
+        await self._write(order)
+        give_up_s = _now_s() + self._time_outs.reply_s
+        while (await self._next_state()).registers != order.values():
+            if _now_s() > give_up_s:
+                raise UrProtocolError(
+                    "the robot does not keep what is written to its registers 24 to 31: see that no other"
+                    " program or URCap uses them, then connect again"
+                )
+
+    async def _write(self, order: Order) -> None:
+        self._order = order
+        await self._link.send(encode(self._inputs.pack(order.values())))
+
+    async def _follow(self, progress: Progress) -> None:
+        """Give beats until the arm has arrived."""
+        beat_s = -math.inf
+        while not progress.arrived(await self._next_state(), _now_s(), self._said):
+            if _now_s() - beat_s >= BEAT_S:
+                beat_s = _now_s()
+                await self._write(self._order.next_beat)
+                await drain(self._script)  # this port sends states of its own, ten a second
+
+
+def _now_s() -> float:
+    return asyncio.get_running_loop().time()
+
+
+def _recipe(payload: bytes, wanted: Mapping[str, str]) -> Recipe:
+    number, types = recipe_stated(payload)
+    named = dict(zip(wanted, types, strict=False))
+    if IN_USE in types:
+        used = next(name for name, kind in named.items() if kind == IN_USE)
+        raise BusyError(
+            f"another program writes {used} of the robot: end it, so that one program alone moves the arm"
+        )
+    if NOT_FOUND in types:
+        unknown = next(name for name, kind in named.items() if kind == NOT_FOUND)
+        raise UrProtocolError(
+            f"the controller does not know {unknown}: its software must be 3.9 or 5.3, or later"
+        )
+    return agreed_recipe(number, types, wanted)
+
+
+def _check_target(target_rad: tuple[float, ...]) -> None:
+    if len(target_rad) != JOINTS:
+        raise TargetRefusedError(f"the robot has {JOINTS} joints; the target has {len(target_rad)}")
+    for joint, angle in enumerate(target_rad, start=1):
+        if not abs(angle) <= _FURTHEST_RAD:
+            raise TargetRefusedError(
+                f"{math.degrees(angle)} deg of joint {joint} is out of any robot's range"
+            )
+
+
+def _check_limits(limits: MotionLimits) -> None:
+    for name, value in (
+        ("tool_speed_mm_s", limits.tool_speed_mm_s),
+        ("orientation_speed_rad_s", limits.orientation_speed_rad_s),
+    ):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ConfigurationError(f"{name} is {value}: a speed limit must be positive")
+
+
+def _open(options: Options, clock: Clock | None) -> UniversalRobot:
+    ports = Ports(
+        rtde=tcp_link(options, RTDE_PORT),
+        script=tcp_link(options, SCRIPT_PORT, port="script_port"),
+        dashboard=tcp_link(options, DASHBOARD_PORT, port="dashboard_port"),
+    )
+    return UniversalRobot(ports, clock or MonotonicClock())
+
+
+_OPTIONS = {
+    "host": "address of the controller, as shown on the pendant",
+    "port": f"TCP port of RTDE, {RTDE_PORT} unless changed",
+    "script_port": f"TCP port that takes scripts, {SCRIPT_PORT} unless changed",
+    "dashboard_port": f"TCP port of the dashboard, {DASHBOARD_PORT} unless changed",
+}
+PLUGIN = DriverPlugin("universal_robots", "robot", "ur_rtde", _OPTIONS, _open)

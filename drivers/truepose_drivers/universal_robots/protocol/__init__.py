@@ -1,0 +1,1 @@
+"""What goes over a Universal Robots controller's three ports; no socket, no clock."""
