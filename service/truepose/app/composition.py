@@ -40,7 +40,7 @@ from truepose.storage.measurement.tracker_readings import ReadingRepository
 from truepose.web.application import Application, create_application
 from truepose.web.context import Context, Endpoint
 from truepose.web.door.hosts import AllowedHosts
-from truepose_drivers.api import Clock
+from truepose_drivers.api import Clock, DriverPlugin
 from truepose_drivers.registry import DriverRegistry, load_registry
 
 _REAL_CLOCK: Final = "monotonic_clock"
@@ -165,8 +165,19 @@ def _with_simulated_devices(cell: Cell, simulation: Simulation | None, drivers: 
             for name in _drivers_of(endpoint, drivers):
                 options: dict[str, str | int | float | bool] = {"host": endpoint.host, "port": endpoint.port}
                 # One ballbar listens at several ports, in a language each: the first one is spoken.
+                options |= _further_ports(endpoint, simulation, drivers.plugin(name))
                 entries.setdefault(endpoint.device, DeviceEntry(endpoint.device, name, options))
     return dataclasses.replace(cell, devices=tuple(entries.values()))
+
+
+def _further_ports(endpoint: Endpoint, simulation: Simulation, plugin: DriverPlugin) -> dict[str, int]:
+    """Return the further ports of a device as its driver calls them: `script_port` of "robot-script"."""
+    ports = {
+        f"{other.device.removeprefix(f'{endpoint.device}-')}_port": other.port
+        for other in simulation.endpoints
+        if other.device.startswith(f"{endpoint.device}-")
+    }
+    return {option: port for option, port in ports.items() if option in plugin.options}
 
 
 def _drivers_of(endpoint: Endpoint, drivers: DriverRegistry) -> list[str]:

@@ -320,6 +320,7 @@ def test_a_folder_is_no_cell_file(tmp_path):
     [
         ("irb120-tilted", "abb-irb-120"),
         ("lrmate-clean", "fanuc-lr-mate-200ic"),
+        ("ur10-clean", "universal-robots-ur10"),
         ("x/irb120-mine.toml", "abb-irb-120"),
     ],
 )
@@ -333,8 +334,8 @@ def test_a_simulated_cell_knows_its_robot_from_the_scenario(scenario, robot):
 
 
 def test_a_scenario_of_an_unknown_robot_needs_a_cell_file():
-    with pytest.raises(UnknownRobotError, match=r"its name must begin with irb120\.\.\. or lrmate\.\.\."):
-        simulated_cell("ur10-clean", 0)
+    with pytest.raises(UnknownRobotError, match=r"begin with irb120\.\.\. or lrmate\.\.\. or ur10\.\.\."):
+        simulated_cell("kr10-clean", 0)
 
 
 BALLBAR = 'robot = "abb-irb-120"\n[simulated]\nscenario = "irb120-tilted"\n[ballbar]\n'

@@ -36,7 +36,11 @@ _KEYS = frozenset({
     "people",
 })  # fmt: skip
 _TABLE = frozenset({"world", "fixed_nest", "certified_length", "tracker"})
-_ROBOT_OF_SCENARIOS: Mapping[str, str] = {"irb120": "abb-irb-120", "lrmate": "fanuc-lr-mate-200ic"}
+_ROBOT_OF_SCENARIOS: Mapping[str, str] = {
+    "irb120": "abb-irb-120",
+    "lrmate": "fanuc-lr-mate-200ic",
+    "ur10": "universal-robots-ur10",
+}
 _USUAL_TOOL_OF: Final = "abb-irb-120"
 SCENARIO_PREFIXES: Final = tuple(_ROBOT_OF_SCENARIOS)  # that say which robot stands in a simulated cell
 
@@ -65,7 +69,8 @@ def simulated_cell(scenario: str, seed: int) -> Cell:
     Parameters
     ----------
     scenario : str
-        Shipped name, or a file whose name begins like one; `irb120...` or `lrmate...` says which robot.
+        Shipped name, or a file whose name begins like one; `irb120...`, `lrmate...` or `ur10...` says
+        which robot.
     seed : int
 
     Raises

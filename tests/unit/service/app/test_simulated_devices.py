@@ -1,0 +1,32 @@
+"""The instruments of a simulated cell as devices of the service."""
+
+from tests.contract.benches import registry
+from truepose.app.composition import _with_simulated_devices
+from truepose.app.simulation import Simulation
+from truepose.exchange.cells.file import simulated_cell
+from truepose.web.context import Endpoint
+
+
+def devices_of(*announced: tuple[str, str, int]):
+    endpoints = tuple(Endpoint(device, protocol, "127.0.0.1", port) for device, protocol, port in announced)
+    cell = _with_simulated_devices(simulated_cell("ur10-clean", 1), Simulation(None, endpoints), registry())
+    return {device.name: (device.driver, dict(device.options)) for device in cell.devices}
+
+
+def test_a_device_that_listens_at_several_ports_is_given_all_of_them():
+    found = devices_of(
+        ("tracker", "emscon", 1),
+        ("robot", "ur_rtde", 2),
+        ("robot-script", "ur_script", 3),
+        ("robot-dashboard", "ur_dashboard", 4),
+    )
+
+    ports = {"host": "127.0.0.1", "port": 2, "script_port": 3, "dashboard_port": 4}
+    assert found["robot"] == ("universal_robots", ports)
+    assert found["tracker"] == ("leica_emscon", {"host": "127.0.0.1", "port": 1})
+
+
+def test_a_port_that_the_driver_does_not_know_is_left_out():
+    found = devices_of(("robot", "open_abb", 2), ("robot-log", "open_abb_log", 3))
+
+    assert found == {"robot": ("abb_open_abb", {"host": "127.0.0.1", "port": 2})}
