@@ -8,11 +8,11 @@ import json
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-import sqlalchemy as sa
 from alembic import op
 
-from truepose.storage.integrity.chain import link, link_all
+from truepose.storage.integrity.chain import link
 from truepose.storage.migrations.append_only import delete_protected, protect
+from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.triggers import trigger_name
 
 revision = "0010"
@@ -74,12 +74,7 @@ def downgrade() -> None:
     _rename("session_entries", "ballbar_entries")
     op.create_index("ix_ballbar_entries_session_id", "ballbar_entries", ["session_id", "id"])
     op.create_index("ix_ballbar_entries_kind", "ballbar_entries", ["session_id", "kind", "step_id"])
-    names = op.get_bind().execute(sa.text("SELECT DISTINCT record FROM links")).scalars().all()
-    delete_protected("links", "true")
-    link_all(
-        op.get_bind().connection.cursor(),
-        sorted({name for name in names if name != "session_entries"} | {"ballbar_entries"}),
-    )
+    chain_anew((chained_tables() - {"session_entries"}) | {"ballbar_entries"})
 
 
 def _rename(old: str, new: str) -> None:

@@ -4,6 +4,7 @@ import sqlalchemy as sa
 from alembic import op
 
 from truepose.storage.migrations.append_only import delete_protected, drop_protected, protect
+from truepose.storage.migrations.chain import chain_anew, chained_tables
 from truepose.storage.migrations.columns import number, recorded, reference
 
 revision = "0011"
@@ -36,9 +37,16 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
-    """Drop every correction and its job, of a kind that the program of that schema does not know."""
+    """Drop every correction and its job, of a kind that the program of that schema does not know.
+
+    The chain then begins anew; where there is none of them it stays as it is.
+    """
+    were_there = op.get_bind().scalar(sa.text(f"SELECT count(*) FROM ({_JOBS})"))
+    tables = chained_tables() - {"corrections"}
     drop_protected("corrections")
     delete_protected("request_keys", "resource = 'correction job'")
     for table in ("events", "job_states"):
         delete_protected(table, f"job_id IN ({_JOBS})")
     delete_protected("jobs", "kind = 'correction'")
+    if were_there:
+        chain_anew(tables)
