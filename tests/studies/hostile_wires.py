@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.studies.wires.cameras import Camera
 from tests.studies.wires.fanuc import Fanuc
 from tests.studies.wires.gauges import Bar, Bridge, Cable, Counter
 from tests.studies.wires.machines import ClockOfCell, Controller, HandsOfPerson, Tracker
@@ -32,6 +33,7 @@ BENCHES = {
     "leica_emscon": Tracker,
     "abb_open_abb": Controller,
     "fanuc_mappdk": Fanuc,
+    "ndi_polaris": Camera,
     "ballbar_hid": Bar,
     "ballbar_bridge": Bridge,
     "heidenhain_nd": Counter,

@@ -53,6 +53,9 @@ from truepose_drivers.transports.tcp import tcp_link
 _MANUFACTURER = "Northern Digital"
 _REPLY_TIMEOUT_S: Final = 5.0  # what public clients allow
 _START_UP_TIMEOUT_S: Final = 15.0
+_FRAME_TIMEOUT_S: Final = (
+    1.5  # a frame comes within 50 ms; a camera that is gone is to be known in two seconds
+)
 _STANDING_S: Final = 0.5  # thirty frames of the slowest model; one that counts none meanwhile hangs
 _POLL_S: Final = 0.002  # between two looks at the same frame
 _SEEN_SHARE: Final = 0.9  # of the frames; below it what is left says little of where the artefact was
@@ -188,9 +191,8 @@ class PolarisTracker:
         return ours[0]
 
     async def _tracked(self) -> list[ToolFrame]:
-        if self._speaks_binary:
-            return await self._ask(Request("BX", _FRAMES), lambda reply: decode_binary(_binary(reply)))
-        return await self._ask(Request("TX", _FRAMES), lambda reply: decode_text(_text(reply)))
+        name, decode = ("BX", _binary_tools) if self._speaks_binary else ("TX", _text_tools)
+        return await self._ask(Request(name, _FRAMES), decode, timeout_s=_FRAME_TIMEOUT_S)
 
     async def _choose_form(self, handle: int) -> None:
         """Speak binary where the camera does; text has a hundredth of a millimetre only."""
@@ -258,6 +260,14 @@ def _text(reply: Reply) -> Text:
     if not isinstance(reply, Text):
         raise NdiProtocolError("the camera answered with a frame that nobody asked for: connect again")
     return reply
+
+
+def _binary_tools(reply: Reply) -> list[ToolFrame]:
+    return decode_binary(_binary(reply))
+
+
+def _text_tools(reply: Reply) -> list[ToolFrame]:
+    return decode_text(_text(reply))
 
 
 def _okayed(reply: Reply) -> None:
