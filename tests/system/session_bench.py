@@ -2,12 +2,14 @@
 
 import asyncio
 import json
+import math
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
 from tests.unit.service.sequencing.tracker.fakes import ListLedger
+from truepose.domain.robot import JointRange
 from truepose.exchange.cells.file import simulated_cell
 from truepose.planning.work_volume.work_space import WorkSpace
 from truepose.sequencing.tracker.cell import SessionCell
@@ -15,8 +17,14 @@ from truepose_drivers.abb_open_abb.driver import PLUGIN as OPEN_ABB
 from truepose_drivers.cell_clock.driver import PLUGIN as CLOCK
 from truepose_drivers.fanuc_mappdk.driver import PLUGIN as MAPPDK
 from truepose_drivers.leica_emscon.driver import PLUGIN as TRACKER
+from truepose_drivers.universal_robots.driver import PLUGIN as UNIVERSAL
 
-_ROBOTS = {plugin.protocol: plugin for plugin in (OPEN_ABB, MAPPDK)}
+_ROBOTS = {plugin.protocol: plugin for plugin in (OPEN_ABB, MAPPDK, UNIVERSAL)}
+# Of a UR10, whose maker states full turns only: elbow above the table, tool in front.
+_ELBOW_UP = tuple(
+    JointRange(math.radians(lower), math.radians(upper))
+    for lower, upper in ((-90, 90), (-120, -60), (-120, -20), (-180, 0), (-120, 120), (-180, 180))
+)
 _LIMIT = 1 << 24  # bytes of one answer of the truth endpoint
 
 
@@ -32,6 +40,9 @@ class Bench:
         robot = {**address["robot"]}
         if endpoints["robot"]["protocol"] == MAPPDK.protocol:
             robot["logger_port"] = address["robot-log"]["port"]
+        elif endpoints["robot"]["protocol"] == UNIVERSAL.protocol:
+            robot["script_port"] = address["robot-script"]["port"]
+            robot["dashboard_port"] = address["robot-dashboard"]["port"]
         self.robot = _ROBOTS[endpoints["robot"]["protocol"]].open(robot, self.clock)
         self.journal = ListLedger()
         described = simulated_cell(scenario, seed)
@@ -51,7 +62,7 @@ class Bench:
             robot=described.robot,
             base=described.base_nominal,
             nests=described.nests,
-            ranges=described.robot.calibration_ranges,
+            ranges=described.robot.calibration_ranges or _ELBOW_UP,
             tracker_position_mm=described.tracker_position_mm,
             joint_limits=described.robot.joint_limits,
             approach_offset_rad=-0.0872664626,

@@ -1,7 +1,8 @@
 """What papers say of an arm, as a campaign folder states it: DH-Modified rows and masses.
 
 Only written into files, for whoever identifies; the truth of drawn arms is computed from `physics.robots`.
-Sources: A. Nubiola, thesis, ETS Montreal 2014, sections 2.3, 2.4 and 4.3 (tables, masses, ranges).
+Sources: A. Nubiola, thesis, ETS Montreal 2014, sections 2.3, 2.4 and 4.3 (tables, masses, ranges); of the
+UR10 its maker's "DH parameters for calculations of kinematics and dynamics", brought to this form by hand.
 """
 
 from collections.abc import Mapping
@@ -74,7 +75,8 @@ NOMINAL_TABLES: Mapping[str, NominalTable] = MappingProxyType({
             (5, 2.0, (0.0, 18.0, -7.0)),
             (6, 0.365, (0.0, 0.0, -26.0)),
         ),
-        calibration_deg=((-180, 180), (-160, -20), (-140, 140), (-180, 180), (-120, 120), (-180, 180)),
+        # the maker states full turns only: elbow above the table, tool in front
+        calibration_deg=((-90, 90), (-120, -60), (-120, -20), (-180, 0), (-120, 120), (-180, 180)),
     ),
 })
 

@@ -69,6 +69,21 @@ async def test_a_session_on_a_fanuc_that_counts_joint_3_from_the_horizontal_is_a
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.016, rel=0.35)
 
 
+async def test_a_session_on_a_ur10_is_as_exact_as_the_arm_repeats():
+    async with bench("ur10-clean", seed=11) as opened:
+        plan = plan_calibration(opened.space, 6, seed=1, n_candidates=120)
+
+        ended = await run(opened, plan)
+
+        errors = await true_errors(opened)
+        identity = await opened.robot.identify()
+    assert ended is SessionState.FINISHED
+    assert opened.journal.skipped == []
+    assert (identity.manufacturer, identity.model) == ("Universal Robots", "UR10")
+    # tracker and registration 0.016 mm as above, robot 0.033: 0.037; of 9 x 3 values 40 % may be chance
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(0.037, rel=0.4)
+
+
 async def test_the_registration_agrees_with_the_true_frame_within_its_stated_covariance():
     squares = []
     for seed in (21, 22, 23):
