@@ -34,8 +34,13 @@ class Pace:
         return max(turned_rad / limits.orientation_speed_rad_s, path_mm / limits.tool_speed_mm_s)
 
     def at_full_speed_s(self, steps_deg: Sequence[float]) -> float:
-        """Return how long the joint takes that is slowest at its greatest speed."""
-        return max(abs(step) / speed for step, speed in zip(steps_deg, self.joint_speeds_deg_s, strict=True))
+        """Return how long the joint takes at least that is slowest at its greatest speed.
+
+        No public source says whether the greatest speed of joint 3 is that of the inclination or that
+        between upper arm and forearm: the shorter time is taken, so that no share comes out too great.
+        """
+        first, second, inclined, *wrist = steps_deg
+        return min(self._slowest_s((first, second, third, *wrist)) for third in (inclined, inclined + second))
 
     def share_percent(self, steps_deg: Sequence[float], limits: MotionLimits) -> int:
         """Return the greatest whole share of the joint speeds that keeps the limits, 0 where none does."""
@@ -43,3 +48,6 @@ class Pace:
         if least_s == 0.0:
             return 1
         return min(100, math.floor(100.0 * self.at_full_speed_s(steps_deg) / least_s + 1e-9))
+
+    def _slowest_s(self, steps_deg: Sequence[float]) -> float:
+        return max(abs(step) / speed for step, speed in zip(steps_deg, self.joint_speeds_deg_s, strict=True))

@@ -78,6 +78,15 @@ def test_the_share_is_the_greatest_that_keeps_the_limits():
     assert Pace().share_percent((90.0, 0.0, 0.0, 0.0, 0.0, 0.0), LIMITS) == 5  # 20 of 350 deg/s: 5.7 %
 
 
+def test_a_share_holds_whichever_way_the_controller_takes_joint_3():
+    pace = Pace()
+
+    # 40 deg of inclination in 0.1 s, or 20 deg between the links in less than joint 2 needs
+    assert pace.at_full_speed_s((0.0, 20.0, -40.0, 0.0, 0.0, 0.0)) == pytest.approx(20.0 / 350.0)
+    assert pace.at_full_speed_s((0.0, 20.0, 20.0, 0.0, 0.0, 0.0)) == pytest.approx(20.0 / 350.0)
+    assert pace.at_full_speed_s((0.0, 0.0, 40.0, 0.0, 0.0, 0.0)) == pytest.approx(0.1)
+
+
 def test_no_share_is_slow_enough_for_a_limit_below_one_percent():
     slow = MotionLimits(20.0, math.radians(3.0))
 
