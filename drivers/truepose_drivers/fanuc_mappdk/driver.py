@@ -286,7 +286,11 @@ def _pace(options: Options) -> Pace:
     speeds = _six(options, "joint_speeds_deg_s", LR_MATE_SPEEDS_DEG_S)
     if not all(0.0 < speed < math.inf for speed in speeds):
         raise ConfigurationError("option joint_speeds_deg_s must be six positive numbers")
-    return Pace(speeds, option.positive(options, "reach_mm", Pace().reach_mm))
+    return Pace(
+        speeds,
+        option.positive(options, "reach_mm", Pace().reach_mm),
+        option.positive(options, "tool_reach_mm", Pace().tool_reach_mm),
+    )
 
 
 def _six(options: Options, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -321,5 +325,6 @@ _OPTIONS = {
     "signs": "-1 for each joint that the robot file counts the other way round, 1 1 -1 -1 -1 -1 if left out",
     "joint_speeds_deg_s": "greatest speeds of the six joints, those of the LR Mate 200iC if left out",
     "reach_mm": "farthest that the tool can be from any joint axis, 1000 if left out",
+    "tool_reach_mm": "farthest that the tool can be from the axes of the wrist, 400 if left out",
 }
 PLUGIN = DriverPlugin("fanuc_mappdk", "robot", "mappdk", _OPTIONS, _open)

@@ -1,8 +1,9 @@
 """How fast a motion may be, where the controller knows shares of joint speeds or times only.
 
-A joint motion turns all joints in step. The tool then turns by no more than joints 1, 4, 5 and 6 and the
-forearm's inclination together, since joint 2 alone keeps the forearm's inclination; its point moves by no
-more than all joints together, each with the farthest that the point can be from an axis.
+A joint motion turns all joints in step. Joint 2 alone keeps the forearm's inclination and turns no tool.
+Axis 1 is across the axis of the inclination, and that across axis 4; axis 5 is across axes 4 and 6: turns
+about axes that are across each other add as the sides of a right angle, others by no more than their sum.
+The tool's point moves by no more than all joints together, each with the farthest that it can be from there.
 """
 
 import math
@@ -13,7 +14,7 @@ from truepose_drivers.api import MotionLimits
 
 # FANUC, "LR Mate 200iC" data sheet.
 LR_MATE_SPEEDS_DEG_S = (350.0, 350.0, 400.0, 450.0, 450.0, 720.0)
-_SECOND = 1  # joint 2, which turns no tool
+_WRIST = 3  # joints before the wrist's
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,7 @@ class Pace:
 
     joint_speeds_deg_s: tuple[float, ...] = LR_MATE_SPEEDS_DEG_S
     reach_mm: float = 1000.0  # farthest of the tool from any axis
+    tool_reach_mm: float = 400.0  # farthest of the tool from the wrist's axes
 
     def least_s(self, steps_deg: Sequence[float], limits: MotionLimits) -> float:
         """Return how long a motion takes at least that keeps the limits.
@@ -29,9 +31,9 @@ class Pace:
         `steps_deg` is by how much each joint turns, joint 3 being the forearm's inclination, shape (6,).
         """
         steps_rad = [math.radians(abs(step)) for step in steps_deg]
-        turned_rad = sum(steps_rad) - steps_rad[_SECOND]
-        path_mm = self.reach_mm * sum(steps_rad)
-        return max(turned_rad / limits.orientation_speed_rad_s, path_mm / limits.tool_speed_mm_s)
+        arm_rad, wrist_rad = sum(steps_rad[:_WRIST]), sum(steps_rad[_WRIST:])
+        path_mm = self.reach_mm * arm_rad + self.tool_reach_mm * wrist_rad
+        return max(_turned(steps_rad) / limits.orientation_speed_rad_s, path_mm / limits.tool_speed_mm_s)
 
     def at_full_speed_s(self, steps_deg: Sequence[float]) -> float:
         """Return how long the joint takes at least that is slowest at its greatest speed.
@@ -51,3 +53,13 @@ class Pace:
 
     def _slowest_s(self, steps_deg: Sequence[float]) -> float:
         return max(abs(step) / speed for step, speed in zip(steps_deg, self.joint_speeds_deg_s, strict=True))
+
+
+def _turned(steps: Sequence[float]) -> float:
+    """Return by how much the tool turns at most, in any posture."""
+    first, _, inclined, fourth, fifth, sixth = steps
+    return min(
+        math.hypot(first, inclined) + math.hypot(fourth, fifth) + sixth,
+        math.hypot(first, inclined) + fourth + math.hypot(fifth, sixth),
+        first + math.hypot(inclined, fourth) + math.hypot(fifth, sixth),
+    )

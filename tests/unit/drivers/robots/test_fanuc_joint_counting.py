@@ -74,6 +74,25 @@ def test_joint_2_turns_no_tool_and_moves_it_all_the_same():
     assert pace.least_s((90.0, 0.0, 0.0, 0.0, 0.0, 0.0), LIMITS) == pytest.approx(4.5)
 
 
+@given(
+    joints=st.lists(st.floats(-180.0, 180.0), min_size=6, max_size=6),
+    steps=st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6),
+)
+def test_the_tool_never_turns_faster_than_its_limit(joints, steps):
+    least_s = Pace(reach_mm=1e-6, tool_reach_mm=1e-6).least_s(steps, LIMITS)
+    first, _, inclined, fourth, fifth, _ = joints
+    # the axes that turn the tool, each in the frame of the one before, as the shipped robot has them
+    frame = about_z(first)
+    turning = steps[0] * frame[:, 2] - steps[2] * frame[:, 1]
+    frame = frame @ about_y(-inclined)
+    turning = turning - steps[3] * frame[:, 0]
+    frame = frame @ about_x(-fourth)
+    turning = turning - steps[4] * frame[:, 1]
+    turning = turning - steps[5] * (frame @ about_y(-fifth))[:, 0]
+
+    assert np.linalg.norm(turning) <= 20.0 * least_s * (1.0 + 1e-9) + 1e-9
+
+
 def test_the_share_is_the_greatest_that_keeps_the_limits():
     assert Pace().share_percent((90.0, 0.0, 0.0, 0.0, 0.0, 0.0), LIMITS) == 5  # 20 of 350 deg/s: 5.7 %
 
