@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.helpers.machine import MEASURED_DATA, what_was_untested
-from tests.helpers.order import spread
+from tests.helpers.order import spread, turned
 from tests.helpers.simulated_time import SimulatedTimeLoop
 
 _TESTS = Path(__file__).parent
@@ -20,8 +20,25 @@ settings.register_profile("any machine", deadline=None, suppress_health_check=[H
 settings.load_profile("any machine")
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """Let each process begin with other files, so that none compiles what another has compiled."""
+    report = yield
+    if isinstance(collector, pytest.Directory) and report.passed:
+        report.result = turned(report.result, _share_before(collector.config))
+    return report
+
+
+def _share_before(config):
+    """Return the share of the processes that come before this one; 0 where there are no others."""
+    process = getattr(config, "workerinput", {"workerid": "gw0", "workercount": 1})
+    return int(process["workerid"].removeprefix("gw")) / process["workercount"]
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Let files that wait run beside files that compute."""
+    """Let files that wait run beside files that compute, in the same order in every process."""
+    items.sort(key=lambda item: item.path)
     files = {item.path: item.path.relative_to(_TESTS).as_posix() for item in items}
     ranks = spread(list(files.values()))
     items.sort(key=lambda item: ranks[files[item.path]])

@@ -1,11 +1,13 @@
 """In which order files of tests run beside each other."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Final, TypeVar
 
 # Files that wait more than they compute, files that do both, and short files, which fill what time is left.
 _WAITING: Final = "browser"
 _SHORT: Final = "unit"
+
+_T = TypeVar("_T")
 
 
 def spread(files: Sequence[str]) -> Mapping[str, float]:
@@ -20,3 +22,9 @@ def spread(files: Sequence[str]) -> Mapping[str, float]:
         rooms[room if room in rooms else ""].append(file)
     shares = {file: (k + 0.5) / len(room) for room in rooms.values() for k, file in enumerate(room)}
     return {file: share + (file in rooms[_SHORT]) for file, share in shares.items()}
+
+
+def turned(children: Sequence[_T], share: float) -> list[_T]:
+    """Return what a folder holds, beginning after this share of it and ending before it."""
+    first = int(share * len(children))
+    return [*children[first:], *children[:first]]

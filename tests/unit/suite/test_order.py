@@ -1,4 +1,4 @@
-from tests.helpers.order import spread
+from tests.helpers.order import spread, turned
 
 
 def in_order(*files):
@@ -28,3 +28,13 @@ def test_without_a_browser_nothing_changes_its_place():
 
 def test_nothing_has_no_order():
     assert in_order() == []
+
+
+def test_each_process_begins_with_other_files_and_leaves_none_out():
+    files = ["a", "b", "c", "d", "e"]
+
+    begun = [turned(files, share) for share in (0.0, 0.25, 0.5, 0.75)]
+
+    assert [first for first, *_ in begun] == ["a", "b", "c", "d"]
+    assert all(sorted(order) == files for order in begun)
+    assert turned([], 0.75) == []
