@@ -39,7 +39,7 @@ class Bench:
         self.tracker = TRACKER.open(address["tracker"], self.clock)
         robot = {**address["robot"]}
         if endpoints["robot"]["protocol"] == MAPPDK.protocol:
-            robot["logger_port"] = address["robot-log"]["port"]
+            robot["logger_port"] = address["robot-logger"]["port"]
         elif endpoints["robot"]["protocol"] == UNIVERSAL.protocol:
             robot["script_port"] = address["robot-script"]["port"]
             robot["dashboard_port"] = address["robot-dashboard"]["port"]

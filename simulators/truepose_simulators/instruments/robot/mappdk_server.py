@@ -29,7 +29,7 @@ def mappdk_endpoint(cell: Cell, program: MappdkProgram) -> Endpoint:
 
 def mappdk_logger_endpoint(cell: Cell, program: MappdkProgram) -> Endpoint:
     """Build the second server, for questions while the first one moves."""
-    return _endpoint("robot-log", "mappdk_log", cell, program)
+    return _endpoint("robot-logger", "mappdk_log", cell, program)
 
 
 def _endpoint(device: str, protocol: str, cell: Cell, program: MappdkProgram) -> Endpoint:

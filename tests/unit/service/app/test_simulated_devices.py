@@ -26,6 +26,12 @@ def test_a_device_that_listens_at_several_ports_is_given_all_of_them():
     assert found["tracker"] == ("leica_emscon", {"host": "127.0.0.1", "port": 1})
 
 
+def test_a_fanuc_is_asked_at_the_simulated_logger_while_it_moves():
+    found = devices_of(("robot", "mappdk", 2), ("robot-logger", "mappdk_log", 3))
+
+    assert found == {"robot": ("fanuc_mappdk", {"host": "127.0.0.1", "port": 2, "logger_port": 3})}
+
+
 def test_a_port_that_the_driver_does_not_know_is_left_out():
     found = devices_of(("robot", "open_abb", 2), ("robot-log", "open_abb_log", 3))
 
