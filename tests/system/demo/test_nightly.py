@@ -119,7 +119,12 @@ def test_every_shipped_scenario_has_its_night():
 
     assert sorted(case.name for case in cases) == sorted([
         # The arm of a cell with a camera is that of irb120-tilted, and no session measures poses yet.
-        *(name for name in shipped_scenarios() if load_scenario(name).camera is None),
+        # The night's limits are those of arms that repeat to 0.01 mm; the UR10 has none of its own yet.
+        *(
+            name
+            for name in shipped_scenarios()
+            if load_scenario(name).camera is None and name != "ur10-clean"
+        ),
         "irb120-wrong-axis",
         "irb120-wavy-gear",
     ])
