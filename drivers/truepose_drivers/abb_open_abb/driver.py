@@ -41,7 +41,6 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.errors import (
     ConfigurationError,
-    ConnectFailedError,
     ConnectionLostError,
     DeviceRefusedError,
     NoReplyError,
@@ -49,7 +48,7 @@ from truepose_drivers.errors import (
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
 from truepose_drivers.transports.conversation import Turns
-from truepose_drivers.transports.link import Link, drain
+from truepose_drivers.transports.link import Link, drain, open_patiently
 from truepose_drivers.transports.tcp import tcp_link
 
 _JOINTS = 6
@@ -113,16 +112,12 @@ class OpenAbbRobot:
         """Open the link, trying again while the server may still be between two clients."""
         self._limits_sent = self._watching = False
         self._watches = None
-        give_up_s = asyncio.get_running_loop().time() + self._time_outs.connect_s
-        while True:
-            try:
-                return await self._link.open()
-            except ConnectFailedError as error:
-                if asyncio.get_running_loop().time() >= give_up_s:
-                    raise ConnectFailedError(
-                        f"{error}; also look whether the server program runs on the pendant"
-                    ) from error
-            await asyncio.sleep(self._time_outs.retry_s)
+        await open_patiently(
+            self._link.open,
+            within_s=self._time_outs.connect_s,
+            every_s=self._time_outs.retry_s,
+            advice="also look whether the server program runs on the pendant",
+        )
 
     async def close(self) -> None:
         """Let the server listen for the next client, then close the link; never raises."""

@@ -4,9 +4,9 @@ A fault aborts the server's task on the controller and its socket just dies; the
 it is after silence and nonsense, because replies carry no number. Where the motion ended is read after it.
 """
 
-import asyncio
 import math
 from dataclasses import dataclass
+from functools import partial
 
 from truepose_drivers import options as option
 from truepose_drivers.api import (
@@ -20,7 +20,6 @@ from truepose_drivers.api import (
 )
 from truepose_drivers.errors import (
     ConfigurationError,
-    ConnectFailedError,
     ConnectionLostError,
     DeviceRefusedError,
     LinkError,
@@ -51,7 +50,7 @@ from truepose_drivers.fanuc_mappdk.protocol import (
     joint_resolution_deg,
 )
 from truepose_drivers.monotonic_clock import MonotonicClock
-from truepose_drivers.transports.link import Link
+from truepose_drivers.transports.link import Link, open_patiently
 from truepose_drivers.transports.tcp import TcpLink, tcp_link
 
 _UNKNOWN = "unknown"
@@ -122,16 +121,12 @@ class MappdkRobot:
         self._watching, self._watches = False, None
         if self._logger is not None:
             await self._logger.close()
-        give_up_s = asyncio.get_running_loop().time() + self._time_outs.connect_s
-        while True:
-            try:
-                return await self._motion.open(self._time_outs.greeting_s)
-            except LinkError as error:
-                if asyncio.get_running_loop().time() >= give_up_s:
-                    raise ConnectFailedError(
-                        f"{error}; also check on the pendant that the server program runs"
-                    ) from error
-            await asyncio.sleep(self._time_outs.retry_s)
+        await open_patiently(
+            partial(self._motion.open, self._time_outs.greeting_s),
+            within_s=self._time_outs.connect_s,
+            every_s=self._time_outs.retry_s,
+            advice="also check on the pendant that the server program runs",
+        )
 
     async def close(self) -> None:
         """Close the links; never raises. The server listens for the next client then."""

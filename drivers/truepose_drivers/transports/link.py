@@ -1,8 +1,10 @@
 """What a driver needs of a connection: bytes with time-outs in wall time, and the two ways it ends."""
 
+import asyncio
+from collections.abc import Awaitable, Callable
 from typing import Final, Protocol
 
-from truepose_drivers.errors import RemoteProtocolError
+from truepose_drivers.errors import ConnectFailedError, LinkError, RemoteProtocolError
 
 MOST_PIECES: Final = 10_000  # waiting on a stream: whoever sends more never stops
 
@@ -46,6 +48,24 @@ class Link(Source, Protocol):
     async def send(self, data: bytes) -> None:
         """Hand `data` to the stream; raises ConnectionLostError."""
         ...
+
+
+async def open_patiently(
+    open_once: Callable[[], Awaitable[None]], *, within_s: float, every_s: float, advice: str
+) -> None:
+    """Open a connection, trying again while its server may still be between two clients.
+
+    Raises ConnectFailedError with the last reason and `advice` where it does not open within `within_s`.
+    """
+    loop = asyncio.get_running_loop()
+    give_up_s = loop.time() + within_s
+    while True:
+        try:
+            return await open_once()
+        except LinkError as error:
+            if loop.time() >= give_up_s:
+                raise ConnectFailedError(f"{error}; {advice}") from error
+        await asyncio.sleep(every_s)
 
 
 async def drain(source: Source) -> None:
