@@ -4,6 +4,7 @@ import math
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final, NoReturn
 
 from truepose.exchange.errors import (
@@ -13,6 +14,7 @@ from truepose.exchange.errors import (
     UnreadableFileError,
     WrongUnitError,
 )
+from truepose.exchange.input_file import read_bytes
 from truepose.exchange.json_text import KeyPath, line_of, parse_json
 from truepose.exchange.plausible import limits_of
 from truepose.exchange.unit_suffix import in_other_unit, unit, unit_sentence
@@ -154,6 +156,12 @@ def json_document(file: str, data: bytes) -> Node:
     """Return the root of a JSON document; raises UnreadableFileError."""
     value, text = parse_json(file, data)
     return Node(file, value, (), lambda path: line_of(text, path))
+
+
+def file_document(path: Path) -> Node:
+    """Return the root of a file that is TOML, or JSON by its ending; raises UnreadableFileError."""
+    read = json_document if path.suffix.lower() == ".json" else toml_document
+    return read(path.name, read_bytes(path))
 
 
 def toml_document(file: str, data: bytes) -> Node:

@@ -13,9 +13,8 @@ import math
 from pathlib import Path
 
 from truepose.domain.robot import JointRange
-from truepose.exchange.document import Node, json_document, toml_document
+from truepose.exchange.document import Node, file_document
 from truepose.exchange.errors import MissingEntryError
-from truepose.exchange.input_file import read_bytes
 from truepose.planning.promise.volume import WorkVolume
 
 _KEYS = frozenset({"box", "joints"})
@@ -30,8 +29,7 @@ def read_volume(path: Path, n_joints: int) -> WorkVolume:
     InputFileError
         With file and key.
     """
-    read = json_document if path.suffix.lower() == ".json" else toml_document
-    root = read(path.name, read_bytes(path))
+    root = file_document(path)
     for unknown in root.unlisted(_KEYS):
         unknown.fail("a work volume has `box` and `joints` only")
     box, joints = root.optional("box"), root.optional("joints")

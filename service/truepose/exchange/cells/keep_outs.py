@@ -22,8 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from truepose.domain.keep_outs import Box, Cylinder, HalfSpace, KeepOut, KeepOuts, Vector, keep_outs_of
-from truepose.exchange.document import Node, json_document, toml_document
-from truepose.exchange.input_file import read_bytes
+from truepose.exchange.document import Node, file_document
 
 KEY: Final = "keep_out"
 _BOX: Final = ("x_mm", "y_mm", "z_mm")
@@ -43,8 +42,7 @@ def read_keep_out_file(path: Path) -> KeepOuts:
     InputFileError
         With file and key.
     """
-    read = json_document if path.suffix.lower() == ".json" else toml_document
-    root = read(path.name, read_bytes(path))
+    root = file_document(path)
     for unknown in root.unlisted({KEY}):
         unknown.fail("a file of keep-out volumes has [[keep_out]] entries only")
     return read_keep_outs(root.key(KEY))
